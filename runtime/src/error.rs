@@ -108,10 +108,14 @@ pub enum Argument {
     Visibility,
     /// Scores of key views, or a view by its number.
     Scores,
+    /// Opacities and orders of layers.
+    Layers,
     /// Pixels of a picture.
     Pixels,
     /// Depths of pixels.
     Depths,
+    /// What layers that clip leave of pixels.
+    Clips,
     /// Samples of signals.
     Samples,
     /// Names of the joints of the caller's skeleton.
@@ -185,8 +189,10 @@ impl Argument {
             Self::Points => "points",
             Self::Visibility => "visibility",
             Self::Scores => "scores",
+            Self::Layers => "layers",
             Self::Pixels => "pixels",
             Self::Depths => "depths",
+            Self::Clips => "clips",
             Self::Samples => "samples",
             Self::Names => "names",
             Self::Joints => "joint map",

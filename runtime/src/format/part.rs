@@ -8,20 +8,29 @@ use crate::linear::Le;
 use core::num::NonZeroU16;
 
 /// The most counts of a part, of any kind.
-pub(crate) const COUNTS: usize = if cfg!(feature = "shapes") { 9 } else { 8 };
+pub(crate) const COUNTS: usize =
+    if cfg!(any(feature = "shapes", feature = "views")) { 9 } else { 8 };
 /// The most sizes that rules multiply, of any kind of part.
 const SIZES: usize = match (
+    cfg!(feature = "views"),
     cfg!(feature = "shapes"),
     cfg!(feature = "kernel"),
     cfg!(feature = "tangent-coefficients"),
 ) {
-    (true, ..) => 12,
-    (false, true, _) => 10,
-    (false, false, true) => 7,
-    (false, false, false) => 6,
+    (true, ..) => 13,
+    (false, true, ..) => 12,
+    (false, false, true, _) => 10,
+    (false, false, false, true) => 7,
+    (false, false, false, false) => 6,
 };
 /// The most sections that rules ask of a part, of any kind.
-pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") { 17 } else { 12 };
+pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
+    17
+} else if cfg!(feature = "views") {
+    15
+} else {
+    12
+};
 
 /// What loading finds of a part. It borrows nothing, so that it can be kept beside the model, and views
 /// be made of it each frame.

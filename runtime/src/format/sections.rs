@@ -98,15 +98,21 @@ pub enum SectionKind {
     CancelPairs = 45,
     /// How stiff pins are by default, and what a prior was measured to reach.
     PriorFit = 46,
+    /// Which elements each layer of an object has, and which layer it shows itself on.
+    Layers = 47,
+    /// Where the weights of each vertex of an object end.
+    VertexEnds = 48,
+    /// By which control points vertices of an object stand, and how much each counts.
+    VertexWeights = 49,
     /// Counts of an object.
     ViewsCounts = 50,
     /// The kernels that are an object's maps.
     Maps = 51,
-    /// Triangles and quads between control points.
+    /// Triangles and quads between vertices.
     Elements = 52,
-    /// Texture of each key view.
+    /// Texture of each layer in each key view.
     ViewTextures = 53,
-    /// Where control points are in the textures of key views.
+    /// Where vertices are in the textures of key views.
     References = 54,
     /// Which control points key views show.
     ViewMasks = 55,
@@ -116,7 +122,7 @@ pub enum SectionKind {
     Texels = 57,
     /// How an object differs from the one as which it moves.
     Deformations = 58,
-    /// When another key view takes over, and what an object was measured to reach.
+    /// What an object was measured to reach.
     ViewsFit = 59,
     /// Counts of a filter.
     FilterCounts = 60,
@@ -138,11 +144,13 @@ pub enum SectionKind {
     /// Weights of linear blend skinning.
     #[cfg(feature = "record")]
     LbsWeights = 67,
+    /// Which element lies across each edge of an element.
+    Neighbours = 68,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 60 + 4 * cfg!(feature = "record") as usize] = [
+    pub const ALL: [Self; 64 + 4 * cfg!(feature = "record") as usize] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -189,6 +197,9 @@ impl SectionKind {
         Self::Symmetry,
         Self::CancelPairs,
         Self::PriorFit,
+        Self::Layers,
+        Self::VertexEnds,
+        Self::VertexWeights,
         Self::ViewsCounts,
         Self::Maps,
         Self::Elements,
@@ -211,6 +222,7 @@ impl SectionKind {
         Self::LbsJoints,
         #[cfg(feature = "record")]
         Self::LbsWeights,
+        Self::Neighbours,
     ];
 
     /// Returns its number in the file.
@@ -272,6 +284,9 @@ impl SectionKind {
             Self::Symmetry => "symmetry",
             Self::CancelPairs => "cancel_pairs",
             Self::PriorFit => "prior_fit",
+            Self::Layers => "layers",
+            Self::VertexEnds => "vertex_ends",
+            Self::VertexWeights => "vertex_weights",
             Self::ViewsCounts => "views_counts",
             Self::Maps => "maps",
             Self::Elements => "elements",
@@ -294,6 +309,7 @@ impl SectionKind {
             Self::LbsJoints => "lbs_joints",
             #[cfg(feature = "record")]
             Self::LbsWeights => "lbs_weights",
+            Self::Neighbours => "neighbours",
         }
     }
 
@@ -302,9 +318,9 @@ impl SectionKind {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
             Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
-            Self::Symmetry | Self::Texels => &[Element::Mixed],
+            Self::Symmetry | Self::Texels | Self::VertexWeights => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
-            Self::CancelPairs | Self::Elements => &[Element::U16],
+            Self::CancelPairs | Self::Elements | Self::Neighbours => &[Element::U16],
             #[cfg(feature = "record")]
             Self::LbsJoints | Self::LbsWeights => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
@@ -312,6 +328,7 @@ impl SectionKind {
             Self::PriorCounts | Self::ViewsCounts | Self::FilterCounts => &[Element::U32],
             #[cfg(feature = "record")]
             Self::RecordCounts => &[Element::U32],
+            Self::Layers | Self::VertexEnds => &[Element::U32],
             Self::Maps | Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],

@@ -1,7 +1,7 @@
 //! The checks of an object, in the order that FORMAT.md lists.
 
-use super::counts::{NO_POINT, RULES, ViewsCounts, place};
-use super::view::Views;
+use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place};
+use super::view::{Layer, Views};
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
@@ -11,11 +11,14 @@ use crate::linear::Le;
 
 /// Checks an object's counts, and returns what they ask of its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
-    // Points are u16, of which the greatest stands for none; so are elements where they are sorted.
+    // Vertices are u16, of which the greatest stands for none; so are elements and layers where they are sorted.
     let most = u32::from(u16::MAX);
     let ranges = [
         (place::POINTS, 1, most),
+        (place::VERTICES, 0, most),
+        (place::WEIGHTS, 0, u32::MAX / 8),
         (place::ELEMENTS, 0, most),
+        (place::LAYERS, 1, most),
         (place::VIEWS, 1, most),
         (place::MAPS, 1, most),
         (place::TEXTURES, 1, most),
@@ -42,9 +45,9 @@ pub(crate) fn content<'a>(
         let Some(rows) = u16::try_from(part).ok().and_then(&outputs) else {
             return Err(loading.refuse(Kind::Index, Some(section), index, [part_len as u32, part]));
         };
-        let ViewsCounts { point_len, view_len, .. } = views.counts();
-        let expected =
-            [saturated(2 * u64::from(point_len) + u64::from(view_len)), rows.len() as u32];
+        let ViewsCounts { point_len, view_len, layer_len, .. } = views.counts();
+        let numbers = u64::from(view_len) + 2 * u64::from(layer_len);
+        let expected = [saturated(2 * u64::from(point_len) + numbers), rows.len() as u32];
         if expected[0] != expected[1] {
             return Err(loading.refuse(Kind::Mismatch, Some(section), index, expected));
         }
@@ -61,30 +64,73 @@ pub(crate) fn content<'a>(
 }
 
 /// The checks of the content, in their order, likewise as an envelope's.
-static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 6] = [
+static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 9] = [
     |views, loading| check_names(loading, views.names()),
     |views, loading| check_floats(loading, &views.0, &RULES),
+    check_layers,
+    check_vertices,
     check_elements,
+    check_neighbours,
     check_view_textures,
     check_masks,
     check_textures,
 ];
 
-/// Checks that elements are of points of the object, no two of one element the same.
+/// Checks that each element is of one layer, and that no layer is clipped by itself, directly or through others.
+fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let section = SectionKind::Layers;
+    let ViewsCounts { element_len, layer_len, .. } = views.counts();
+    let mut before = 0;
+    for (index, row) in views.layers().iter().enumerate() {
+        let [end, clip, flags] = row.map(u32::from_le_bytes);
+        if end < before || flags & !Layer::DEPTH != 0 {
+            return loading.invalid(section, index);
+        }
+        before = end;
+        if clip != NOTHING {
+            check_index(loading, section, 3 * index + 1, layer_len, clip)?;
+        }
+    }
+    if before != element_len {
+        let values = [element_len, before];
+        return Err(loading.refuse(Kind::Mismatch, Some(section), layer_len as usize, values));
+    }
+    // A chain that does not end in so many steps may come round.
+    let is_endless = |layer: &usize| views.clips(*layer).nth(CLIPS_MAX).is_some();
+    (0..views.layer_len()).find(is_endless).map_or(Ok(()), |index| loading.invalid(section, index))
+}
+
+/// Checks that vertices stand by points of the object.
+fn check_vertices(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let (mut before, found) = (0, views.counts().weight_len);
+    for (index, end) in views.ends().iter().enumerate() {
+        let end = u32::from_le_bytes(*end);
+        if end < before {
+            return loading.invalid(SectionKind::VertexEnds, index);
+        }
+        before = end;
+    }
+    if before != found {
+        let (section, index) = (SectionKind::VertexEnds, views.vertex_len());
+        return Err(loading.refuse(Kind::Mismatch, Some(section), index, [found, before]));
+    }
+    for (index, [point, _]) in views.weights().iter().enumerate() {
+        let (section, point) = (SectionKind::VertexWeights, u32::from_le_bytes(*point));
+        check_index(loading, section, 2 * index, views.counts().point_len, point)?;
+    }
+    Ok(())
+}
+
+/// Checks that elements are of vertices of the object, no two of one element the same.
 fn check_elements(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Elements;
     for (index, row) in views.elements().iter().enumerate() {
-        let points = row.map(u16::from_le_bytes);
-        let [a, b, c, d] = points;
-        let len = if d == NO_POINT { 3 } else { 4 };
-        for (corner, point) in points.iter().take(len).enumerate() {
-            check_index(
-                loading,
-                section,
-                4 * index + corner,
-                views.counts().point_len,
-                (*point).into(),
-            )?;
+        let vertices = row.map(u16::from_le_bytes);
+        let [a, b, c, d] = vertices;
+        let len = if d == NO_VERTEX { 3 } else { 4 };
+        for (corner, vertex) in vertices.iter().take(len).enumerate() {
+            let (at, below) = (4 * index + corner, views.counts().vertex_len);
+            check_index(loading, section, at, below, (*vertex).into())?;
         }
         if a == b || a == c || a == d || b == c || b == d || c == d {
             return loading.invalid(section, index);
@@ -93,12 +139,26 @@ fn check_elements(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that key views are of textures of the object.
+/// Checks that the neighbours of elements are elements.
+fn check_neighbours(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let section = SectionKind::Neighbours;
+    for (index, other) in views.neighbour_rows().as_flattened().iter().enumerate() {
+        let other = u16::from_le_bytes(*other);
+        if other != NO_VERTEX {
+            check_index(loading, section, index, views.counts().element_len, other.into())?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that layers of key views have textures of the object.
 fn check_view_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let below = views.counts().texture_len;
     for (index, texture) in views.view_textures().iter().enumerate() {
         let texture = u32::from_le_bytes(*texture);
-        check_index(loading, SectionKind::ViewTextures, index, below, texture)?;
+        if texture != NOTHING {
+            check_index(loading, SectionKind::ViewTextures, index, below, texture)?;
+        }
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! Which pixels an element covers: edge functions of whole numbers, so that neighbours share every pixel exactly once
-//! (METHOD §6.9).
+//! Which pixels an element covers: edge functions of whole numbers, so that neighbours share every pixel exactly once, and
+//! borders as a share of a pixel (METHOD §6.9).
 
-use crate::numeric::{greater, lesser};
+use crate::numeric::{greater, lesser, sqrt};
 
 /// A place on the screen, x to the right and y down, in steps of a pixel's 256th.
 pub(super) type Step = [i64; 2];
@@ -24,21 +24,24 @@ pub(super) const fn area([ax, ay]: Step, [bx, by]: Step, [cx, cy]: Step) -> i64 
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 }
 
-/// Hands over the pixels whose centres lie in a convex clockwise ring, row by row from the top, each with its edge
-/// functions: of edge i, from corner i to the next, twice the area of its triangle with the centre.
+/// Hands over the pixels of a convex clockwise ring, row by row from the top, each with its edge functions, of edge i,
+/// from corner i to the next, twice the area of its triangle with the centre, and with the share that is covered.
 ///
-/// A centre on an edge is inside if the edge is a left one or a horizontal top one.
+/// A pixel is inside if its centre is, and on an edge if that is a left one or a horizontal top one. Along a soft edge it is
+/// covered by how far its centre is inside, from half a pixel outside, where that is nothing, to half a pixel inside.
 pub(super) fn cover<const N: usize>(
     ring: &[Step; N],
+    soft: [bool; N],
     [width, height]: [usize; 2],
-    mut each: impl FnMut([usize; 2], [i64; N]),
+    mut each: impl FnMut([usize; 2], [i64; N], f32),
 ) {
-    let (left, right) = span(ring.map(|[x, _]| x), width);
-    let (top, bottom) = span(ring.map(|[_, y]| y), height);
+    let beside = if soft.contains(&true) { PIXEL / 2 } else { 0 };
+    let (left, right) = span(ring.map(|[x, _]| x), beside, width);
+    let (top, bottom) = span(ring.map(|[_, y]| y), beside, height);
     let mut edges = [Edge::default(); N];
     let ends = ring.iter().cycle().skip(1);
-    for ((edge, from), to) in edges.iter_mut().zip(ring).zip(ends) {
-        *edge = Edge::new(*from, *to);
+    for (((edge, from), to), soft) in edges.iter_mut().zip(ring).zip(ends).zip(soft) {
+        *edge = Edge::new(*from, *to, soft);
     }
     for y in top..bottom {
         let start = [centre(left), centre(y)];
@@ -47,7 +50,8 @@ pub(super) fn cover<const N: usize>(
         for x in left..right {
             if values.iter().zip(&edges).all(|(value, edge)| *value >= edge.least) {
                 has_begun = true;
-                each([x, y], values);
+                let shares = values.iter().zip(&edges).map(|(value, edge)| edge.share(*value));
+                each([x, y], values, shares.product());
             } else if has_begun {
                 // A row of a convex ring has one stretch.
                 break;
@@ -64,26 +68,44 @@ struct Edge {
     to: Step,
     /// Its change from a pixel to the next on the right.
     across: i64,
-    /// Its least value inside: 0 of an edge that owns the centres on it, else 1.
+    /// Its least value inside: of a soft edge half a pixel outside; else 0 of one that owns the centres on it, or 1.
     least: i64,
+    /// Of a soft edge pixels of a step of its value; else 0.
+    scale: f32,
 }
 
 impl Edge {
-    const fn new(from: Step, to: Step) -> Self {
+    fn new(from: Step, to: Step, soft: bool) -> Self {
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let across = -dy * PIXEL;
+        let length = sqrt(dx as f32 * dx as f32 + dy as f32 * dy as f32);
+        if soft && length > 0.0 {
+            let least = -((PIXEL / 2) as f32 * length) as i64;
+            return Self { from, to, across, least, scale: 1.0 / (PIXEL as f32 * length) };
+        }
         let owns = dy < 0 || dy == 0 && dx > 0;
-        Self { from, to, across: -dy * PIXEL, least: !owns as i64 }
+        Self { from, to, across, least: i64::from(!owns), scale: 0.0 }
     }
 
     const fn at(self, place: Step) -> i64 {
         area(self.from, self.to, place)
     }
+
+    /// Returns the share of a pixel that the edge leaves.
+    #[inline(always)]
+    fn share(&self, value: i64) -> f32 {
+        if self.scale == 0.0 {
+            return 1.0;
+        }
+        lesser(1.0, greater(0.0, value as f32 * self.scale + 0.5))
+    }
 }
 
-/// Returns the pixels, first and past the last, whose centres may lie between the least and the greatest coordinate.
-fn span<const N: usize>(coordinates: [i64; N], len: usize) -> (usize, usize) {
-    let least = coordinates.iter().copied().min().unwrap_or_default();
-    let greatest = coordinates.iter().copied().max().unwrap_or_default();
+/// Returns the pixels, first and past the last, whose centres may lie between the least and the greatest coordinate, or
+/// `beside` steps beyond them.
+fn span<const N: usize>(coordinates: [i64; N], beside: i64, len: usize) -> (usize, usize) {
+    let least = coordinates.iter().copied().min().unwrap_or_default() - beside;
+    let greatest = coordinates.iter().copied().max().unwrap_or_default() + beside;
     // A pixel's centre is half a pixel from its start.
     let pixel = |step: i64| usize::try_from((step + PIXEL / 2).div_euclid(PIXEL)).unwrap_or(0);
     (pixel(least - 1).min(len), pixel(greatest).min(len))
@@ -104,7 +126,10 @@ mod tests {
     fn counted<const N: usize>(rings: &[[Step; N]], size: [usize; 2]) -> Vec<u32> {
         let mut counts = vec![0; size[0] * size[1]];
         for ring in rings {
-            cover(ring, size, |[x, y], _| counts[y * size[0] + x] += 1);
+            cover(ring, [false; N], size, |[x, y], _, share| {
+                assert_eq!(share, 1.0);
+                counts[y * size[0] + x] += 1;
+            });
         }
         counts
     }
@@ -167,12 +192,38 @@ mod tests {
     #[test]
     fn edge_functions_are_those_of_each_pixel() {
         let ring = [[-700, -300], [2000, 100], [300, 1900]];
-        cover(&ring, [9, 9], |[x, y], values| {
+        cover(&ring, [false; 3], [9, 9], |[x, y], values, _| {
             let p = [centre(x), centre(y)];
             let [a, b, c] = ring;
             assert_eq!(values, [area(a, b, p), area(b, c, p), area(c, a, p)]);
         });
         assert!(counted(&[ring], [9, 9]).contains(&1));
+    }
+
+    #[test]
+    fn soft_edges_cover_shares_of_pixels_as_areas_do() {
+        // A square, turned, cut in two along a hard diagonal: the areas of both are those of the square.
+        let turned = |x: f32, y: f32| snap([20.3 + 0.8 * x - 0.6 * y, 19.7 + 0.6 * x + 0.8 * y]);
+        let [a, b, c, d] =
+            [turned(-9.0, -9.0), turned(9.0, -9.0), turned(9.0, 9.0), turned(-9.0, 9.0)];
+        let mut shares = vec![0.0f32; 1600];
+        for (ring, soft) in [([a, b, c], [true, true, false]), ([a, c, d], [false, true, true])] {
+            cover(&ring, soft, [40; 2], |[x, y], _, share| shares[40 * y + x] += share);
+        }
+        assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
+        let sum: f32 = shares.iter().sum();
+        assert!((sum - 324.0).abs() < 1.5, "{sum}");
+        // Of each pixel the share of 16 x 16 samples that lie inside, to the width of a filter of a pixel.
+        for (at, share) in shares.iter().enumerate() {
+            let inside = (0..256).filter(|sample| {
+                let x = (at % 40) as f32 + ((sample % 16) as f32 + 0.5) / 16.0 - 20.3;
+                let y = (at / 40) as f32 + ((sample / 16) as f32 + 0.5) / 16.0 - 19.7;
+                let own = [0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x];
+                own.iter().all(|x| x.abs() < 9.0)
+            });
+            let area = inside.count() as f32 / 256.0;
+            assert!((area - share).abs() < 0.13, "{at}: {area} {share}");
+        }
     }
 
     #[test]

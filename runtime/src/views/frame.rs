@@ -1,11 +1,13 @@
-//! From parameters to points, their visibility, and the key view that they are most like (METHOD §6.1, §6.3, §6.6).
+//! From parameters to points, their visibility, the key views that they are like, and what layers do (METHOD §6.1, §6.3,
+//! §6.6, §6.9).
 
+use super::blend::Blend;
 use super::counts::ViewsCounts;
 use super::view::Views;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::kernel::{KernelCounts, KernelMap};
 use crate::linear::{floats, split};
-use crate::numeric::{greater, smoothstep};
+use crate::numeric::{greater, lesser};
 
 /// Evaluates a map of an object.
 #[derive(Clone, Copy, Debug)]
@@ -16,11 +18,6 @@ pub struct FrameJob<'a> {
     pub map: KernelMap<'a>,
     /// [`KernelMap::query_len`] numbers, as [`KernelMap::evaluate`] takes them.
     pub parameters: &'a [f32],
-    /// The characteristic view of the frame before; `None` of a first frame, and of one that knows of no other.
-    pub last: Option<usize>,
-    /// By how much a key view's score must be above that of `last` to take over, and where the motion of what was
-    /// transferred goes from one to the other; [`super::ViewsFit::margin`], or another.
-    pub margin: f32,
 }
 
 /// What a [`FrameJob`] writes.
@@ -32,12 +29,14 @@ pub struct Frame<'o> {
     pub visibility: &'o mut [f32],
     /// N scores of key views.
     pub scores: &'o mut [f32],
+    /// Of L layers opacity, from 0 to 1, and order: those of a greater one are drawn over those of a lesser one.
+    pub layers: &'o mut [[f32; 2]],
 }
 
 /// What a [`FrameJob`] found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The characteristic view.
+    /// The characteristic view: that of the highest score, of equal ones the first.
     pub view: usize,
     /// The map's confidence in the parameters, as [`KernelMap::evaluate`] returns it.
     pub confidence: f32,
@@ -51,7 +50,7 @@ impl ViewsCounts {
 }
 
 impl FrameJob<'_> {
-    /// Evaluates the map, chooses the characteristic view, and moves what was transferred as its prototype moves.
+    /// Evaluates the map, tells the characteristic view, and moves what was transferred as its prototype moves.
     ///
     /// - `scratch`: at least [`ViewsCounts::frame_scratch_len`] floats, of any content.
     ///
@@ -59,80 +58,46 @@ impl FrameJob<'_> {
     /// - [`CallErrorKind::Length`]: `parameters` has another length; or an output; or the map is not one of the
     ///   object's.
     /// - [`CallErrorKind::TooShort`]: `scratch` is too short.
-    /// - [`CallErrorKind::OutOfRange`]: `last` is no key view, or `margin` is negative or not finite.
     /// - Those of [`KernelMap::evaluate`].
     pub fn run(&self, scratch: &mut [f32], out: Frame<'_>) -> Result<Found, CallError> {
-        let (k, n) = (self.views.point_len(), self.views.view_len());
+        let k = self.views.point_len();
         let counts = self.views.counts();
         Argument::Points.check_len(k, out.points.len())?;
         Argument::Visibility.check_len(k, out.visibility.len())?;
-        Argument::Scores.check_len(n, out.scores.len())?;
+        Argument::Scores.check_len(self.views.view_len(), out.scores.len())?;
+        Argument::Layers.check_len(self.views.layer_len(), out.layers.len())?;
         let least = counts.frame_scratch_len(&self.map.counts());
         Argument::Scratch.check_least(least, scratch.len())?;
-        let unsound = |found| {
-            Err(CallError::new(CallErrorKind::OutOfRange, Argument::Scores)
-                .values(n.saturating_sub(1), found))
-        };
-        match self.last {
-            Some(last) if last >= n => return unsound(last),
-            _ if !(0.0..=f32::MAX).contains(&self.margin) => return unsound(n),
-            _ => {}
-        }
         let (result, scratch) = split(scratch, counts.result_len());
         let confidence = self.map.evaluate(self.parameters, scratch, result)?;
         let (points, others) = split(result, 3 * k);
-        let (visibility, scores) = split(others, k);
+        let (visibility, others) = split(others, k);
+        let (scores, layers) = split(others, self.views.view_len());
+        let (opacities, orders) = split(layers, self.views.layer_len());
         let (points, _) = points.as_chunks_mut();
-        let view = self.characteristic(scores);
         self.deform(points, scores);
         if let Some(at) = points.as_flattened().iter().position(|x| !x.is_finite()) {
             return Err(CallError::new(CallErrorKind::NonFinite, Argument::Points).at(at / 3));
         }
         out.points.iter_mut().zip(points).for_each(|(out, point)| *out = *point);
         out.visibility.iter_mut().zip(visibility).for_each(|(out, x)| *out = *x);
-        out.scores.iter_mut().zip(scores).for_each(|(out, x)| *out = *x);
-        Ok(Found { view, confidence })
-    }
-
-    /// Returns the view of the highest score, of equal ones the first; the last one while no other is more than the
-    /// margin above it.
-    fn characteristic(&self, scores: &[f32]) -> usize {
-        let (mut best, mut highest) = (0, f32::NEG_INFINITY);
-        for (view, score) in scores.iter().enumerate() {
-            if *score > highest {
-                (best, highest) = (view, *score);
-            }
+        out.scores.iter_mut().zip(&*scores).for_each(|(out, x)| *out = *x);
+        for ((out, opacity), order) in out.layers.iter_mut().zip(opacities).zip(orders) {
+            *out = [lesser(1.0, greater(0.0, *opacity)), *order];
         }
-        match self.last {
-            Some(last) if scores.get(last).is_some_and(|own| highest - own <= self.margin) => last,
-            _ => best,
-        }
+        Ok(Found { view: characteristic(scores), confidence })
     }
 
     /// Moves an object that was transferred: `O' = R' + s (O - R)`, centred, R the mean of the key views' references by
-    /// how near each is to the highest score. That mean does not depend on the view before, and has gone all the
-    /// way to another view when that takes over, so that no switch is seen.
+    /// their shares in the picture, so that no switch is seen.
     fn deform(&self, points: &mut [[f32; 3]], scores: &[f32]) {
         if !self.views.is_transferred() {
             return;
         }
-        let highest = scores.iter().copied().fold(f32::NEG_INFINITY, greater);
-        let share = |score: f32| {
-            let behind = highest - score;
-            if behind <= 0.0 {
-                1.0
-            } else if behind < self.margin {
-                smoothstep(1.0 - behind / self.margin)
-            } else {
-                0.0
-            }
-        };
-        let whole: f32 = scores.iter().map(|score| share(*score)).sum();
+        let blend = Blend::new(scores, |_| 1.0);
         let deformations = || {
-            let shares = scores.iter().map(|score| share(*score) / whole).enumerate();
-            shares
-                .filter(|(_, share)| *share > 0.0)
-                .filter_map(|(view, share)| Some((share, self.views.deformation(view)?)))
+            let views = blend.views().iter();
+            views.filter_map(|(view, share)| Some((*share, self.views.deformation(*view)?)))
         };
         // Where s is 1 nothing is added, and no digit lost.
         let growth: f32 = deformations().map(|(share, (ratio, _))| share * (ratio - 1.0)).sum();
@@ -148,6 +113,17 @@ impl FrameJob<'_> {
             }
         }
     }
+}
+
+/// Returns the view of the highest score, of equal ones the first.
+fn characteristic(scores: &[f32]) -> usize {
+    let (mut best, mut highest) = (0, f32::NEG_INFINITY);
+    for (view, score) in scores.iter().enumerate() {
+        if *score > highest {
+            (best, highest) = (view, *score);
+        }
+    }
+    best
 }
 
 /// Returns the mean of points on the screen.

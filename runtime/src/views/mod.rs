@@ -1,9 +1,10 @@
 //! The part views: a drawn object between its key views (METHOD §6).
 //!
 //! [`FrameJob::run`] goes from parameters to points, by a map that is a kernel of the same file; [`RenderJob::run`] from
-//! points to a picture: `order` says which element is drawn first, `raster` maps textures to the pixels that `cover`
-//! finds.
+//! points to a picture, layer by layer: `blend` says which key views an element has its colours from, `order` which
+//! element is drawn first, `raster` maps textures to the pixels that `cover` finds.
 
+mod blend;
 pub(crate) mod check;
 mod counts;
 mod cover;
@@ -15,8 +16,8 @@ mod texture;
 mod view;
 
 pub(crate) use counts::RULES;
-pub use counts::{NO_POINT, VIEWS_SECTIONS, ViewsCounts, ViewsFit};
+pub use counts::{CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, ViewsFit};
 pub use frame::{Found, Frame, FrameJob};
-pub use render::{Drawn, Order, RenderJob};
+pub use render::{Drawn, RenderJob, RenderScratch};
 pub use texture::Texture;
-pub use view::{Element, Views, ViewsLayout};
+pub use view::{Element, Layer, Views, ViewsLayout};

@@ -1,5 +1,6 @@
-//! Elements onto a screen: textures mapped, blended or by depth (METHOD §6.9).
+//! Elements onto a screen: textures mapped and blended, by depth or by order (METHOD §6.9).
 
+use super::blend::SOURCES;
 use super::cover::{Step, area, cover, snap};
 use super::texture::{ALPHA_MAX, Colour, Texture};
 use crate::lanes::{Eight, Lanes, ROUND, Real};
@@ -13,140 +14,239 @@ pub(super) struct Corner {
     pub(super) place: [f32; 2],
     /// How far it is from the viewer.
     pub(super) depth: f32,
-    /// Where it is in its texture, in texels.
-    pub(super) texel: [f32; 2],
+    /// Which of the element's corners it is.
+    pub(super) number: usize,
+    /// Whether the edge from here to the next corner is a border.
+    pub(super) is_border: bool,
+}
+
+/// What an element has its colours from: a texture, where the element's corners are in it, and its share of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Source<'a> {
+    pub(super) texture: Texture<'a>,
+    pub(super) texels: [[f32; 2]; 4],
+    pub(super) share: f32,
 }
 
 /// What elements are drawn to.
+pub(super) trait Target {
+    /// Returns the width and height in pixels.
+    fn size(&self) -> [usize; 2];
+    /// Draws a colour at a pixel and a depth.
+    fn put(&mut self, at: usize, depth: f32, colour: Colour);
+    /// Whether a pixel would show anything that far away.
+    fn shows(&self, at: usize, depth: f32) -> bool;
+}
+
+/// A picture of one layer over what it holds.
 pub(super) struct Screen<'a> {
     pub(super) width: usize,
     /// RGBA8, colours times their alpha, row by row from the top.
     pub(super) pixels: &'a mut [[u8; 4]],
     /// How far each pixel is; without them elements are blended, one over the other.
     pub(super) depths: Option<&'a mut [f32]>,
+    /// How far each pixel is not clipped, in 255ths.
+    pub(super) clip: Option<&'a [[u8; 2]]>,
+    /// From 0 to 1.
+    pub(super) opacity: f32,
 }
 
-impl Screen<'_> {
-    /// Draws a triangle whose texture is mapped affinely; returns whether it is flipped against its texture.
-    pub(super) fn triangle(&mut self, corners: [Corner; 3], texture: &Texture<'_>) -> bool {
-        let [a, b, c] = corners;
-        let [p, q, r] = corners.map(|corner| snap(corner.place));
-        let whole = area(p, q, r);
-        let is_flipped = flips(whole, turn([a, b, c]));
-        match whole {
-            0 => {}
-            1.. => self.clockwise_triangle([a, b, c], [p, q, r], texture),
-            _ => self.clockwise_triangle([a, c, b], [p, r, q], texture),
-        }
-        is_flipped
-    }
-
-    /// Draws a quad whose texture is mapped bilinearly where it is convex on the screen, and as two triangles where it
-    /// is not; returns whether it is flipped against its texture, or folded.
-    pub(super) fn quad(&mut self, corners: [Corner; 4], texture: &Texture<'_>) -> bool {
-        let [a, b, c, d] = corners;
-        let ring = corners.map(|corner| snap(corner.place));
-        let [p, q, r, s] = ring;
-        let turns = [area(s, p, q), area(p, q, r), area(q, r, s), area(r, s, p)];
-        let whole = turns.iter().sum::<i64>();
-        let is_flipped = flips(whole, turn([a, b, c]) + turn([a, c, d]));
-        // Corners at which it turns against itself; a straight one turns either way.
-        let reflex = turns.map(|turn| flips(turn, whole as f32));
-        match reflex {
-            [false, false, false, false] => match whole {
-                0 => {}
-                1.. => self.clockwise_quad(corners, ring, texture),
-                _ => self.clockwise_quad([a, d, c, b], [p, s, r, q], texture),
-            },
-            [true, ..] | [_, _, true, _] => {
-                self.triangle([a, b, c], texture);
-                self.triangle([a, c, d], texture);
-            }
-            _ => {
-                self.triangle([a, b, d], texture);
-                self.triangle([b, c, d], texture);
-            }
-        }
-        is_flipped || reflex.contains(&true)
-    }
-
-    fn clockwise_triangle(
-        &mut self,
-        [a, b, c]: [Corner; 3],
-        ring: [Step; 3],
-        texture: &Texture<'_>,
-    ) {
-        let [p, q, r] = ring;
-        let share = 1.0 / area(p, q, r) as f32;
-        let size = self.size();
-        cover(&ring, size, |[x, y], [towards_c, _, towards_b]| {
-            let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
-            let at = |a: f32, b: f32, c: f32| a + (b - a) * s + (c - a) * t;
-            let ([ax, ay], [bx, by], [cx, cy]) = (a.texel, b.texel, c.texel);
-            let texel = [at(ax, bx, cx), at(ay, by, cy)];
-            self.put(y * size[0] + x, at(a.depth, b.depth, c.depth), texel, texture);
-        });
-    }
-
-    fn clockwise_quad(
-        &mut self,
-        [a, b, c, d]: [Corner; 4],
-        ring: [Step; 4],
-        texture: &Texture<'_>,
-    ) {
-        let [p, q, r, s] = ring;
-        // How far the ring is from a parallelogram: e x g and g x f, of e = q - p, f = s - p, g = r - q - f.
-        let e_g = area(p, q, r) - area(p, q, s);
-        let g_f = area(p, r, s) - area(p, q, s);
-        let size = self.size();
-        let mut batch = Batch::default();
-        let corners = [a, b, c, d];
-        let xs = corners.map(|corner| corner.texel[0]);
-        let ys = corners.map(|corner| corner.texel[1]);
-        let depths = corners.map(|corner| corner.depth);
-        let bends = [e_g, g_f].map(|bend| bend as f32);
-        let mut flush = |batch: &Batch, len: usize| {
-            let shares = batch.shares(bends);
-            let places = [xs, ys, depths].map(|numbers| bilinear(numbers, shares));
-            let [x, y, depth] = places.each_ref().map(Eight::floats);
-            let pixels = batch.pixels.iter().zip(x).zip(y).zip(depth);
-            for (((at, x), y), depth) in pixels.take(len) {
-                self.put(*at, *depth, [*x, *y], texture);
-            }
-        };
-        let mut len = 0;
-        cover(&ring, size, |[x, y], [above, beyond, below, before]| {
-            let slopes = [beyond + before - e_g, below + above - g_f];
-            batch.set(len, y * size[0] + x, [before, above], slopes);
-            len += 1;
-            if len == BATCH {
-                flush(&batch, len);
-                len = 0;
-            }
-        });
-        flush(&batch, len);
-    }
-
+impl Target for Screen<'_> {
     fn size(&self) -> [usize; 2] {
         [self.width, self.pixels.len().checked_div(self.width).unwrap_or(0)]
     }
 
-    /// Writes a pixel, if nothing nearer is there and there is something to be seen.
-    #[inline]
-    fn put(&mut self, at: usize, depth: f32, texel: [f32; 2], texture: &Texture<'_>) {
-        let Some(pixel) = self.pixels.get_mut(at) else { return };
-        let Some(depths) = &mut self.depths else {
-            let colour = texture.colour(texel);
-            *pixel = over(colour, *pixel);
-            return;
-        };
-        let Some(nearest) = depths.get_mut(at).filter(|nearest| depth < **nearest) else { return };
-        let colour = texture.colour(texel);
-        if colour.w >= 0.5 * ALPHA_MAX {
+    #[inline(always)]
+    fn shows(&self, at: usize, depth: f32) -> bool {
+        let is_nearest = |depths: &[f32]| depths.get(at).is_some_and(|nearest| depth < *nearest);
+        self.depths.as_deref().is_none_or(is_nearest)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, at: usize, depth: f32, colour: Colour) {
+        if let Some(nearest) = self.depths.as_mut().and_then(|depths| depths.get_mut(at))
+            && colour.w >= 0.5 * ALPHA_MAX
+        {
             *nearest = depth;
-            *pixel = rounded(colour * (1.0 / 255.0));
+        }
+        let clipped = self.clip.and_then(|clip| clip.get(at));
+        let left = clipped.map_or(1.0, |[left, _]| f32::from(*left) * (1.0 / 255.0));
+        if let Some(pixel) = self.pixels.get_mut(at) {
+            *pixel = over(colour * (left * self.opacity), *pixel);
         }
     }
+}
+
+/// The alpha of a layer, as the second byte of each pixel.
+pub(super) struct Mask<'a> {
+    pub(super) width: usize,
+    pub(super) pixels: &'a mut [[u8; 2]],
+    pub(super) opacity: f32,
+}
+
+impl Target for Mask<'_> {
+    fn size(&self) -> [usize; 2] {
+        [self.width, self.pixels.len().checked_div(self.width).unwrap_or(0)]
+    }
+
+    #[inline(always)]
+    fn shows(&self, _: usize, _: f32) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn put(&mut self, at: usize, _: f32, colour: Colour) {
+        if let Some([_, own]) = self.pixels.get_mut(at) {
+            let [.., alpha] = over(colour * self.opacity, [0, 0, 0, *own]);
+            *own = alpha;
+        }
+    }
+}
+
+/// Draws a triangle whose texture is mapped affinely; returns whether it is flipped against its first source.
+pub(super) fn triangle(
+    target: &mut impl Target,
+    corners: [Corner; 3],
+    sources: &[Source<'_>],
+) -> bool {
+    let [a, b, c] = corners;
+    let [p, q, r] = corners.map(|corner| snap(corner.place));
+    let whole = area(p, q, r);
+    let is_flipped = flips(whole, turn([a, b, c], sources));
+    match whole {
+        0 => {}
+        1.. => clockwise_triangle(target, [a, b, c], [p, q, r], sources),
+        _ => clockwise_triangle(target, reversed([a, b, c]), [p, r, q], sources),
+    }
+    is_flipped
+}
+
+/// Draws a quad whose texture is mapped bilinearly where it is convex on the screen, and as two triangles where it
+/// is not; returns whether it is flipped against its first source, or folded.
+pub(super) fn quad(target: &mut impl Target, corners: [Corner; 4], sources: &[Source<'_>]) -> bool {
+    let [a, b, c, d] = corners;
+    let ring = corners.map(|corner| snap(corner.place));
+    let [p, q, r, s] = ring;
+    let turns = [area(s, p, q), area(p, q, r), area(q, r, s), area(r, s, p)];
+    let whole = turns.iter().sum::<i64>();
+    let is_flipped = flips(whole, turn([a, b, c], sources) + turn([a, c, d], sources));
+    // Corners at which it turns against itself; a straight one turns either way.
+    let reflex = turns.map(|turn| flips(turn, whole as f32));
+    // The edge that cuts it in two is no border.
+    let inner = |corner: Corner| Corner { is_border: false, ..corner };
+    match reflex {
+        [false, false, false, false] => match whole {
+            0 => {}
+            1.. => clockwise_quad(target, corners, ring, sources),
+            _ => clockwise_quad(target, reversed(corners), [p, s, r, q], sources),
+        },
+        [true, ..] | [_, _, true, _] => {
+            triangle(target, [a, b, inner(c)], sources);
+            triangle(target, [inner(a), c, d], sources);
+        }
+        _ => {
+            triangle(target, [a, inner(b), d], sources);
+            triangle(target, [b, c, inner(d)], sources);
+        }
+    }
+    is_flipped || reflex.contains(&true)
+}
+
+/// Turns a ring round at its first corner; each edge goes with the corner that it now starts from.
+fn reversed<const N: usize>(corners: [Corner; N]) -> [Corner; N] {
+    let mut out = corners;
+    out.reverse();
+    out.rotate_right(1);
+    let borders = corners.iter().rev().map(|corner| corner.is_border);
+    out.iter_mut().zip(borders).for_each(|(corner, border)| corner.is_border = border);
+    out
+}
+
+fn clockwise_triangle(
+    target: &mut impl Target,
+    corners: [Corner; 3],
+    ring: [Step; 3],
+    sources: &[Source<'_>],
+) {
+    let [p, q, r] = ring;
+    let share = 1.0 / area(p, q, r) as f32;
+    let size = target.size();
+    let soft = corners.map(|corner| corner.is_border);
+    let (own, len) = prepared(&corners, sources);
+    let depths = corners.map(|corner| corner.depth);
+    let at = |[a, b, c]: [f32; 3], s: f32, t: f32| a + (b - a) * s + (c - a) * t;
+    cover(&ring, soft, size, |[x, y], [towards_c, _, towards_b], covered| {
+        let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
+        let (pixel, depth) = (y * size[0] + x, at(depths, s, t));
+        if target.shows(pixel, depth) {
+            let mut colour = Vec4::ZERO;
+            for (Source { texture, share, .. }, [xs, ys]) in sources.iter().zip(&own).take(len) {
+                colour += texture.colour([at(*xs, s, t), at(*ys, s, t)]) * *share;
+            }
+            target.put(pixel, depth, colour * covered);
+        }
+    });
+}
+
+/// Returns of each source where the corners are in it, x and y apart, and how many sources there are.
+fn prepared<const N: usize>(
+    corners: &[Corner; N],
+    sources: &[Source<'_>],
+) -> ([[[f32; N]; 2]; SOURCES], usize) {
+    let mut out = [[[0.0; N]; 2]; SOURCES];
+    for (out, source) in out.iter_mut().zip(sources) {
+        let texel = |corner: Corner| source.texels.get(corner.number).copied().unwrap_or_default();
+        *out = [corners.map(|corner| texel(corner)[0]), corners.map(|corner| texel(corner)[1])];
+    }
+    (out, sources.len().min(SOURCES))
+}
+
+fn clockwise_quad(
+    target: &mut impl Target,
+    corners: [Corner; 4],
+    ring: [Step; 4],
+    sources: &[Source<'_>],
+) {
+    let [p, q, r, s] = ring;
+    // How far the ring is from a parallelogram: e x g and g x f, of e = q - p, f = s - p, g = r - q - f.
+    let e_g = area(p, q, r) - area(p, q, s);
+    let g_f = area(p, r, s) - area(p, q, s);
+    let size = target.size();
+    let mut batch = Batch::default();
+    let (own, sources_len) = prepared(&corners, sources);
+    let depths = corners.map(|corner| corner.depth);
+    let soft = corners.map(|corner| corner.is_border);
+    let bends = [e_g, g_f].map(|bend| bend as f32);
+    let mut flush = |batch: &Batch, len: usize| {
+        let shares = batch.shares(bends);
+        let mut colours = [Vec4::ZERO; BATCH];
+        for (Source { texture, share, .. }, axes) in sources.iter().zip(&own).take(sources_len) {
+            let [x, y] = axes.map(|numbers| bilinear(numbers, shares));
+            let places = Eight::floats(&x).iter().zip(Eight::floats(&y));
+            for (colour, (x, y)) in colours.iter_mut().zip(places).take(len) {
+                *colour += texture.colour([*x, *y]) * *share;
+            }
+        }
+        let depths = bilinear(depths, shares);
+        let pixels = batch.pixels.iter().zip(&batch.covered).zip(Eight::floats(&depths));
+        for (((at, covered), depth), colour) in pixels.zip(colours).take(len) {
+            if target.shows(*at, *depth) {
+                target.put(*at, *depth, colour * *covered);
+            }
+        }
+    };
+    let mut len = 0;
+    cover(&ring, soft, size, |[x, y], [above, beyond, below, before], covered| {
+        let slopes = [beyond + before - e_g, below + above - g_f];
+        // Outside along a border an edge function is negative, and the share that of the border.
+        batch.set(len, (y * size[0] + x, covered), [before.max(0), above.max(0)], slopes);
+        len += 1;
+        if len == BATCH {
+            flush(&batch, len);
+            len = 0;
+        }
+    });
+    flush(&batch, len);
 }
 
 /// Pixels of a quad whose places in it are computed together.
@@ -156,15 +256,16 @@ const BATCH: usize = 8;
 #[derive(Default)]
 struct Batch {
     pixels: [usize; BATCH],
+    covered: [f32; BATCH],
     before: [[f32; BATCH]; 2],
     slopes: [[f32; BATCH]; 2],
 }
 
 impl Batch {
     #[inline(always)]
-    fn set(&mut self, at: usize, pixel: usize, before: [i64; 2], slopes: [i64; 2]) {
-        if let Some(out) = self.pixels.get_mut(at) {
-            *out = pixel;
+    fn set(&mut self, at: usize, pixel: (usize, f32), before: [i64; 2], slopes: [i64; 2]) {
+        if let (Some(out), Some(covered)) = (self.pixels.get_mut(at), self.covered.get_mut(at)) {
+            (*out, *covered) = pixel;
         }
         let rows = self.before.iter_mut().chain(&mut self.slopes);
         for (row, number) in rows.zip(before.into_iter().chain(slopes)) {
@@ -225,9 +326,11 @@ fn rounded(colour: Colour) -> [u8; 4] {
     [r.to_bits() as u8, g.to_bits() as u8, b.to_bits() as u8, a.to_bits() as u8]
 }
 
-/// Returns twice the area of a triangle in its texture, positive where it turns clockwise.
-fn turn([a, b, c]: [Corner; 3]) -> f32 {
-    let [[ax, ay], [bx, by], [cx, cy]] = [a, b, c].map(|corner| corner.texel);
+/// Returns twice the area of a triangle in its first source, positive where it turns clockwise.
+fn turn(corners: [Corner; 3], sources: &[Source<'_>]) -> f32 {
+    let texels = sources.first().map(|source| source.texels).unwrap_or_default();
+    let [[ax, ay], [bx, by], [cx, cy]] =
+        corners.map(|corner| texels.get(corner.number).copied().unwrap_or_default());
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 }
 

@@ -1,9 +1,11 @@
 //! From points to a picture (METHOD §6.5, §6.9).
 
+use super::blend::{Blend, SOURCES};
 use super::order::sort;
-use super::raster::{Corner, Screen};
-use super::view::{Element, Views};
+use super::raster::{Corner, Mask, Screen, Source, Target, quad, triangle};
+use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError, CallErrorKind};
+use crate::numeric::{greater, lesser, smoothstep};
 
 /// Draws an object into a picture of the caller's.
 #[derive(Clone, Copy, Debug)]
@@ -12,26 +14,27 @@ pub struct RenderJob<'a> {
     pub views: Views<'a>,
     /// K points, as [`super::Frame`] has them.
     pub points: &'a [[f32; 3]],
-    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    /// K visibilities: an element between points is drawn from key views that show as much of it.
     pub visibility: &'a [f32],
-    /// N scores: an element of which the characteristic view does not show all points is textured by the view of the
-    /// highest score that does.
+    /// N scores of key views, by which they are blended.
     pub scores: &'a [f32],
-    /// The characteristic view, whose texture elements have.
-    pub view: usize,
+    /// Of L layers opacity and order.
+    pub layers: &'a [[f32; 2]],
     /// Width of the picture in pixels.
     pub width: usize,
 }
 
-/// Which of two elements hides the other.
+/// What a [`RenderJob`] works in, of any content.
 #[derive(Debug)]
-pub enum Order<'o> {
-    /// The one that is nearer at the pixel, of equally near ones the first. Texels of alpha below a half are not drawn,
-    /// the others replace what is there. A float a pixel, infinite where nothing has been drawn.
-    Depth(&'o mut [f32]),
-    /// The one whose points are nearer on average, of equally near ones the last: what it covers is blended. E numbers
-    /// of scratch, of any content.
-    Painter(&'o mut [u16]),
+pub struct RenderScratch<'o> {
+    /// V places.
+    pub vertices: &'o mut [[f32; 3]],
+    /// E + L numbers.
+    pub order: &'o mut [u16],
+    /// A float a pixel, if a layer has depth: [`Views::has_depth`].
+    pub depths: &'o mut [f32],
+    /// Two bytes a pixel, if a layer is clipped: [`Views::has_clips`].
+    pub clips: &'o mut [[u8; 2]],
 }
 
 /// What a [`RenderJob`] drew.
@@ -44,7 +47,8 @@ pub struct Drawn {
 }
 
 impl RenderJob<'_> {
-    /// Draws the elements over what the picture holds.
+    /// Draws the layers over what the picture holds, those of a greater order over those of a lesser one, equal ones as
+    /// they come in the file.
     ///
     /// Points more than 2^20 pixels out are drawn as if they were there.
     ///
@@ -52,112 +56,217 @@ impl RenderJob<'_> {
     ///   and blended as sRGB encodes them.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, or the numbers or floats of `order` have another
-    ///   length; or `out` is not of whole rows.
-    /// - [`CallErrorKind::OutOfRange`]: `view` is no key view.
+    /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or the scratch have another length; or
+    ///   `out` is not of whole rows.
     /// - [`CallErrorKind::NonFinite`]: a point is not finite.
-    pub fn run(&self, order: Order<'_>, out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
-        self.check(&order, out)?;
+    pub fn run(
+        &self,
+        scratch: RenderScratch<'_>,
+        out: &mut [[u8; 4]],
+    ) -> Result<Drawn, CallError> {
+        self.check(&scratch, out)?;
+        let RenderScratch { vertices, order, depths, clips } = scratch;
+        for (number, vertex) in vertices.iter_mut().enumerate() {
+            *vertex = self.place(number);
+        }
+        let picture = Picture { job: self, vertices };
+        let (layers, elements) = order.split_at_mut(self.views.layer_len().min(order.len()));
+        layers.iter_mut().zip(0..).for_each(|(out, layer)| *out = layer);
+        sort(layers, |layer| self.layer_numbers(layer.into())[1]);
         let mut drawn = Drawn::default();
-        let mut screen = Screen { width: self.width, pixels: out, depths: None };
-        match order {
-            Order::Depth(depths) => {
-                screen.depths = Some(depths);
-                let elements = 0..self.views.element_len();
-                elements.for_each(|element| self.draw(element, &mut screen, &mut drawn));
+        let mut clipped = None;
+        for number in layers.iter().map(|layer| usize::from(*layer)) {
+            let [opacity, _] = self.layer_numbers(number);
+            let Some(layer) = self.views.layer(number).filter(|_| opacity > 0.0) else { continue };
+            if layer.clip.is_some() && layer.clip != clipped {
+                picture.clip(number, clips);
+                clipped = layer.clip;
             }
-            Order::Painter(order) => {
-                order.iter_mut().zip(0..).for_each(|(out, element)| *out = element);
+            let order = elements.get_mut(layer.first..layer.end).unwrap_or_default();
+            order.iter_mut().zip(layer.first as u16..).for_each(|(out, element)| *out = element);
+            if layer.has_depth {
+                depths.fill(f32::INFINITY);
                 // From the far ones to the near ones, then by number.
-                sort(order, |element| -self.mean_depth(element.into()));
-                for element in order {
-                    self.draw((*element).into(), &mut screen, &mut drawn);
-                }
+                sort(order, |element| -picture.mean_depth(element.into()));
+            }
+            let mut screen = Screen {
+                width: self.width,
+                pixels: out,
+                depths: layer.has_depth.then_some(&mut *depths),
+                clip: layer.clip.is_some().then_some(&*clips),
+                opacity,
+            };
+            for element in order {
+                picture.draw(number, &layer, (*element).into(), &mut screen, &mut drawn);
             }
         }
         Ok(drawn)
     }
 
-    fn check(&self, order: &Order<'_>, out: &[[u8; 4]]) -> Result<(), CallError> {
+    fn check(&self, scratch: &RenderScratch<'_>, out: &[[u8; 4]]) -> Result<(), CallError> {
         let views = &self.views;
         Argument::Points.check_len(views.point_len(), self.points.len())?;
         Argument::Visibility.check_len(views.point_len(), self.visibility.len())?;
         Argument::Scores.check_len(views.view_len(), self.scores.len())?;
+        Argument::Layers.check_len(views.layer_len(), self.layers.len())?;
         let height = out.len().checked_div(self.width).unwrap_or(0);
         Argument::Pixels.check_len(height * self.width, out.len())?;
-        match order {
-            Order::Depth(depths) => Argument::Depths.check_len(out.len(), depths.len())?,
-            Order::Painter(order) => {
-                Argument::Scratch.check_len(views.element_len(), order.len())?;
-            }
-        }
-        if self.view >= views.view_len() {
-            let error = CallError::new(CallErrorKind::OutOfRange, Argument::Scores);
-            return Err(error.values(views.view_len().saturating_sub(1), self.view));
-        }
+        Argument::Vertices.check_len(views.vertex_len(), scratch.vertices.len())?;
+        Argument::Scratch.check_len(views.order_len(), scratch.order.len())?;
+        let asked = |has: bool| if has { out.len() } else { 0 };
+        Argument::Depths.check_least(asked(views.has_depth()), scratch.depths.len())?;
+        Argument::Clips.check_least(asked(views.has_clips()), scratch.clips.len())?;
         match self.points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
             None => Ok(()),
             Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Points).at(at)),
         }
     }
 
-    /// Draws an element, if all of its points are visible.
-    fn draw(&self, element: usize, screen: &mut Screen<'_>, drawn: &mut Drawn) {
-        let Some(element) = self.views.element(element) else { return };
-        if !element.points().iter().all(|point| self.is_visible(*point)) {
+    /// Returns opacity and order of a layer.
+    fn layer_numbers(&self, layer: usize) -> [f32; 2] {
+        self.layers.get(layer).copied().unwrap_or_default()
+    }
+
+    /// Returns where a vertex is.
+    fn place(&self, vertex: usize) -> [f32; 3] {
+        let mut out = [0.0; 3];
+        for (point, weight) in self.views.vertex(vertex) {
+            let point = self.points.get(point).copied().unwrap_or_default();
+            out.iter_mut().zip(point).for_each(|(out, x)| *out += x * weight);
+        }
+        out
+    }
+
+    /// Returns the point that a vertex is, if it is one.
+    fn point(&self, vertex: usize) -> Option<usize> {
+        let mut own = self.views.vertex(vertex);
+        let (point, weight) = own.next()?;
+        (weight == 1.0 && own.next().is_none()).then_some(point)
+    }
+}
+
+/// A job whose vertices are known.
+struct Picture<'a> {
+    job: &'a RenderJob<'a>,
+    vertices: &'a [[f32; 3]],
+}
+
+impl Picture<'_> {
+    /// Makes the first byte of each pixel what the layers that clip a layer leave of it.
+    fn clip(&self, layer: usize, clips: &mut [[u8; 2]]) {
+        clips.iter_mut().for_each(|[left, _]| *left = u8::MAX);
+        for number in self.job.views.clips(layer) {
+            let Some(layer) = self.job.views.layer(number) else { continue };
+            clips.iter_mut().for_each(|[_, own]| *own = 0);
+            let [opacity, _] = self.job.layer_numbers(number);
+            let mut mask = Mask { width: self.job.width, pixels: clips, opacity };
+            for element in layer.first..layer.end {
+                self.draw(number, &layer, element, &mut mask, &mut Drawn::default());
+            }
+            for [left, own] in &mut *clips {
+                *left = ((u16::from(*left) * u16::from(*own) + 127) / 255) as u8;
+            }
+        }
+    }
+
+    /// Draws an element, if a key view has it.
+    fn draw(
+        &self,
+        number: usize,
+        layer: &Layer,
+        at: usize,
+        target: &mut impl Target,
+        drawn: &mut Drawn,
+    ) {
+        let views = &self.job.views;
+        let Some(element) = views.element(at) else { return };
+        let vertices = element.vertices();
+        let Some(blend) = self.blend(layer, vertices) else { return };
+        let mut sources = [Source::default(); SOURCES];
+        let mut len = 0;
+        for (view, share) in blend.views() {
+            // A view without the layer shows nothing of it.
+            let texture = views.view_texture(*view, number).and_then(|at| views.texture(at));
+            if let (Some(texture), Some(out)) = (texture, sources.get_mut(len)) {
+                let mut texels = [[0.0; 2]; 4];
+                for (out, vertex) in texels.iter_mut().zip(vertices) {
+                    *out = views.reference(*view, *vertex).unwrap_or_default();
+                }
+                *out = Source { texture, texels, share: *share };
+                len += 1;
+            }
+        }
+        let sources = sources.get(..len).unwrap_or_default();
+        if sources.is_empty() {
             return;
         }
-        let view = self.source(&element);
-        let texture = self.views.view_texture(view).and_then(|at| self.views.texture(at));
-        let Some(texture) = texture else { return };
-        let corner = |point: usize| {
-            let [x, y, depth] = self.points.get(point).copied().unwrap_or_default();
-            let texel = self.views.reference(view, point).unwrap_or_default();
-            Corner { place: [x, y], depth, texel }
+        let neighbours = views.neighbours(at).unwrap_or_default();
+        let turned = self.turn(vertices);
+        let corner = |number: usize, vertex: usize| {
+            let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
+            let across = neighbours.get(number).copied().flatten();
+            // What is folded over at an edge ends there.
+            let is_border = across.is_none_or(|other| {
+                views.element(other).is_none_or(|other| self.turn(other.vertices()) != turned)
+            });
+            Corner { place: [x, y], depth, number, is_border }
         };
         let is_flipped = match element {
-            Element::Triangle(points) => screen.triangle(points.map(corner), &texture),
-            Element::Quad(points) => screen.quad(points.map(corner), &texture),
+            Element::Triangle([a, b, c]) => {
+                let corners = [corner(0, a), corner(1, b), corner(2, c)];
+                triangle(target, corners, sources)
+            }
+            Element::Quad([a, b, c, d]) => {
+                let corners = [corner(0, a), corner(1, b), corner(2, c), corner(3, d)];
+                quad(target, corners, sources)
+            }
         };
         drawn.element_len += 1;
         drawn.flipped_len += usize::from(is_flipped);
     }
 
-    fn is_visible(&self, point: usize) -> bool {
-        self.visibility.get(point).is_some_and(|x| *x > 0.5)
+    /// Weighs the key views by what they show of an element; none of one that is behind others.
+    fn blend(&self, layer: &Layer, vertices: &[usize]) -> Option<Blend> {
+        let job = self.job;
+        // Of vertices that are no points nothing is hidden but the whole layer.
+        let mut points = [None; 4];
+        for (out, vertex) in points.iter_mut().zip(vertices) {
+            *out = job.point(*vertex);
+        }
+        let points = points.iter().flatten();
+        let seen = points.clone().filter_map(|point| job.visibility.get(*point).copied());
+        let shows = |view: usize| {
+            !points.clone().any(|point| job.views.is_visible(view, *point) == Some(false))
+        };
+        if layer.has_depth {
+            // What is hidden in part is to be seen in part, and hidden by what is nearer.
+            let fits = |view: usize| f32::from(u8::from(shows(view)));
+            let is_hidden = points.clone().next().is_some() && seen.fold(0.0, greater) <= 0.5;
+            return (!is_hidden).then(|| Blend::new(job.scores, fits));
+        }
+        let whole = smoothstep(lesser(1.0, greater(0.0, seen.fold(1.0, lesser))));
+        Some(Blend::new(job.scores, |view| if shows(view) { whole } else { 1.0 - whole }))
     }
 
-    /// Returns the view that an element has its texture from.
-    fn source(&self, element: &Element) -> usize {
-        let shows = |view: usize| {
-            let mut points = element.points().iter();
-            points.all(|point| self.views.is_visible(view, *point) == Some(true))
+    /// Whether an element turns clockwise on the screen.
+    fn turn(&self, vertices: &[usize]) -> bool {
+        let place = |vertex: usize| {
+            let vertex = vertices.get(vertex).and_then(|vertex| self.vertices.get(*vertex));
+            vertex.map(|[x, y, _]| [*x, *y])
         };
-        if shows(self.view) {
-            return self.view;
-        }
-        let (mut best, mut highest) = (self.view, f32::NEG_INFINITY);
-        for (view, score) in self.scores.iter().enumerate() {
-            if *score > highest && shows(view) {
-                (best, highest) = (view, *score);
-            }
-        }
-        best
+        let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (place(0), place(1), place(2))
+        else {
+            return false;
+        };
+        // By the diagonals of a quad, two of whose corners are one in a triangle.
+        let [dx, dy] = place(3).unwrap_or([ax, ay]);
+        (cx - ax) * (dy - by) - (cy - ay) * (dx - bx) > 0.0
     }
 
     fn mean_depth(&self, element: usize) -> f32 {
-        let Some(element) = self.views.element(element) else { return 0.0 };
-        let depths = element.points().iter().filter_map(|point| self.points.get(*point));
-        depths.map(|[_, _, depth]| depth).sum::<f32>() / element.points().len() as f32
-    }
-}
-
-impl Element {
-    /// Returns the numbers of its points.
-    pub const fn points(&self) -> &[usize] {
-        match self {
-            Self::Triangle(points) => points,
-            Self::Quad(points) => points,
-        }
+        let Some(element) = self.job.views.element(element) else { return 0.0 };
+        let vertices = element.vertices();
+        let depths = vertices.iter().filter_map(|vertex| self.vertices.get(*vertex));
+        depths.map(|[_, _, depth]| depth).sum::<f32>() / vertices.len() as f32
     }
 }

@@ -4,7 +4,7 @@ use crate::numeric::{greater, lesser};
 use glam::Vec4;
 
 /// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Texture<'a> {
     pub(super) width: usize,
     pub(super) height: usize,

@@ -1,6 +1,6 @@
 //! An object in a loaded file: what loading found of it, and what it holds.
 
-use super::counts::{NO_POINT, RULES, ViewsCounts, ViewsFit, mask_len};
+use super::counts::{NO_VERTEX, NOTHING, RULES, ViewsCounts, ViewsFit, mask_len};
 use super::texture::Texture;
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
@@ -10,7 +10,11 @@ use crate::names::Names;
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const MAPS: usize = Rule::place(&RULES, SectionKind::Maps);
+const LAYERS: usize = Rule::place(&RULES, SectionKind::Layers);
+const ENDS: usize = Rule::place(&RULES, SectionKind::VertexEnds);
+const WEIGHTS: usize = Rule::place(&RULES, SectionKind::VertexWeights);
 const ELEMENTS: usize = Rule::place(&RULES, SectionKind::Elements);
+const NEIGHBOURS: usize = Rule::place(&RULES, SectionKind::Neighbours);
 const VIEW_TEXTURES: usize = Rule::place(&RULES, SectionKind::ViewTextures);
 const REFERENCES: usize = Rule::place(&RULES, SectionKind::References);
 const MASKS: usize = Rule::place(&RULES, SectionKind::ViewMasks);
@@ -19,7 +23,7 @@ const TEXELS: usize = Rule::place(&RULES, SectionKind::Texels);
 const DEFORMATIONS: usize = Rule::place(&RULES, SectionKind::Deformations);
 const FIT: usize = Rule::place(&RULES, SectionKind::ViewsFit);
 
-/// An element of an object, by the numbers of its points in the order in which its edges go round.
+/// An element of an object, by the numbers of its vertices in the order in which its edges go round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
     /// Its texture is mapped affinely.
@@ -28,7 +32,37 @@ pub enum Element {
     Quad([usize; 4]),
 }
 
-/// An object of K control points, as N key views show it; borrowed from a loaded model.
+impl Element {
+    /// Returns the numbers of its vertices.
+    pub const fn vertices(&self) -> &[usize] {
+        match self {
+            Self::Triangle(vertices) => vertices,
+            Self::Quad(vertices) => vertices,
+        }
+    }
+}
+
+/// A layer of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// The number of its first element.
+    pub first: usize,
+    /// The number past its last one.
+    pub end: usize,
+    /// The layer that clips it: it shows itself where that one is opaque.
+    pub clip: Option<usize>,
+    /// Whether its elements hide each other by depth, and not by their order.
+    pub has_depth: bool,
+}
+
+impl Layer {
+    /// Bytes of its row.
+    pub const BYTES: usize = 12;
+    /// The bit of its flags that says it has depth.
+    pub const DEPTH: u32 = 1;
+}
+
+/// An object of K control points in L layers, as N key views show it; borrowed from a loaded model.
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
@@ -42,9 +76,19 @@ impl<'a> Views<'a> {
         self.counts().point_len as usize
     }
 
+    /// Returns V, the number of vertices.
+    pub const fn vertex_len(&self) -> usize {
+        self.counts().vertex_len as usize
+    }
+
     /// Returns E, the number of elements.
     pub const fn element_len(&self) -> usize {
         self.counts().element_len as usize
+    }
+
+    /// Returns L, the number of layers.
+    pub const fn layer_len(&self) -> usize {
+        self.counts().layer_len as usize
     }
 
     /// Returns N, the number of key views.
@@ -57,33 +101,97 @@ impl<'a> Views<'a> {
         self.names().get(view.checked_add(1)?).filter(|_| view < self.view_len())
     }
 
+    /// Returns a layer's name.
+    pub fn layer_name(&self, layer: usize) -> Option<&'a str> {
+        let place = layer.checked_add(self.view_len())?.checked_add(1)?;
+        self.names().get(place).filter(|_| layer < self.layer_len())
+    }
+
     /// Returns the part, a kernel, that is a map; [`crate::Model::map_of`] returns the kernel itself.
     pub fn map_part(&self, map: usize) -> Option<usize> {
         let [part] = self.0.entry(MAPS, self.counts().map_len as usize, map)?;
         Some(u32::from_le_bytes(*part) as usize)
     }
 
-    /// Returns an element; they are drawn in their order where depths do not tell another.
+    /// Returns a layer; they are drawn in their order where maps do not tell another.
+    pub fn layer(&self, layer: usize) -> Option<Layer> {
+        let rows = self.layers();
+        let [end, clip, flags] = rows.get(layer)?.map(u32::from_le_bytes);
+        let before = layer.checked_sub(1).and_then(|before| rows.get(before));
+        let first = before.map_or(0, |[end, ..]| u32::from_le_bytes(*end));
+        Some(Layer {
+            first: first as usize,
+            end: end as usize,
+            clip: (clip != NOTHING).then_some(clip as usize),
+            has_depth: flags & Layer::DEPTH != 0,
+        })
+    }
+
+    /// Whether elements of a layer hide each other by depth.
+    pub fn has_depth(&self) -> bool {
+        (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.has_depth)
+    }
+
+    /// Whether a layer is clipped by another.
+    pub fn has_clips(&self) -> bool {
+        (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.clip.is_some())
+    }
+
+    /// Returns E + L, the numbers that [`super::RenderJob::run`] sorts.
+    pub const fn order_len(&self) -> usize {
+        self.element_len().saturating_add(self.layer_len())
+    }
+
+    /// Lists the layers that clip a layer: that of its row, the one that clips that, and so on.
+    pub fn clips(&self, layer: usize) -> impl Iterator<Item = usize> + use<'a> {
+        let own = *self;
+        let next = move |layer: &usize| own.layer(*layer).and_then(|layer| layer.clip);
+        core::iter::successors(next(&layer), next)
+    }
+
+    /// Lists the points by which a vertex stands, each with its weight: it is where their sum is.
+    pub fn vertex(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + 'a {
+        let ends = self.ends();
+        let end = |vertex: usize| ends.get(vertex).map(|le| u32::from_le_bytes(*le) as usize);
+        let first = vertex.checked_sub(1).and_then(end).unwrap_or(0);
+        let own = end(vertex).and_then(|end| self.weights().get(first..end));
+        own.unwrap_or_default().iter().map(|[point, weight]| {
+            (u32::from_le_bytes(*point) as usize, f32::from_le_bytes(*weight))
+        })
+    }
+
+    /// Returns an element; those of a layer are drawn in their order where depths do not tell another.
     pub fn element(&self, element: usize) -> Option<Element> {
-        let points = self.elements().get(element).filter(|_| element < self.element_len())?;
-        let [a, b, c, d] = points.map(|le| usize::from(u16::from_le_bytes(le)));
-        Some(if d == NO_POINT.into() {
+        let vertices = self.elements().get(element).filter(|_| element < self.element_len())?;
+        let [a, b, c, d] = vertices.map(|le| usize::from(u16::from_le_bytes(le)));
+        Some(if d == NO_VERTEX.into() {
             Element::Triangle([a, b, c])
         } else {
             Element::Quad([a, b, c, d])
         })
     }
 
-    /// Returns the texture of a key view, by its number.
-    pub fn view_texture(&self, view: usize) -> Option<usize> {
-        let [texture] = self.0.entry(VIEW_TEXTURES, self.view_len(), view)?;
-        Some(u32::from_le_bytes(*texture) as usize)
+    /// Returns the elements across the edges of an element, of that from its first vertex to its second first; none
+    /// beyond a border.
+    pub fn neighbours(&self, element: usize) -> Option<[Option<usize>; 4]> {
+        let own = self.neighbour_rows().get(element).filter(|_| element < self.element_len())?;
+        let own = own.map(u16::from_le_bytes);
+        Some(own.map(|other| (other != NO_VERTEX).then_some(other.into())))
     }
 
-    /// Returns where a point is in the texture of a key view: x to the right and y down, in texels, whose centres are
-    /// at 0.5.
-    pub fn reference(&self, view: usize, point: usize) -> Option<[f32; 2]> {
-        self.references(view).get(point).map(floats)
+    /// Returns the texture of a layer in a key view, by its number; none of one that it does not show.
+    pub fn view_texture(&self, view: usize, layer: usize) -> Option<usize> {
+        let place = view.checked_mul(self.layer_len())?.checked_add(layer)?;
+        let is_there = view < self.view_len() && layer < self.layer_len();
+        let texture = self.view_textures().get(place).filter(|_| is_there)?;
+        let texture = u32::from_le_bytes(*texture);
+        (texture != NOTHING).then_some(texture as usize)
+    }
+
+    /// Returns where a vertex is in its layer's texture of a key view: x to the right and y down, in texels, whose centres
+    /// are at 0.5.
+    pub fn reference(&self, view: usize, vertex: usize) -> Option<[f32; 2]> {
+        self.references(view).get(vertex).map(floats)
     }
 
     /// Whether a point is to be seen in a key view.
@@ -119,22 +227,39 @@ impl<'a> Views<'a> {
         self.deformation(view)?.1.get(point).map(floats)
     }
 
-    /// Returns when another key view takes over by default, and what the object was measured to reach.
+    /// Returns what the object was measured to reach.
     pub fn fit(&self) -> ViewsFit {
         let figures = self.0.array(FIT).first().map(floats);
         ViewsFit::from_figures(figures.unwrap_or_default())
     }
 
     pub(super) fn names(&self) -> Names<'a> {
-        Names::new(self.0.bytes(NAMES), self.view_len().saturating_add(1))
+        let named = self.view_len().saturating_add(self.layer_len());
+        Names::new(self.0.bytes(NAMES), named.saturating_add(1))
     }
 
     pub(super) fn maps(&self) -> &'a [Le] {
         self.0.bytes(MAPS).as_chunks().0
     }
 
+    pub(super) fn layers(&self) -> &'a [[Le; 3]] {
+        self.0.array(LAYERS)
+    }
+
+    pub(super) fn ends(&self) -> &'a [Le] {
+        self.0.bytes(ENDS).as_chunks().0
+    }
+
+    pub(super) fn weights(&self) -> &'a [[Le; 2]] {
+        self.0.array(WEIGHTS)
+    }
+
     pub(super) fn elements(&self) -> &'a [[[u8; 2]; 4]] {
         self.0.bytes(ELEMENTS).as_chunks().0.as_chunks().0
+    }
+
+    pub(super) fn neighbour_rows(&self) -> &'a [[[u8; 2]; 4]] {
+        self.0.bytes(NEIGHBOURS).as_chunks().0.as_chunks().0
     }
 
     pub(super) fn view_textures(&self) -> &'a [Le] {
@@ -153,13 +278,13 @@ impl<'a> Views<'a> {
         self.0.bytes(TEXELS).as_chunks().0
     }
 
-    /// Returns a key view's references, K of them.
+    /// Returns a key view's references, V of them.
     pub(super) fn references(&self, view: usize) -> &'a [[Le; 2]] {
         if view >= self.view_len() {
             return &[];
         }
         // Chunks of zero would panic.
-        let mut views = self.0.array(REFERENCES).chunks_exact(self.point_len().max(1));
+        let mut views = self.0.array(REFERENCES).chunks_exact(self.vertex_len().max(1));
         views.nth(view).unwrap_or_default()
     }
 

@@ -6,7 +6,7 @@ use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
-use sinew_runtime::views::{NO_POINT, VIEWS_SECTIONS};
+use sinew_runtime::views::{NO_VERTEX, NOTHING, VIEWS_SECTIONS};
 
 /// An object of key views in plain lists.
 #[derive(Clone)]
@@ -17,14 +17,31 @@ pub struct ViewsContent {
     pub maps: Vec<u32>,
     /// K.
     pub point_len: usize,
-    /// E: points, of a triangle [`NO_POINT`] last.
-    pub elements: Vec<[u16; 4]>,
+    /// V: points and their weights.
+    pub vertices: Vec<Vec<(u32, f32)>>,
+    /// L.
+    pub layers: Vec<LayerContent>,
     /// N.
     pub views: Vec<ViewContent>,
     /// T.
     pub textures: Vec<TextureContent>,
-    /// Margin, RMS error, the same left out, visibility.
-    pub fit: [f32; 4],
+    /// RMS error, the same left out, visibility.
+    pub fit: [f32; 3],
+}
+
+/// A layer in plain lists.
+#[derive(Clone)]
+pub struct LayerContent {
+    /// Its name.
+    pub name: String,
+    /// Its elements: vertices, of a triangle [`NO_VERTEX`] last.
+    pub elements: Vec<[u16; 4]>,
+    /// Of each element the elements across its edges.
+    pub neighbours: Vec<[u16; 4]>,
+    /// The layer that clips it; [`NOTHING`] for none.
+    pub clip: u32,
+    /// [`sinew_runtime::views::Layer::DEPTH`], or 0.
+    pub flags: u32,
 }
 
 /// A key view in plain lists.
@@ -32,9 +49,9 @@ pub struct ViewsContent {
 pub struct ViewContent {
     /// Its name.
     pub name: String,
-    /// Its texture.
-    pub texture: u32,
-    /// K places in the texture.
+    /// L textures; [`NOTHING`] for none.
+    pub textures: Vec<u32>,
+    /// V places in the textures.
     pub references: Vec<[f32; 2]>,
     /// K.
     pub visible: Vec<bool>,
@@ -59,10 +76,13 @@ const SIDE: usize = 3;
 const POINTS: usize = SIDE * SIDE;
 /// Key views of the sample.
 const VIEWS: usize = 3;
+/// Layers of the sample.
+const LAYERS: usize = 2;
 
 impl ViewsContent {
-    /// Makes an object of a grid of 3 x 3 points about a screen of 48 x 40 pixels: two quads, four triangles, three key
-    /// views, two textures.
+    /// Makes an object of a grid of 3 x 3 points about a screen of 48 x 40 pixels: a layer of two quads and four triangles,
+    /// over it one of a triangle whose third vertex stands by three points and which the first clips; three key views, of
+    /// which the second lacks the second layer; two textures.
     pub fn sample(maps: Vec<u32>, is_transferred: bool) -> Self {
         let mut rng = Rng(50);
         let sizes = [[12, 10], [7, 9]];
@@ -70,23 +90,22 @@ impl ViewsContent {
         let view = |(view, name): (usize, &str)| {
             let texture = view % 2;
             let [width, height] = sizes[texture].map(|x| x as f32);
-            let references =
-                grid().map(|[x, y]| [width * (x + 0.25) / 2.5, height * (y + 0.25) / 2.5]);
+            let references = grid()
+                .chain([[1.5, 1.25]])
+                .map(|[x, y]| [width * (x + 0.25) / 2.5, height * (y + 0.25) / 2.5]);
             let hidden = [POINTS, 8, 0][view];
             let offsets = (0..POINTS).map(|_| [2.0 * rng.unit(), 2.0 * rng.unit()]).collect();
             ViewContent {
                 name: name.to_owned(),
-                texture: texture as u32,
+                textures: vec![texture as u32, if view == 1 { NOTHING } else { 1 }],
                 references: references.collect(),
                 visible: (0..POINTS).map(|point| point != hidden).collect(),
                 deformation: is_transferred.then_some(([1.0, 1.25, 0.75][view], offsets)),
             }
         };
-        let triangle = |a, b, c| [a, b, c, NO_POINT];
-        Self {
-            name: "object".to_owned(),
-            maps,
-            point_len: POINTS,
+        let triangle = |a, b, c| [a, b, c, NO_VERTEX];
+        let body = LayerContent {
+            name: "body".to_owned(),
             elements: vec![
                 [0, 1, 4, 3],
                 triangle(1, 2, 5),
@@ -95,9 +114,77 @@ impl ViewsContent {
                 triangle(7, 6, 3),
                 [4, 5, 8, 7],
             ],
+            neighbours: Vec::new(),
+            clip: NOTHING,
+            flags: 0,
+        };
+        let mark = LayerContent {
+            name: "mark".to_owned(),
+            elements: vec![triangle(4, 5, 9)],
+            neighbours: Vec::new(),
+            clip: 0,
+            flags: 0,
+        };
+        let point = |point| vec![(point, 1.0)];
+        let mut out = Self {
+            name: "object".to_owned(),
+            maps,
+            point_len: POINTS,
+            vertices: (0..POINTS as u32)
+                .map(point)
+                .chain([vec![(5, 0.75), (7, 0.5), (4, -0.25)]])
+                .collect(),
+            layers: vec![body, mark],
             views: ["left", "front", "right"].into_iter().enumerate().map(view).collect(),
             textures,
-            fit: [0.25, 0.0625, 0.125, 0.875],
+            fit: [0.0625, 0.125, 0.875],
+        };
+        out.meet();
+        out
+    }
+
+    /// Makes an object of its points alone, in one layer, as a key view each shows it.
+    pub fn plain(elements: Vec<[u16; 4]>, views: Vec<ViewContent>, texture: TextureContent) -> Self {
+        let point_len = views.first().map_or(0, |view| view.visible.len());
+        let mut out = Self {
+            name: "object".to_owned(),
+            maps: vec![0],
+            point_len,
+            vertices: (0..point_len as u32).map(|point| vec![(point, 1.0)]).collect(),
+            layers: vec![LayerContent {
+                name: "object".to_owned(),
+                elements,
+                neighbours: Vec::new(),
+                clip: NOTHING,
+                flags: 0,
+            }],
+            views,
+            textures: vec![texture],
+            fit: [0.0, 0.0, 1.0],
+        };
+        out.meet();
+        out
+    }
+
+    /// Finds the neighbours of all elements.
+    pub fn meet(&mut self) {
+        let mut first = 0;
+        for layer in &mut self.layers {
+            let edges: Vec<Vec<[u16; 2]>> = layer.elements.iter().map(|own| edges(own)).collect();
+            let across = |element: usize, edge: &[u16; 2]| {
+                let [a, b] = *edge;
+                let other = edges.iter().enumerate().find(|(other, edges)| {
+                    *other != element && (edges.contains(&[a, b]) || edges.contains(&[b, a]))
+                });
+                other.map_or(NO_VERTEX, |(other, _)| (first + other) as u16)
+            };
+            let row = |(element, own): (usize, &Vec<[u16; 2]>)| {
+                let mut row = [NO_VERTEX; 4];
+                row.iter_mut().zip(own).for_each(|(out, edge)| *out = across(element, edge));
+                row
+            };
+            layer.neighbours = edges.iter().enumerate().map(row).collect();
+            first += layer.elements.len();
         }
     }
 
@@ -107,11 +194,40 @@ impl ViewsContent {
     /// If the order of sections is no longer FORMAT.md's.
     fn sections(&self) -> Vec<(SectionKind, Vec<u8>)> {
         let views = &self.views;
-        let lens = [self.point_len, self.elements.len(), views.len(), self.maps.len()];
+        let elements: Vec<_> = self.layers.iter().flat_map(|layer| &layer.elements).collect();
+        let neighbours = self.layers.iter().flat_map(|layer| layer.neighbours.clone());
+        let neighbours: Vec<_> = neighbours.collect();
         let texels: Vec<_> = self.textures.iter().flat_map(|texture| &texture.texels).collect();
-        let counts = lens.into_iter().chain([self.textures.len(), texels.len()]);
-        let counts: Vec<_> = counts.map(|len| len as u32).collect();
-        let view_names: Vec<_> = views.iter().map(|view| view.name.clone()).collect();
+        let weights: Vec<_> = self.vertices.iter().flatten().collect();
+        let counts = [
+            self.point_len,
+            self.vertices.len(),
+            weights.len(),
+            elements.len(),
+            self.layers.len(),
+            views.len(),
+            self.maps.len(),
+            self.textures.len(),
+            texels.len(),
+        ];
+        let counts: Vec<_> = counts.map(|len| len as u32).into();
+        let names_of_views = views.iter().map(|view| view.name.clone());
+        let names_of_layers = self.layers.iter().map(|layer| layer.name.clone());
+        let all_names: Vec<_> = names_of_views.chain(names_of_layers).collect();
+        let sums = |lens: Vec<usize>| -> Vec<u32> {
+            let add = |sum: &mut u32, len: usize| {
+                *sum += len as u32;
+                Some(*sum)
+            };
+            lens.into_iter().scan(0, add).collect()
+        };
+        let layer_ends = sums(self.layers.iter().map(|layer| layer.elements.len()).collect());
+        let layers = self.layers.iter().zip(layer_ends);
+        let layers: Vec<_> =
+            layers.flat_map(|(layer, end)| [end, layer.clip, layer.flags]).collect();
+        let vertex_ends = sums(self.vertices.iter().map(Vec::len).collect());
+        let pairs = weights.iter().flat_map(|(point, weight)| [*point, weight.to_bits()]);
+        let pairs: Vec<_> = pairs.collect();
         let mut start = 0;
         let rows = self.textures.iter().flat_map(|texture| {
             let row = [texture.width, texture.height, start];
@@ -128,12 +244,18 @@ impl ViewsContent {
             })
             .collect();
         let references: Vec<_> = views.iter().flat_map(|view| view.references.clone()).collect();
-        let view_textures: Vec<_> = views.iter().map(|view| view.texture).collect();
+        let view_textures: Vec<_> =
+            views.iter().flat_map(|view| view.textures.iter().copied()).collect();
+        let flat = |rows: Vec<[u16; 4]>| halves(rows.as_flattened());
         let written = [
             (SectionKind::ViewsCounts, Some(words(&counts))),
-            (SectionKind::Names, Some(names(&self.name, &view_names))),
+            (SectionKind::Names, Some(names(&self.name, &all_names))),
             (SectionKind::Maps, Some(words(&self.maps))),
-            (SectionKind::Elements, Some(halves(self.elements.as_flattened()))),
+            (SectionKind::Layers, Some(words(&layers))),
+            (SectionKind::VertexEnds, Some(words(&vertex_ends))),
+            (SectionKind::VertexWeights, Some(words(&pairs))),
+            (SectionKind::Elements, Some(flat(elements.into_iter().copied().collect()))),
+            (SectionKind::Neighbours, Some(flat(neighbours))),
             (SectionKind::ViewTextures, Some(words(&view_textures))),
             (SectionKind::References, Some(floats(references.as_flattened()))),
             (SectionKind::ViewMasks, Some(words(&masks))),
@@ -156,10 +278,11 @@ impl TextureContent {
 }
 
 impl KernelContent {
-    /// Makes a map of [`ViewsContent::sample`]: two numbers to 9 places with depths, 9 visibilities and 3 scores.
+    /// Makes a map of [`ViewsContent::sample`]: two numbers to 9 places with depths, 9 visibilities, 3 scores, 2 opacities and
+    /// 2 orders.
     pub fn map(name: &str, seed: u64) -> Self {
         let mut rng = Rng(seed);
-        let m = 4 * POINTS + VIEWS;
+        let m = 4 * POINTS + VIEWS + 2 * LAYERS;
         let plain = Self::plain(Kernel::Gaussian, [2, 6, m]);
         // What a value is about, what turns it with either number, and by how much centres move it.
         let grid: Vec<_> = grid().collect();
@@ -168,7 +291,11 @@ impl KernelContent {
             (point, 1) if point < POINTS => (5.0 + 15.0 * grid[point][1], [-0.5, 1.5], 2.0),
             (point, _) if point < POINTS => (grid[point][0] - 1.0, [-1.0, 0.25], 0.5),
             _ if value < 4 * POINTS => (0.875, [0.0, 0.125], 0.25),
-            _ => (0.0, [(value - 4 * POINTS) as f32 - 1.0, 0.125], 0.25),
+            _ if value < 4 * POINTS + VIEWS => {
+                (0.0, [(value - 4 * POINTS) as f32 - 1.0, 0.125], 0.25)
+            }
+            _ if value < 4 * POINTS + VIEWS + LAYERS => (0.75, [0.25, 0.0], 0.0),
+            _ => ((value - 4 * POINTS - VIEWS - LAYERS) as f32, [0.0; 2], 0.0),
         };
         let coefficients = (0..m).map(|value| {
             let (about, turns, moves) = row(value);
@@ -180,7 +307,7 @@ impl KernelContent {
         let place =
             OutputRow { kind: OutputKind::Vector3, range: (0.0, 0.0), neutral: [0.0; 4], ..free };
         let places = (0..POINTS).map(|point| (format!("point {point}"), place));
-        let numbers = (0..POINTS + VIEWS).map(|number| (format!("number {number}"), free));
+        let numbers = (0..POINTS + VIEWS + 2 * LAYERS).map(|number| (format!("number {number}"), free));
         Self {
             name: name.to_owned(),
             outputs: places.chain(numbers).collect(),
@@ -221,7 +348,14 @@ impl Pieces {
 }
 
 /// The golden files of objects, as [`Pieces::viewed`] makes them.
-pub const VIEWED_NAMES: [&str; 2] = ["views-7.snw", "views-7-transferred.snw"];
+pub const VIEWED_NAMES: [&str; 2] = ["views-8.snw", "views-8-transferred.snw"];
+
+/// Lists the edges of an element, by their ends.
+fn edges(element: &[u16; 4]) -> Vec<[u16; 2]> {
+    let own: Vec<u16> = element.iter().copied().filter(|vertex| *vertex != NO_VERTEX).collect();
+    let ends = own.iter().cycle().skip(1);
+    own.iter().zip(ends).map(|(a, b)| [*a, *b]).collect()
+}
 
 /// Lists the places of a grid, row by row.
 fn grid() -> impl Iterator<Item = [f32; 2]> {

@@ -1,0 +1,108 @@
+//! Which key views a picture is made of, and how much of each (METHOD §6.9).
+
+use crate::numeric::greater;
+
+/// The most key views that an element has its texture from.
+pub(super) const SOURCES: usize = 8;
+/// What a view of a score that is not positive counts, beside a score of 1: where no other shows an element, it does.
+const FAR: f32 = 1e-3;
+/// What a view counts that does not fit, beside one that does.
+const UNFIT: f32 = 1e-6;
+/// Share of the greatest count from which on a view is part of the picture; it starts there from nothing.
+const LEAST: f32 = 0.1;
+
+/// Key views with their shares, which sum to 1; the greatest first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blend {
+    views: [(usize, f32); SOURCES],
+    len: usize,
+}
+
+impl Blend {
+    /// Weighs key views by their scores. Shares are continuous in both arguments.
+    ///
+    /// - `fits`: how far a view shows what is to be seen, from 0 to 1.
+    pub(super) fn new(scores: &[f32], fits: impl Fn(usize) -> f32) -> Self {
+        let highest = scores.iter().copied().fold(f32::NEG_INFINITY, greater);
+        // One more than there is room for: what it counts is taken off the others, so that none leaves suddenly.
+        let mut most = [(0, 0.0); SOURCES + 1];
+        for (view, score) in scores.iter().enumerate() {
+            let near = greater(*score, 0.0) + FAR / (1.0 + (highest - score));
+            let mut own = (view, near * (fits(view) + UNFIT));
+            for other in &mut most {
+                if own.1 > other.1 {
+                    core::mem::swap(&mut own, other);
+                }
+            }
+        }
+        let [first, .., last] = most;
+        let least = greater(LEAST * first.1, last.1);
+        let mut out = Self { views: [(0, 0.0); SOURCES], len: 0 };
+        let mut whole = 0.0;
+        for (out, (view, count)) in out.views.iter_mut().zip(most) {
+            *out = (view, greater(count - least, 0.0));
+            whole += out.1;
+        }
+        if whole > 0.0 {
+            out.views.iter_mut().for_each(|(_, share)| *share /= whole);
+        } else {
+            // As many views as there is not room for count alike.
+            out.views[0] = (first.0, 1.0);
+        }
+        out.len = out.views.iter().take_while(|(_, share)| *share > 0.0).count();
+        out
+    }
+
+    /// Lists the views and their shares.
+    pub(super) fn views(&self) -> &[(usize, f32)] {
+        self.views.get(..self.len).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    fn shares(scores: &[f32], fits: &[f32]) -> Vec<f32> {
+        let mut out = std::vec![0.0; scores.len()];
+        let blend = Blend::new(scores, |view| fits[view]);
+        blend.views().iter().for_each(|(view, share)| out[*view] += share);
+        out
+    }
+
+    #[test]
+    fn a_key_view_is_its_own_picture_and_between_two_both_count() {
+        assert_eq!(shares(&[0.0, 1.0, 0.0], &[1.0; 3]), [0.0, 1.0, 0.0]);
+        let [a, b, c] = shares(&[0.5, 0.5, -0.25], &[1.0; 3])[..] else { unreachable!() };
+        assert_eq!((a, b, c), (0.5, 0.5, 0.0));
+    }
+
+    #[test]
+    fn a_view_that_does_not_fit_counts_where_no_other_does() {
+        assert_eq!(shares(&[0.0, 1.0, 0.0], &[1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
+        assert_eq!(shares(&[0.0, 1.0, 0.0], &[0.0; 3]), [0.0, 1.0, 0.0]);
+        // Of those that fit and have no score the nearest.
+        let found = shares(&[-0.5, 1.0, -0.1], &[1.0, 0.0, 1.0]);
+        assert!(found[1] == 0.0 && found[2] > found[0]);
+    }
+
+    #[test]
+    fn shares_are_continuous() {
+        let mut before: Option<Vec<f32>> = None;
+        for step in 0..=4000 {
+            let x = step as f32 / 1000.0 - 2.0;
+            // Twelve views along a line, each of a score that falls with the distance.
+            let scores: Vec<f32> =
+                (0..12).map(|k| 0.4 - (x - (k as f32 / 3.0 - 2.0)).abs() * 0.3).collect();
+            let fits: Vec<f32> = (0..12).map(|k| (x + k as f32 / 6.0).clamp(0.0, 1.0)).collect();
+            let found = shares(&scores, &fits);
+            assert!((found.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+            if let Some(before) = before.replace(found.clone()) {
+                let most = before.iter().zip(&found).map(|(a, b)| (a - b).abs());
+                assert!(most.fold(0.0, f32::max) < 0.02, "{x}");
+            }
+        }
+    }
+}
