@@ -8,8 +8,13 @@ use crate::linear::Le;
 use core::num::NonZeroU16;
 
 /// The most counts of a part, of any kind.
-pub(crate) const COUNTS: usize =
-    if cfg!(any(feature = "shapes", feature = "views")) { 9 } else { 8 };
+pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
+    11
+} else if cfg!(feature = "shapes") {
+    9
+} else {
+    8
+};
 /// The most sizes that rules multiply, of any kind of part.
 const SIZES: usize = match (
     cfg!(feature = "views"),

@@ -100,8 +100,8 @@ pub enum SectionKind {
     PriorFit = 46,
     /// Which elements each layer of an object has, and which layer it shows itself on.
     Layers = 47,
-    /// Where the weights of each vertex of an object end.
-    VertexEnds = 48,
+    /// Where the weights of each vertex of an object end, and where it stands without them.
+    Vertices = 48,
     /// By which control points vertices of an object stand, and how much each counts.
     VertexWeights = 49,
     /// Counts of an object.
@@ -198,7 +198,7 @@ impl SectionKind {
         Self::CancelPairs,
         Self::PriorFit,
         Self::Layers,
-        Self::VertexEnds,
+        Self::Vertices,
         Self::VertexWeights,
         Self::ViewsCounts,
         Self::Maps,
@@ -285,7 +285,7 @@ impl SectionKind {
             Self::CancelPairs => "cancel_pairs",
             Self::PriorFit => "prior_fit",
             Self::Layers => "layers",
-            Self::VertexEnds => "vertex_ends",
+            Self::Vertices => "vertices",
             Self::VertexWeights => "vertex_weights",
             Self::ViewsCounts => "views_counts",
             Self::Maps => "maps",
@@ -318,7 +318,8 @@ impl SectionKind {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
             Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
-            Self::Symmetry | Self::Texels | Self::VertexWeights => &[Element::Mixed],
+            Self::Symmetry | Self::Texels => &[Element::Mixed],
+            Self::Vertices | Self::VertexWeights => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
             Self::CancelPairs | Self::Elements | Self::Neighbours => &[Element::U16],
             #[cfg(feature = "record")]
@@ -328,7 +329,7 @@ impl SectionKind {
             Self::PriorCounts | Self::ViewsCounts | Self::FilterCounts => &[Element::U32],
             #[cfg(feature = "record")]
             Self::RecordCounts => &[Element::U32],
-            Self::Layers | Self::VertexEnds => &[Element::U32],
+            Self::Layers => &[Element::U32],
             Self::Maps | Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],

@@ -2,10 +2,10 @@
 
 use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place};
 use super::view::{Layer, Views};
-use crate::format::content::{check_counts, check_floats, check_index, check_names};
+use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
-use crate::format::{FileErrorKind as Kind, SectionKind, saturated};
+use crate::format::{FileErrorKind as Kind, MAGNITUDE_MAX, SectionKind, saturated};
 use crate::kernel::{OutputKind, OutputRow};
 use crate::linear::Le;
 
@@ -16,13 +16,15 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     let ranges = [
         (place::POINTS, 1, most),
         (place::VERTICES, 0, most),
-        (place::WEIGHTS, 0, u32::MAX / 8),
+        (place::WEIGHTS, 0, u32::MAX / 12),
         (place::ELEMENTS, 0, most),
         (place::LAYERS, 1, most),
         (place::VIEWS, 1, most),
         (place::MAPS, 1, most),
         (place::TEXTURES, 1, most),
         (place::TEXELS, 1, u32::MAX / 4),
+        (place::SIZE[0], 1, most),
+        (place::SIZE[1], 1, most),
     ];
     check_counts(loading, SectionKind::ViewsCounts, words, &ranges)?;
     Ok(ViewsCounts::from_words(first_counts(words)).asked())
@@ -102,21 +104,25 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
 
 /// Checks that vertices stand by points of the object.
 fn check_vertices(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
-    let (mut before, found) = (0, views.counts().weight_len);
-    for (index, end) in views.ends().iter().enumerate() {
+    let (section, found) = (SectionKind::Vertices, views.counts().weight_len);
+    let mut before = 0;
+    for (index, [end, x, y]) in views.vertices().iter().enumerate() {
         let end = u32::from_le_bytes(*end);
         if end < before {
-            return loading.invalid(SectionKind::VertexEnds, index);
+            return loading.invalid(section, index);
         }
         before = end;
+        if let Some(at) = outside(&[*x, *y], [-MAGNITUDE_MAX, MAGNITUDE_MAX]) {
+            return Err(loading.refuse(Kind::Float, Some(section), 3 * index + 1 + at, [0; 2]));
+        }
     }
     if before != found {
-        let (section, index) = (SectionKind::VertexEnds, views.vertex_len());
-        return Err(loading.refuse(Kind::Mismatch, Some(section), index, [found, before]));
+        let values = [found, before];
+        return Err(loading.refuse(Kind::Mismatch, Some(section), views.vertex_len(), values));
     }
-    for (index, [point, _]) in views.weights().iter().enumerate() {
+    for (index, [point, ..]) in views.weights().iter().enumerate() {
         let (section, point) = (SectionKind::VertexWeights, u32::from_le_bytes(*point));
-        check_index(loading, section, 2 * index, views.counts().point_len, point)?;
+        check_index(loading, section, 3 * index, views.counts().point_len, point)?;
     }
     Ok(())
 }

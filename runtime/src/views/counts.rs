@@ -33,33 +33,27 @@ pub struct ViewsCounts {
     pub texture_len: u32,
     /// Texels of all textures.
     pub texel_len: u32,
+    /// Width and height of the screen on which points are, in pixels.
+    pub size: [u32; 2],
 }
 
 impl ViewsCounts {
     /// Bytes of section `views_counts`.
-    pub const BYTES: usize = 36;
+    pub const BYTES: usize = 44;
 
     /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 9] {
+    pub const fn words(&self) -> [u32; 11] {
         let Self { point_len, vertex_len, weight_len, element_len, layer_len, .. } = *self;
-        let Self { view_len, map_len, texture_len, texel_len, .. } = *self;
-        [
-            point_len,
-            vertex_len,
-            weight_len,
-            element_len,
-            layer_len,
-            view_len,
-            map_len,
-            texture_len,
-            texel_len,
-        ]
+        let Self { view_len, map_len, texture_len, texel_len, size: [width, height], .. } = *self;
+        let [k, v, w, e] = [point_len, vertex_len, weight_len, element_len];
+        let [l, n, m, t] = [layer_len, view_len, map_len, texture_len];
+        [k, v, w, e, l, n, m, t, texel_len, width, height]
     }
 
     /// Makes them of their words.
-    pub const fn from_words(words: [u32; 9]) -> Self {
+    pub const fn from_words(words: [u32; 11]) -> Self {
         let [point_len, vertex_len, weight_len, element_len, layer_len, rest @ ..] = words;
-        let [view_len, map_len, texture_len, texel_len] = rest;
+        let [view_len, map_len, texture_len, texel_len, size @ ..] = rest;
         Self {
             point_len,
             vertex_len,
@@ -70,6 +64,7 @@ impl ViewsCounts {
             map_len,
             texture_len,
             texel_len,
+            size,
         }
     }
 
@@ -139,6 +134,7 @@ pub(crate) mod place {
     pub(crate) const MAPS: usize = 6;
     pub(crate) const TEXTURES: usize = 7;
     pub(crate) const TEXELS: usize = 8;
+    pub(crate) const SIZE: [usize; 2] = [9, 10];
 }
 
 /// The sections of an object, in the order in which the trainer writes them.
@@ -153,8 +149,8 @@ pub(crate) const RULES: [Rule; 15] = [
     Rule::new(SectionKind::Names, 4, [12, 0]).or_more(4),
     Rule::new(SectionKind::Maps, 4, [7, 0]),
     Rule::new(SectionKind::Layers, 12, [5, 0]),
-    Rule::new(SectionKind::VertexEnds, 4, [2, 0]),
-    Rule::floats(SectionKind::VertexWeights, 8, [3, 0]).floats_after(1),
+    Rule::new(SectionKind::Vertices, 12, [2, 0]),
+    Rule::floats(SectionKind::VertexWeights, 12, [3, 0]).floats_after(1),
     Rule::new(SectionKind::Elements, 8, [4, 0]),
     Rule::new(SectionKind::Neighbours, 8, [4, 0]),
     Rule::new(SectionKind::ViewTextures, 4, [6, 5]),

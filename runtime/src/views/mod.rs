@@ -20,4 +20,4 @@ pub use counts::{CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, Vie
 pub use frame::{Found, Frame, FrameJob};
 pub use render::{Drawn, RenderJob, RenderScratch};
 pub use texture::Texture;
-pub use view::{Element, Layer, Views, ViewsLayout};
+pub use view::{Element, Layer, Vertex, Views, ViewsLayout};

@@ -59,15 +59,11 @@ impl RenderJob<'_> {
     /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or the scratch have another length; or
     ///   `out` is not of whole rows.
     /// - [`CallErrorKind::NonFinite`]: a point is not finite.
-    pub fn run(
-        &self,
-        scratch: RenderScratch<'_>,
-        out: &mut [[u8; 4]],
-    ) -> Result<Drawn, CallError> {
+    pub fn run(&self, scratch: RenderScratch<'_>, out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
         self.check(&scratch, out)?;
         let RenderScratch { vertices, order, depths, clips } = scratch;
         for (number, vertex) in vertices.iter_mut().enumerate() {
-            *vertex = self.place(number);
+            *vertex = self.views.vertex(number).map_or([0.0; 3], |vertex| vertex.at(self.points));
         }
         let picture = Picture { job: self, vertices };
         let (layers, elements) = order.split_at_mut(self.views.layer_len().min(order.len()));
@@ -125,23 +121,6 @@ impl RenderJob<'_> {
     /// Returns opacity and order of a layer.
     fn layer_numbers(&self, layer: usize) -> [f32; 2] {
         self.layers.get(layer).copied().unwrap_or_default()
-    }
-
-    /// Returns where a vertex is.
-    fn place(&self, vertex: usize) -> [f32; 3] {
-        let mut out = [0.0; 3];
-        for (point, weight) in self.views.vertex(vertex) {
-            let point = self.points.get(point).copied().unwrap_or_default();
-            out.iter_mut().zip(point).for_each(|(out, x)| *out += x * weight);
-        }
-        out
-    }
-
-    /// Returns the point that a vertex is, if it is one.
-    fn point(&self, vertex: usize) -> Option<usize> {
-        let mut own = self.views.vertex(vertex);
-        let (point, weight) = own.next()?;
-        (weight == 1.0 && own.next().is_none()).then_some(point)
     }
 }
 
@@ -231,7 +210,7 @@ impl Picture<'_> {
         // Of vertices that are no points nothing is hidden but the whole layer.
         let mut points = [None; 4];
         for (out, vertex) in points.iter_mut().zip(vertices) {
-            *out = job.point(*vertex);
+            *out = job.views.vertex(*vertex).and_then(|vertex| vertex.point());
         }
         let points = points.iter().flatten();
         let seen = points.clone().filter_map(|point| job.visibility.get(*point).copied());

@@ -11,7 +11,7 @@ use crate::names::Names;
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const MAPS: usize = Rule::place(&RULES, SectionKind::Maps);
 const LAYERS: usize = Rule::place(&RULES, SectionKind::Layers);
-const ENDS: usize = Rule::place(&RULES, SectionKind::VertexEnds);
+const VERTICES: usize = Rule::place(&RULES, SectionKind::Vertices);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::VertexWeights);
 const ELEMENTS: usize = Rule::place(&RULES, SectionKind::Elements);
 const NEIGHBOURS: usize = Rule::place(&RULES, SectionKind::Neighbours);
@@ -39,6 +39,47 @@ impl Element {
             Self::Triangle(vertices) => vertices,
             Self::Quad(vertices) => vertices,
         }
+    }
+}
+
+/// A vertex of an object: it stands at a place of its own, moved by the weighted sum of points.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<'a> {
+    place: [f32; 2],
+    weights: &'a [[Le; 3]],
+}
+
+impl<'a> Vertex<'a> {
+    /// Returns where it stands without points.
+    pub const fn place(&self) -> [f32; 2] {
+        self.place
+    }
+
+    /// Lists points by number, each with its weight: a complex number [a, b], by which the point is scaled and turned,
+    /// x to a x - b y and y to b x + a y.
+    pub fn weights(&self) -> impl Iterator<Item = (usize, [f32; 2])> + use<'a> {
+        let pair = |[point, a, b]: &[Le; 3]| {
+            (u32::from_le_bytes(*point) as usize, [*a, *b].map(f32::from_le_bytes))
+        };
+        self.weights.iter().map(pair)
+    }
+
+    /// Returns the point that it is, if it is one.
+    pub fn point(&self) -> Option<usize> {
+        let (point, weight) = self.weights().next().filter(|_| self.weights.len() == 1)?;
+        (self.place == [0.0; 2] && weight == [1.0, 0.0]).then_some(point)
+    }
+
+    /// Returns where it is, and how far away.
+    pub(super) fn at(&self, points: &[[f32; 3]]) -> [f32; 3] {
+        let [mut x, mut y] = self.place;
+        let mut depth = 0.0;
+        for (point, [a, b]) in self.weights() {
+            let [px, py, pz] = points.get(point).copied().unwrap_or_default();
+            (x, y) = (x + (a * px - b * py), y + (b * px + a * py));
+            depth += a * pz;
+        }
+        [x, y, depth]
     }
 }
 
@@ -89,6 +130,12 @@ impl<'a> Views<'a> {
     /// Returns L, the number of layers.
     pub const fn layer_len(&self) -> usize {
         self.counts().layer_len as usize
+    }
+
+    /// Returns width and height of the screen on which points are, in pixels.
+    pub const fn size(&self) -> [usize; 2] {
+        let [width, height] = self.counts().size;
+        [width as usize, height as usize]
     }
 
     /// Returns N, the number of key views.
@@ -149,15 +196,15 @@ impl<'a> Views<'a> {
         core::iter::successors(next(&layer), next)
     }
 
-    /// Lists the points by which a vertex stands, each with its weight: it is where their sum is.
-    pub fn vertex(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + 'a {
-        let ends = self.ends();
-        let end = |vertex: usize| ends.get(vertex).map(|le| u32::from_le_bytes(*le) as usize);
-        let first = vertex.checked_sub(1).and_then(end).unwrap_or(0);
-        let own = end(vertex).and_then(|end| self.weights().get(first..end));
-        own.unwrap_or_default().iter().map(|[point, weight]| {
-            (u32::from_le_bytes(*point) as usize, f32::from_le_bytes(*weight))
-        })
+    /// Returns a vertex.
+    pub fn vertex(&self, vertex: usize) -> Option<Vertex<'a>> {
+        let rows = self.vertices();
+        let [end, x, y] = rows.get(vertex)?;
+        let before = vertex.checked_sub(1).and_then(|before| rows.get(before));
+        let first = before.map_or(0, |[end, ..]| u32::from_le_bytes(*end) as usize);
+        let end = u32::from_le_bytes(*end) as usize;
+        let weights = self.weights().get(first..end).unwrap_or_default();
+        Some(Vertex { place: [*x, *y].map(f32::from_le_bytes), weights })
     }
 
     /// Returns an element; those of a layer are drawn in their order where depths do not tell another.
@@ -246,11 +293,11 @@ impl<'a> Views<'a> {
         self.0.array(LAYERS)
     }
 
-    pub(super) fn ends(&self) -> &'a [Le] {
-        self.0.bytes(ENDS).as_chunks().0
+    pub(super) fn vertices(&self) -> &'a [[Le; 3]] {
+        self.0.array(VERTICES)
     }
 
-    pub(super) fn weights(&self) -> &'a [[Le; 2]] {
+    pub(super) fn weights(&self) -> &'a [[Le; 3]] {
         self.0.array(WEIGHTS)
     }
 

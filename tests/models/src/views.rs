@@ -17,8 +17,10 @@ pub struct ViewsContent {
     pub maps: Vec<u32>,
     /// K.
     pub point_len: usize,
-    /// V: points and their weights.
-    pub vertices: Vec<Vec<(u32, f32)>>,
+    /// Width and height of the screen.
+    pub size: [u32; 2],
+    /// V: places of their own, and points with their weights.
+    pub vertices: Vec<([f32; 2], Vec<(u32, [f32; 2])>)>,
     /// L.
     pub layers: Vec<LayerContent>,
     /// N.
@@ -125,14 +127,18 @@ impl ViewsContent {
             clip: 0,
             flags: 0,
         };
-        let point = |point| vec![(point, 1.0)];
+        let point = |point| ([0.0; 2], vec![(point, [1.0, 0.0])]);
         let mut out = Self {
             name: "object".to_owned(),
             maps,
             point_len: POINTS,
+            size: [48, 40],
             vertices: (0..POINTS as u32)
                 .map(point)
-                .chain([vec![(5, 0.75), (7, 0.5), (4, -0.25)]])
+                .chain([(
+                    [0.5, -0.25],
+                    vec![(5, [0.75, 0.0]), (7, [0.5, 0.125]), (4, [-0.25, -0.125])],
+                )])
                 .collect(),
             layers: vec![body, mark],
             views: ["left", "front", "right"].into_iter().enumerate().map(view).collect(),
@@ -144,13 +150,20 @@ impl ViewsContent {
     }
 
     /// Makes an object of its points alone, in one layer, as a key view each shows it.
-    pub fn plain(elements: Vec<[u16; 4]>, views: Vec<ViewContent>, texture: TextureContent) -> Self {
+    pub fn plain(
+        elements: Vec<[u16; 4]>,
+        views: Vec<ViewContent>,
+        texture: TextureContent,
+    ) -> Self {
         let point_len = views.first().map_or(0, |view| view.visible.len());
         let mut out = Self {
             name: "object".to_owned(),
             maps: vec![0],
             point_len,
-            vertices: (0..point_len as u32).map(|point| vec![(point, 1.0)]).collect(),
+            size: [texture.width, texture.height],
+            vertices: (0..point_len as u32)
+                .map(|point| ([0.0; 2], vec![(point, [1.0, 0.0])]))
+                .collect(),
             layers: vec![LayerContent {
                 name: "object".to_owned(),
                 elements,
@@ -198,7 +211,7 @@ impl ViewsContent {
         let neighbours = self.layers.iter().flat_map(|layer| layer.neighbours.clone());
         let neighbours: Vec<_> = neighbours.collect();
         let texels: Vec<_> = self.textures.iter().flat_map(|texture| &texture.texels).collect();
-        let weights: Vec<_> = self.vertices.iter().flatten().collect();
+        let weights: Vec<_> = self.vertices.iter().flat_map(|(_, weights)| weights).collect();
         let counts = [
             self.point_len,
             self.vertices.len(),
@@ -210,7 +223,8 @@ impl ViewsContent {
             self.textures.len(),
             texels.len(),
         ];
-        let counts: Vec<_> = counts.map(|len| len as u32).into();
+        let counts = counts.map(|len| len as u32);
+        let counts = [&counts[..], &self.size].concat();
         let names_of_views = views.iter().map(|view| view.name.clone());
         let names_of_layers = self.layers.iter().map(|layer| layer.name.clone());
         let all_names: Vec<_> = names_of_views.chain(names_of_layers).collect();
@@ -225,9 +239,13 @@ impl ViewsContent {
         let layers = self.layers.iter().zip(layer_ends);
         let layers: Vec<_> =
             layers.flat_map(|(layer, end)| [end, layer.clip, layer.flags]).collect();
-        let vertex_ends = sums(self.vertices.iter().map(Vec::len).collect());
-        let pairs = weights.iter().flat_map(|(point, weight)| [*point, weight.to_bits()]);
-        let pairs: Vec<_> = pairs.collect();
+        let vertex_ends = sums(self.vertices.iter().map(|(_, weights)| weights.len()).collect());
+        let vertices = self.vertices.iter().zip(vertex_ends);
+        let vertices = vertices.flat_map(|(([x, y], _), end)| [end, x.to_bits(), y.to_bits()]);
+        let vertices: Vec<_> = vertices.collect();
+        let weight_rows =
+            weights.iter().flat_map(|(point, [a, b])| [*point, a.to_bits(), b.to_bits()]);
+        let weight_rows: Vec<_> = weight_rows.collect();
         let mut start = 0;
         let rows = self.textures.iter().flat_map(|texture| {
             let row = [texture.width, texture.height, start];
@@ -252,8 +270,8 @@ impl ViewsContent {
             (SectionKind::Names, Some(names(&self.name, &all_names))),
             (SectionKind::Maps, Some(words(&self.maps))),
             (SectionKind::Layers, Some(words(&layers))),
-            (SectionKind::VertexEnds, Some(words(&vertex_ends))),
-            (SectionKind::VertexWeights, Some(words(&pairs))),
+            (SectionKind::Vertices, Some(words(&vertices))),
+            (SectionKind::VertexWeights, Some(words(&weight_rows))),
             (SectionKind::Elements, Some(flat(elements.into_iter().copied().collect()))),
             (SectionKind::Neighbours, Some(flat(neighbours))),
             (SectionKind::ViewTextures, Some(words(&view_textures))),
@@ -307,7 +325,8 @@ impl KernelContent {
         let place =
             OutputRow { kind: OutputKind::Vector3, range: (0.0, 0.0), neutral: [0.0; 4], ..free };
         let places = (0..POINTS).map(|point| (format!("point {point}"), place));
-        let numbers = (0..POINTS + VIEWS + 2 * LAYERS).map(|number| (format!("number {number}"), free));
+        let numbers =
+            (0..POINTS + VIEWS + 2 * LAYERS).map(|number| (format!("number {number}"), free));
         Self {
             name: name.to_owned(),
             outputs: places.chain(numbers).collect(),

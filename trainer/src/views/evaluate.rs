@@ -62,8 +62,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
         let views: &[View] = if is_tested { &examples.test } else { &examples.train };
         for (number, view) in views.iter().enumerate() {
-            // Each by itself: what was shown before must not matter.
-            let mut player = Player::new(model, Some(&examples.name)).map_err(wrong(number))?;
+            let player = Player::new(model, Some(&examples.name)).map_err(wrong(number))?;
             let file = player.views().point_len();
             if file != view.points.len() {
                 return Err(EvaluateError::Points { file, views: view.points.len() });

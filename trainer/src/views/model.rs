@@ -2,23 +2,23 @@
 
 use super::deformation::Reference;
 use super::fit::MapOutputs;
-use super::set::Element;
+use super::mesh::Mesh;
 use crate::kernel::model::KernelModel;
 use crate::page::picture::Picture;
-
-/// By how much a key view's score must be above that of the one before, where neighbours differ by 1 at their own
-/// parameters: a tenth of the way between them.
-pub const MARGIN: f64 = 0.2;
 
 /// An object: its key views, and maps from parameters to its points.
 #[derive(Clone, Debug)]
 pub struct ViewsModel {
     /// Its name.
     pub name: String,
+    /// Width and height of the screen, pixels.
+    pub size: [usize; 2],
     /// Control points, K.
     pub point_len: usize,
-    /// Elements.
-    pub elements: Vec<Element>,
+    /// Vertices, and the elements of each layer between them.
+    pub mesh: Mesh,
+    /// Layers, L.
+    pub layers: Vec<LayerModel>,
     /// Key views, N.
     pub keys: Vec<KeyView>,
     /// Maps, each with the outputs of [`MapOutputs`].
@@ -27,14 +27,25 @@ pub struct ViewsModel {
     pub fit: Reached,
 }
 
+/// A layer beside its elements.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LayerModel {
+    /// Its name.
+    pub name: String,
+    /// The layer that clips it.
+    pub clip: Option<usize>,
+    /// Whether its elements hide each other by depth.
+    pub has_depth: bool,
+}
+
 /// A key view.
 #[derive(Clone, Debug)]
 pub struct KeyView {
     /// Its name.
     pub name: String,
-    /// Its picture.
-    pub picture: Picture,
-    /// Where points are in it, K.
+    /// L pictures, each with where its corner is on the screen; none of a layer that it does not show.
+    pub pictures: Vec<Option<(Picture, [usize; 2])>>,
+    /// Where points are on the screen, K.
     pub points: Vec<[f64; 2]>,
     /// Which of them are seen, K.
     pub visible: Vec<bool>,
@@ -56,6 +67,6 @@ pub struct Reached {
 impl ViewsModel {
     /// Returns how many outputs each map has.
     pub fn outputs(&self) -> MapOutputs {
-        MapOutputs { points: self.point_len, views: self.keys.len() }
+        MapOutputs { points: self.point_len, views: self.keys.len(), layers: self.layers.len() }
     }
 }

@@ -6,15 +6,16 @@ use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use sinew_runtime::kernel::KernelMap;
-use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, Order, RenderJob, Views};
+use sinew_runtime::views::{
+    Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Vertex, Views,
+};
 use sinew_runtime::{CallError, Model};
 
-/// One of a model's maps, with what it showed last.
+/// One of a model's maps.
 pub struct Player<'a> {
     views: Views<'a>,
     map: KernelMap<'a>,
     inputs: Vec<Input>,
-    last: Option<usize>,
 }
 
 /// What a map gives for parameters, in single precision.
@@ -26,6 +27,8 @@ pub struct Played {
     pub visibility: Vec<f32>,
     /// N scores.
     pub scores: Vec<f32>,
+    /// Of L layers opacity and order.
+    pub layers: Vec<[f32; 2]>,
     /// The characteristic view.
     pub view: usize,
     /// The map's confidence.
@@ -75,7 +78,7 @@ impl<'a> Player<'a> {
             PlayError::Missing(format!("it has no map \"{map}\"; there are {}", names.join(", ")))
         };
         let map = found.ok_or_else(unknown)?;
-        Ok(Self { views, map, inputs: inputs_of(&map), last: None })
+        Ok(Self { views, map, inputs: inputs_of(&map) })
     }
 
     /// Returns the map.
@@ -98,25 +101,38 @@ impl<'a> Player<'a> {
         (0..).map_while(|element| self.views.element(element)).collect()
     }
 
-    /// Returns a key view's picture, of straight alpha.
-    pub fn key_picture(&self, view: usize) -> Option<Picture> {
-        let texture = self.views.texture(self.views.view_texture(view)?)?;
+    /// Returns a key view's picture of a layer, of straight alpha; none of one that it does not show.
+    pub fn key_picture(&self, view: usize, layer: usize) -> Option<Picture> {
+        let texture = self.views.texture(self.views.view_texture(view, layer)?)?;
         let [width, height] = texture.size();
         let rgba = texture.texels().as_flattened().to_vec();
         Some(Picture { size: Resolution { width, height }, rgba })
     }
 
-    /// Returns the width and height of the first key view's picture.
+    /// Returns the width and height of the screen.
     pub fn size(&self) -> [usize; 2] {
-        let texture = self.views.view_texture(0).and_then(|number| self.views.texture(number));
-        texture.map_or([0; 2], |texture| texture.size())
+        self.views.size()
     }
 
-    /// Evaluates the map, after what it showed before.
+    /// Returns where vertices are, by where points are.
+    pub fn vertices(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let vertices = (0..).map_while(|vertex| self.views.vertex(vertex));
+        let at = |vertex: Vertex<'_>| {
+            let [mut x, mut y] = vertex.place().map(f64::from);
+            for (point, weight) in vertex.weights() {
+                let ([a, b], [px, py]) = (weight.map(f64::from), points[point]);
+                (x, y) = (x + a * px - b * py, y + b * px + a * py);
+            }
+            [x, y]
+        };
+        vertices.map(at).collect()
+    }
+
+    /// Evaluates the map.
     ///
     /// # Errors
     /// [`PlayError::Values`], [`PlayError::Outside`] and [`PlayError::Call`].
-    pub fn play(&mut self, values: &Values) -> Result<Played, PlayError> {
+    pub fn play(&self, values: &Values) -> Result<Played, PlayError> {
         let given = given(&self.inputs, values)?;
         self.check(values)?;
         let numbers = query_numbers(&self.inputs, &given).map_err(FitError::Given)?;
@@ -126,25 +142,20 @@ impl<'a> Player<'a> {
             points: vec![[0.0; 3]; k],
             visibility: vec![0.0; k],
             scores: vec![0.0; n],
+            layers: vec![[0.0; 2]; self.views.layer_len()],
             view: 0,
             confidence: 0.0,
         };
         let len = self.views.counts().frame_scratch_len(&self.map.counts());
-        let job = FrameJob {
-            views: self.views,
-            map: self.map,
-            parameters: &parameters,
-            last: self.last,
-            margin: self.views.fit().margin,
-        };
+        let job = FrameJob { views: self.views, map: self.map, parameters: &parameters };
         let frame = Frame {
             points: &mut out.points,
             visibility: &mut out.visibility,
             scores: &mut out.scores,
+            layers: &mut out.layers,
         };
         let found = job.run(&mut vec![0.0; len], frame).map_err(PlayError::Call)?;
         (out.view, out.confidence) = (found.view, found.confidence);
-        self.last = Some(found.view);
         Ok(out)
     }
 
@@ -167,8 +178,7 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Draws what was played: by depth where the object has one, else in the order of its elements; colours are times
-    /// their alpha.
+    /// Draws what was played; colours are times their alpha.
     ///
     /// # Errors
     /// [`PlayError::Call`].
@@ -180,18 +190,16 @@ impl<'a> Player<'a> {
             points: &played.points,
             visibility: &played.visibility,
             scores: &played.scores,
-            view: played.view,
+            layers: &played.layers,
             width,
         };
-        let has_depth = played.points.iter().any(|[.., depth]| *depth != 0.0);
-        let drawn = if has_depth {
-            let mut depths = vec![f32::INFINITY; pixels.len()];
-            job.run(Order::Depth(&mut depths), &mut pixels)
-        } else {
-            let mut order = vec![0; self.views.element_len()];
-            job.run(Order::Painter(&mut order), &mut pixels)
+        let scratch = RenderScratch {
+            vertices: &mut vec![[0.0; 3]; self.views.vertex_len()],
+            order: &mut vec![0; self.views.order_len()],
+            depths: &mut vec![0.0; if self.views.has_depth() { pixels.len() } else { 0 }],
+            clips: &mut vec![[0; 2]; if self.views.has_clips() { pixels.len() } else { 0 }],
         };
-        let drawn = drawn.map_err(PlayError::Call)?;
+        let drawn = job.run(scratch, &mut pixels).map_err(PlayError::Call)?;
         let size = Resolution { width, height };
         Ok((Picture { size, rgba: pixels.into_flattened() }, drawn))
     }

@@ -134,7 +134,7 @@ fn shown(
     examples: &Examples,
     values: &Values,
 ) -> Result<(Picture, Played), PlayError> {
-    let mut player = Player::new(model, Some(&examples.name))?;
+    let player = Player::new(model, Some(&examples.name))?;
     let played = player.play(values)?;
     Ok((straight(&player.draw(&played)?.0), played))
 }
@@ -158,7 +158,7 @@ fn between(examples: &Examples) -> Values {
 fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, ReportError> {
     let (picture, played) = shown(model, examples, &between(examples))?;
     let player = Player::new(model, Some(&examples.name))?;
-    let Some(source) = player.key_picture(played.view) else { return Ok(String::new()) };
+    let Some(source) = player.key_picture(played.view, 0) else { return Ok(String::new()) };
     let views = player.views();
     let points: Vec<[f64; 2]> =
         played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
@@ -171,7 +171,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
         out.image([0.0; 2], on_white(picture));
-        for element in player.elements().iter().map(Element::points) {
+        for element in player.elements().iter().map(Element::vertices) {
             if element.iter().all(|&k| seen[k]) {
                 let ring = element.iter().chain(element.first()).map(|&k| points[k]);
                 out.line(ring.collect(), 0.7, EDGE);
@@ -206,7 +206,7 @@ fn lent(
         let views = player.views();
         let mut numbers = 0..views.view_len();
         let number = numbers.find(|&view| views.view_name(view) == named).unwrap_or_default();
-        if let Some(picture) = player.key_picture(number) {
+        if let Some(picture) = player.key_picture(number, 0) {
             figures.push(figure(&picture, name, "", &format!("{name}, before"))?);
         }
     }

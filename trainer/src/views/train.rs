@@ -1,8 +1,11 @@
 //! From a set of views to a model.
 
 use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
-use super::model::{KeyView, Reached, ViewsModel};
-use super::set::{SetError, ViewSet};
+use super::mesh::{Mesh, Shown};
+use super::model::{KeyView, LayerModel, Reached, ViewsModel};
+use super::set::{Layer, SetError, View, ViewSet, triangulated};
+use crate::page::camera::Resolution;
+use crate::page::picture::Picture;
 
 /// A model, and how each of its maps was chosen.
 #[derive(Clone, Debug)]
@@ -38,8 +41,6 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
     if keys.is_empty() {
         return Err(SetError::Empty("pictures").into());
     }
-    let pictures = keys.iter().map(|&(map, view)| key_view(set, map, view));
-    let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
     let mut maps: Vec<FittedMap> = Vec::new();
     for (number, examples) in set.maps.iter().enumerate() {
         let own: Vec<Option<usize>> =
@@ -47,10 +48,24 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         let wrong = |error| TrainError::Fit { map: examples.name.clone(), error };
         maps.push(fit(examples, &own, options).map_err(wrong)?);
     }
+    let mut pictures = Vec::new();
+    for &(map, view) in &keys {
+        let examples = &set.maps[map];
+        let wrong = |error| TrainError::Fit { map: examples.name.clone(), error };
+        let predicted = maps[map].shown(&examples.train[view].values).map_err(wrong)?.points;
+        pictures.push(key_view(set, &examples.train[view], &predicted)?);
+    }
+    let layer = |layer: &Layer| LayerModel {
+        name: layer.name.clone(),
+        clip: layer.clip,
+        has_depth: set.has_depth(),
+    };
     let model = ViewsModel {
         name: set.name.clone(),
+        size: set.size,
         point_len: set.point_len(),
-        elements: set.elements.clone(),
+        mesh: mesh(set, &keys, &pictures)?,
+        layers: set.layers.iter().map(layer).collect(),
         keys: pictures,
         fit: reached(set, &maps),
         maps: maps.iter().map(|map| map.model.clone()).collect(),
@@ -58,17 +73,88 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
     Ok(Trained { model, choices: maps.into_iter().map(|map| map.choice).collect() })
 }
 
-fn key_view(set: &ViewSet, map: usize, view: usize) -> Result<KeyView, SetError> {
-    let view = &set.maps[map].train[view];
-    let image = view.image.as_ref().ok_or(SetError::Empty("pictures"))?;
+/// Loads the pictures of a key view, each cut to what it covers.
+///
+/// - `predicted`: where the map has its points.
+fn key_view(set: &ViewSet, view: &View, predicted: &[[f64; 2]]) -> Result<KeyView, SetError> {
+    let layers = 0..set.layers.len();
+    let picture =
+        |layer| view.picture(layer).map(|image| image.load(set.size).map(|whole| cut(&whole)));
+    let pictures = layers.clone().map(|layer| picture(layer).transpose());
+    let pictures: Vec<Option<_>> =
+        pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
+    let first = layers.filter_map(|layer| view.picture(layer)).next();
+    let image = view.image.as_ref().or(first).ok_or(SetError::Empty("pictures"))?;
     let stem = image.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let known = view.points.iter().zip(predicted).map(|(known, found)| known.unwrap_or(*found));
     Ok(KeyView {
         name: stem.unwrap_or_default(),
-        picture: image.load(set.size)?,
-        points: view.known(),
+        pictures,
+        points: known.collect(),
         visible: view.visible.clone(),
         reference: None,
     })
+}
+
+/// Cuts a picture to what it covers and a pixel around it; none of one that covers nothing.
+pub(super) fn cut(whole: &Picture) -> Option<(Picture, [usize; 2])> {
+    let [width, height] = [whole.size.width, whole.size.height];
+    let covers = |x: usize, y: usize| whole.rgba[4 * (y * width + x) + 3] > 0;
+    let mut rows = (0..height).filter(|&y| (0..width).any(|x| covers(x, y)));
+    let (top, bottom) = (rows.next()?, rows.next_back());
+    let bottom = bottom.unwrap_or(top);
+    let mut columns = (0..width).filter(|&x| (top..=bottom).any(|y| covers(x, y)));
+    let (left, right) = (columns.next()?, columns.next_back());
+    let right = right.unwrap_or(left);
+    let [left, top] = [left, top].map(|first| first.saturating_sub(1));
+    let [right, bottom] = [(right + 2).min(width), (bottom + 2).min(height)];
+    let rgba = (top..bottom)
+        .flat_map(|y| whole.rgba[4 * (y * width + left)..4 * (y * width + right)].iter().copied());
+    let size = Resolution { width: right - left, height: bottom - top };
+    Some((Picture { size, rgba: rgba.collect() }, [left, top]))
+}
+
+/// Makes vertices and elements of all layers.
+fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, SetError> {
+    let mut out = Mesh::default();
+    let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
+    for (number, layer) in set.layers.iter().enumerate() {
+        let seen = |view: &View| layer.points.iter().filter(|&&k| view.visible[k]).count();
+        if !layer.elements.is_empty() {
+            out.add_elements(&layer.elements, set.point_len(), &[]);
+        } else if of(keys[0]).layers.is_empty() {
+            // The key view that shows most points, the first of equals.
+            let most =
+                keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));
+            let frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
+            let elements = triangulated(of(most), &frame, &set.view_name(most))?;
+            out.add_elements(&elements, set.point_len(), &frame);
+        } else {
+            let views = keys.iter().zip(pictures).map(|(&key, picture)| Shown {
+                points: &picture.points,
+                seen: seen(of(key)),
+                picture: picture.pictures[number].as_ref(),
+            });
+            out.add_bent(&layer.points, &views.collect::<Vec<_>>());
+        }
+    }
+    Ok(out)
+}
+
+/// Lists the corners of a picture and the middles of its sides, which stay where they are while points move.
+fn frame([width, height]: [usize; 2]) -> Vec<[f64; 2]> {
+    let [x, y] = [width, height].map(|side| side as f64);
+    let places = [
+        [0.0, 0.0],
+        [0.5, 0.0],
+        [1.0, 0.0],
+        [1.0, 0.5],
+        [1.0, 1.0],
+        [0.5, 1.0],
+        [0.0, 1.0],
+        [0.0, 0.5],
+    ];
+    places.map(|[a, b]| [a * x, b * y]).into()
 }
 
 /// Measures maps at their examples.

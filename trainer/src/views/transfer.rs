@@ -2,12 +2,15 @@
 //! references.
 
 use super::deformation::Reference;
-use super::model::{KeyView, Reached, ViewsModel};
-use super::set::{Element, SetError, View};
+use super::fit::MapOutputs;
+use super::mesh::Mesh;
+use super::model::{KeyView, LayerModel, Reached, ViewsModel};
+use super::set::{SetError, View};
+use super::train::cut;
 use crate::kernel::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
-use sinew_runtime::views::{Element as FileElement, Views};
+use sinew_runtime::views::Views;
 
 /// An instance that cannot be made of a prototype.
 #[derive(Debug, thiserror::Error)]
@@ -77,16 +80,20 @@ pub fn transfer(
         kept.push(number);
     }
     let maps = (0..).map_while(|map| model.map_of(&object, map));
-    let of = |map| restricted(KernelModel::from_file(&map), object.point_len(), &kept);
-    let element = |element| match element {
-        FileElement::Triangle(points) => Element::Triangle(points),
-        FileElement::Quad(points) => Element::Quad(points),
+    let all = MapOutputs::of(&object);
+    let of = |map| restricted(KernelModel::from_file(&map), all, &kept);
+    let layer = |number| {
+        let layer = object.layer(number)?;
+        let name = object.layer_name(number).unwrap_or_default().to_owned();
+        Some(LayerModel { name, clip: layer.clip, has_depth: layer.has_depth })
     };
     let fit = object.fit();
     Ok(ViewsModel {
         name: name.to_owned(),
         point_len: object.point_len(),
-        elements: (0..).map_while(|number| object.element(number)).map(element).collect(),
+        size: object.size(),
+        mesh: Mesh::from_file(&object),
+        layers: (0..).map_while(layer).collect(),
         keys,
         maps: maps.map(of).collect(),
         fit: Reached { visibility: fit.visibility.into(), ..Reached::default() },
@@ -122,7 +129,7 @@ fn key_view(
     let points = view.known();
     Ok(KeyView {
         name: view_name,
-        picture: image.load_any()?,
+        pictures: vec![cut(&image.load_any()?)],
         reference: Some(Reference::new(&own, &points, by_size)),
         points,
         visible: view.visible.clone(),
@@ -130,12 +137,16 @@ fn key_view(
 }
 
 /// Leaves a map with the scores of some key views.
-fn restricted(mut model: KernelModel, points: usize, kept: &[usize]) -> KernelModel {
-    let values: Vec<usize> =
-        (0..4 * points).chain(kept.iter().map(|view| 4 * points + view)).collect();
-    let outputs = (0..2 * points).chain(kept.iter().map(|view| 2 * points + view));
+fn restricted(mut model: KernelModel, all: MapOutputs, kept: &[usize]) -> KernelModel {
+    let MapOutputs { points, views, layers } = all;
+    let rows = |first: usize| -> Vec<usize> {
+        let scores = kept.iter().map(|view| first + view);
+        let others = first + views..first + views + 2 * layers;
+        (0..first).chain(scores).chain(others).collect()
+    };
+    let outputs = rows(2 * points).into_iter();
     model.outputs = outputs.filter_map(|output| model.outputs.get(output).cloned()).collect();
-    let own = &model.sum.coefficients;
+    let (values, own) = (rows(4 * points), &model.sum.coefficients);
     model.sum.coefficients = Mat::from_fn(values.len(), own.ncols(), |r, c| own[(values[r], c)]);
     model
 }

@@ -43,7 +43,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let about = || arguments.model.display().to_string();
     let path = read(&arguments.path)?;
     let model = load(&arguments.model)?;
-    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let mut frames =
         Frames::new(&arguments.frames, &[arguments.model.clone(), arguments.path.clone()])?;
     for (number, values) in path.iter().enumerate() {

@@ -29,7 +29,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             counted(set.maps.len(), "motion", "motions"),
             counted(views, "view", "views"),
             counted(set.point_len(), "point", "points"),
-            counted(set.elements.len(), "element", "elements"),
+            counted(set.element_len(), "element", "elements"),
         );
     }
     output.print(&json!({ "sets": sets.iter().map(as_json).collect::<Vec<_>>() }), &text)
@@ -40,7 +40,7 @@ fn as_json(set: &ViewSet) -> Value {
         "name": printable(&set.name),
         "maps": set.maps.iter().map(|map| &map.name).collect::<Vec<_>>(),
         "points": set.point_len(),
-        "elements": set.elements.len(),
+        "elements": set.element_len(),
         "key_views": set.key_views().len(),
     })
 }

@@ -35,7 +35,7 @@ pub(in crate::cli) struct Arguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     let model = load(&arguments.model)?;
-    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let mut follower = Follower::new(&player).with_context(about)?;
     let track = read(&arguments.track, follower.point_len())?;
     let taken = [arguments.model.clone(), arguments.track.clone()];

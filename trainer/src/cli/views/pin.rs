@@ -47,12 +47,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
     ending(&arguments.out, &["png"])?;
     let model = load(&arguments.model)?;
-    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     if player.views().is_transferred() {
         bail!("{}: its motion is lent: drag its prototype", about());
     }
-    let outputs =
-        MapOutputs { points: player.views().point_len(), views: player.views().view_len() };
+    let outputs = MapOutputs::of(player.views());
     for (number, (point, _)) in arguments.pin.iter().enumerate() {
         if *point >= outputs.points {
             bail!("pin {number}: point {point}, of {}", outputs.points);

@@ -42,7 +42,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let target = OutputFile::new(&arguments.out, &taken)?;
     ending(&arguments.out, &["png"])?;
     let model = load(&arguments.model)?;
-    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let values = match &arguments.points {
         Some(file) => tracked(&mut Follower::new(&player).with_context(about)?, file)?,
         None => values(&arguments.set)?,

@@ -29,7 +29,7 @@ impl Follower {
             bail!("its motion is lent: drive its prototype, and animate it along");
         }
         let map = KernelModel::from_file(player.map());
-        let outputs = MapOutputs { points: views.point_len(), views: views.view_len() };
+        let outputs = MapOutputs::of(views);
         Ok(Self { near: starts(&map), map, outputs })
     }
 

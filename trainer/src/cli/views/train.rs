@@ -42,7 +42,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "{}: {}, {}, {}\n",
         printable(&model.name),
         counted(model.point_len, "point", "points"),
-        counted(model.elements.len(), "element", "elements"),
+        counted(model.mesh.element_len(), "element", "elements"),
         counted(model.keys.len(), "key view", "key views"),
     );
     for (map, choice) in model.maps.iter().zip(&choices) {
@@ -54,7 +54,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let json = json!({
         "bytes": bytes.len(),
         "points": model.point_len,
-        "elements": model.elements.len(),
+        "elements": model.mesh.element_len(),
         "key_views": model.keys.len(),
         "rms": model.fit.rms,
         "maps": maps.iter().map(|(name, choice)| json!({ "name": name, "choice": choice })).collect::<Vec<_>>(),

@@ -4,7 +4,7 @@ use super::made::Made;
 use super::paint::polygons;
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
-use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
+use crate::views::set::{Element, Examples, Image, Layer, Parameter, View, ViewSet};
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [160, 192];
@@ -48,7 +48,8 @@ pub(super) fn made() -> Made {
         examples.test.push(view(yaw + 0.5 * step));
     }
     let name = "head".to_owned();
-    Made { set: ViewSet { name, size: SIZE, elements: elements(), maps: vec![examples] }, pictures }
+    let layer = Layer::whole(&name, examples.train[0].points.len(), elements());
+    Made { set: ViewSet { name, size: SIZE, layers: vec![layer], maps: vec![examples] }, pictures }
 }
 
 fn elements() -> Vec<Element> {
@@ -129,5 +130,6 @@ fn view(yaw: f64) -> View {
         visible,
         depths,
         image: None,
+        layers: Vec::new(),
     }
 }

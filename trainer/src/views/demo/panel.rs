@@ -3,7 +3,7 @@
 use super::made::Made;
 use super::paint::polygons;
 use crate::page::colour::Colour;
-use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
+use crate::views::set::{Element, Examples, Image, Layer, Parameter, View, ViewSet};
 
 const SIZE: [usize; 2] = [192, 192];
 /// Quads across and down.
@@ -57,7 +57,8 @@ pub(super) fn made() -> Made {
         examples.test.push(view(yaw, pitch, bend));
     }
     let name = "panel".to_owned();
-    Made { set: ViewSet { name, size: SIZE, elements: elements(), maps: vec![examples] }, pictures }
+    let layer = Layer::whole(&name, examples.train[0].points.len(), elements());
+    Made { set: ViewSet { name, size: SIZE, layers: vec![layer], maps: vec![examples] }, pictures }
 }
 
 fn elements() -> Vec<Element> {
@@ -96,5 +97,6 @@ fn view(yaw: f64, pitch: f64, bend: f64) -> View {
         points: points.into_iter().map(Some).collect(),
         depths,
         image: None,
+        layers: Vec::new(),
     }
 }

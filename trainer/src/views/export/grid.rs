@@ -112,7 +112,7 @@ impl Grid {
             return Err(GridError::Lent);
         }
         let map_model = KernelModel::from_file(player.map());
-        let outputs = MapOutputs { points: views.point_len(), views: views.view_len() };
+        let outputs = MapOutputs::of(views);
         let starts = starts(&map_model);
         let mut nodes = Vec::new();
         for view in 0..views.view_len() {

@@ -42,7 +42,9 @@ pub fn puppet(
     let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     for view in 0..views.view_len() {
         let own = shown.elements_of(view);
-        let Some(picture) = player.key_picture(view).filter(|_| !own.is_empty()) else { continue };
+        let Some(picture) = player.key_picture(view, 0).filter(|_| !own.is_empty()) else {
+            continue;
+        };
         let uuid = FIRST_PART + parts.len() as u32;
         let part = Part { view, uuid, texture: textures.len(), size: picture.size };
         parts.push(part.node(views, &triangulated(&own)));
@@ -108,7 +110,7 @@ impl<'a> Shown<'a> {
             let own = nodes.filter(|(_, sources)| sources[number] == Some(view));
             let depths: Vec<f32> = own
                 .flat_map(|(node, _)| {
-                    element.points().iter().map(|&point| node.played.points[point][2])
+                    element.vertices().iter().map(|&point| node.played.points[point][2])
                 })
                 .collect();
             if !depths.is_empty() {

@@ -40,7 +40,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     let mut looks = Looks::default();
     let mut primitives = Vec::new();
     for (view, triangles) in by_view.iter().enumerate() {
-        let Some(picture) = player.key_picture(view).filter(|_| !triangles.is_empty()) else {
+        let Some(picture) = player.key_picture(view, 0).filter(|_| !triangles.is_empty()) else {
             continue;
         };
         let uvs = uvs(views, view, picture.size);

@@ -15,7 +15,7 @@ pub(super) fn ranking(played: &Played) -> Vec<usize> {
 /// Returns the view of a ranking that an element has its texture from: the first that shows all of it.
 pub(super) fn source(views: &Views<'_>, element: &Element, ranking: &[usize]) -> Option<usize> {
     let shows = |view: usize| {
-        let mut points = element.points().iter();
+        let mut points = element.vertices().iter();
         points.all(|&point| views.is_visible(view, point) == Some(true))
     };
     ranking.iter().copied().find(|&view| shows(view))
@@ -24,7 +24,7 @@ pub(super) fn source(views: &Views<'_>, element: &Element, ranking: &[usize]) ->
 /// Whether an element is drawn.
 pub(super) fn is_drawn(element: &Element, played: &Played) -> bool {
     let is_seen = |point: &usize| played.visibility.get(*point).is_some_and(|x| *x > 0.5);
-    element.points().iter().all(is_seen)
+    element.vertices().iter().all(is_seen)
 }
 
 /// Cuts an element into triangles.

@@ -241,33 +241,35 @@ impl Sites {
         let outputs = MapOutputs {
             points: views.first().map_or(0, |view| view.points.len()),
             views: keys.len(),
+            layers: examples.layer_len(),
         };
         let points = self.or_plain(points);
-        let blocks = [places(views), depths(views), visibility(views)].map(|own| Block::new(&own));
+        let numbers = numbers(views, keys, outputs.layers);
+        let blocks =
+            [places(views), depths(views), visibility(views), numbers].map(|own| Block::new(&own));
         let mut width = points.candidate.kernel;
         let depths = self.or_plain(best(&self.all(&blocks[1], true, width))?);
         width = width.or(depths.candidate.kernel);
         // Every example is met: what is seen there is known.
         let visibility = self.or_plain(best(&self.all(&blocks[2], false, width))?);
         width = width.or(visibility.candidate.kernel);
+        // Of what lies between key views the examples say nothing: lines from one to the next.
+        let numbers = self.lines(width);
+        width = width.or(numbers.candidate.kernel);
         let epsilon = width.map_or(1.0, |width| width.epsilon);
         let scaled = self.points(epsilon);
         let parts = [
             (&points, outputs.places()),
             (&depths, outputs.depths()),
             (&visibility, outputs.visibility()),
+            (&numbers, outputs.numbers()),
         ];
         let mut fitted = Vec::new();
         for ((tried, _), block) in parts.iter().zip(&blocks) {
             fitted.push(block.fit(&scaled, &self.sets[tried.set], tried.candidate.kernel)?);
         }
-        let linear = self.sets.iter().find(|set| set.name == "linear")?;
-        let all: Vec<Monomial> = fitted
-            .iter()
-            .flat_map(|fitted| &fitted.monomials)
-            .chain(&linear.monomials)
-            .cloned()
-            .collect();
+        let all = fitted.iter().flat_map(|fitted| &fitted.monomials).cloned();
+        let all: Vec<Monomial> = all.collect();
         let (monomials, list) = terms(&all);
         let place = |of: &Monomial| monomials.iter().position(|other| other == of).unwrap_or(0);
         let centres = if width.is_some() { views.len() } else { 0 };
@@ -280,9 +282,6 @@ impl Sites {
                         fitted.coefficients[(term, column)];
                 }
             }
-        }
-        for (row, monomial, value) in scores(&scaled, keys) {
-            coefficients[(outputs.score(row), centres + place(&monomial))] = value;
         }
         let sum = KernelSum {
             kernel: width.map_or(Kernel::Linear, |width| width.kernel),
@@ -332,9 +331,14 @@ impl Sites {
         if tried.candidate.left_out.is_some() {
             return tried.clone();
         }
+        self.lines(tried.candidate.kernel)
+    }
+
+    /// Returns lines from view to view; what goes along them by a kernel that is given.
+    fn lines(&self, width: Option<Width>) -> Tried {
         let set = self.sets.iter().position(|set| set.name == "linear").unwrap_or(0);
         let polynomial = self.sets[set].name;
-        let kernel = Some(tried.candidate.kernel.unwrap_or(Width::PLAIN));
+        let kernel = Some(width.unwrap_or(Width::PLAIN));
         Tried { set, candidate: Candidate { polynomial, kernel, left_out: None } }
     }
 }
@@ -376,37 +380,22 @@ fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
     views.iter().map(of).collect()
 }
 
-/// Lists what scores are made of: the key view, the monomial, its coefficient. A score is the square of the
-/// distance to its view, less what all have in common: linear in the features, and the highest is that of
-/// the nearest, wherever parameters are. From view to nearest view it falls by 1 on average.
-fn scores(points: &Mat<f64>, keys: &[Option<usize>]) -> Vec<(usize, Monomial, f64)> {
-    let own: Vec<usize> = keys.iter().copied().flatten().collect();
-    let squared = |a: usize, b: usize| (points.row(a) - points.row(b)).squared_norm_l2();
-    let others = |a: usize| own.iter().filter(move |&&b| b != a);
-    let nearest = own.iter().filter_map(|&a| others(a).map(|&b| squared(a, b)).reduce(f64::min));
-    let nearest: Vec<f64> = nearest.collect();
-    let unit = nearest.iter().sum::<f64>() / nearest.len().max(1) as f64;
-    let by = if unit > 0.0 { 1.0 / unit } else { 1.0 };
-    let farthest = |a: usize| own.iter().map(|&b| squared(a, b)).fold(0.0, f64::max);
-    let beyond = own.iter().map(|&a| farthest(a)).fold(0.0, f64::max);
-    let mut out = Vec::new();
-    for (view, key) in keys.iter().enumerate() {
-        match key {
-            Some(key) => {
-                out.push((view, Vec::new(), -by * points.row(*key).squared_norm_l2()));
-                let features = points.row(*key).iter().enumerate();
-                out.extend(
-                    features
-                        .filter(|(_, t)| **t != 0.0)
-                        .map(|(f, t)| (view, vec![f], 2.0 * by * t)),
-                );
-            }
-            // Never above one of its own, near the examples or far.
-            None if !own.is_empty() => out.push((view, Vec::new(), -1e3 * by * (1.0 + beyond))),
-            None => {}
-        }
-    }
-    out
+/// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and what is said of layers;
+/// where nothing is said a layer is opaque, and drawn in its place.
+fn numbers(views: &[View], keys: &[Option<usize>], layers: usize) -> Vec<Vec<Option<f64>>> {
+    let of = |(number, view): (usize, &View)| {
+        let is_own = keys.contains(&Some(number));
+        let score = |key: &Option<usize>| match key {
+            Some(key) => is_own.then_some(f64::from(u8::from(*key == number))),
+            None => Some(0.0),
+        };
+        let said = |layer: usize| view.layers.get(layer);
+        let opacity = |layer| said(layer).and_then(|own| own.opacity).unwrap_or(1.0);
+        let order = |layer| said(layer).and_then(|own| own.order).unwrap_or(layer as f64);
+        let layers = (0..layers).map(opacity).chain((0..layers).map(order));
+        keys.iter().map(score).chain(layers.map(Some)).collect()
+    };
+    views.iter().enumerate().map(of).collect()
 }
 
 /// Measures what a map leaves of the points of its examples.

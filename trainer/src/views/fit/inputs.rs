@@ -124,6 +124,7 @@ mod tests {
             visible: Vec::new(),
             depths: Vec::new(),
             image: None,
+            layers: Vec::new(),
         };
         Examples {
             name: "main".to_owned(),

@@ -4,6 +4,7 @@ use super::error::FitError;
 use super::inputs::given;
 use crate::kernel::model::{KernelModel, Output, OutputKind};
 use crate::views::set::Values;
+use sinew_runtime::views::Views;
 
 /// Above it a point is seen.
 const SEEN: f64 = 0.5;
@@ -15,6 +16,8 @@ pub struct MapOutputs {
     pub points: usize,
     /// Key views, N.
     pub views: usize,
+    /// Layers, L.
+    pub layers: usize,
 }
 
 /// What a map gives for parameters.
@@ -26,14 +29,21 @@ pub struct Shown {
     pub depths: Vec<f64>,
     /// K: whether each is seen.
     pub visible: Vec<bool>,
-    /// N: how well each key view serves; the highest is the characteristic view.
+    /// N: how much each key view counts, 1 at its own parameters and 0 at those of others; the highest is the
+    /// characteristic view.
     pub scores: Vec<f64>,
 }
 
 impl MapOutputs {
+    /// Returns those of a file's object.
+    pub fn of(views: &Views<'_>) -> Self {
+        let (points, layers) = (views.point_len(), views.layer_len());
+        Self { points, views: views.view_len(), layers }
+    }
+
     /// Returns how many values all are.
     pub fn value_len(self) -> usize {
-        4 * self.points + self.views
+        4 * self.points + self.views + 2 * self.layers
     }
 
     /// Lists the values of points: x and y.
@@ -51,9 +61,9 @@ impl MapOutputs {
         (3 * self.points..4 * self.points).collect()
     }
 
-    /// Returns the value of a key view's score.
-    pub(super) fn score(self, view: usize) -> usize {
-        4 * self.points + view
+    /// Lists the values of key views' scores, of layers' opacities and of their orders.
+    pub(super) fn numbers(self) -> Vec<usize> {
+        (4 * self.points..self.value_len()).collect()
     }
 
     /// Names them.
@@ -69,6 +79,8 @@ impl MapOutputs {
             of("point", self.points, vector),
             of("visible", self.points, scalar),
             of("view", self.views, scalar),
+            of("opacity", self.layers, scalar),
+            of("order", self.layers, scalar),
         ]
         .concat()
     }
@@ -85,7 +97,8 @@ impl MapOutputs {
     /// Reads the numbers of all outputs.
     pub fn shown(self, numbers: &[f64]) -> Shown {
         let (points, rest) = numbers.split_at((3 * self.points).min(numbers.len()));
-        let (visible, scores) = rest.split_at(self.points.min(rest.len()));
+        let (visible, rest) = rest.split_at(self.points.min(rest.len()));
+        let (scores, _) = rest.split_at(self.views.min(rest.len()));
         let (points, _) = points.as_chunks::<3>();
         Shown {
             points: points.iter().map(|[x, y, _]| [*x, *y]).collect(),

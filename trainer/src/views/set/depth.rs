@@ -63,6 +63,7 @@ mod tests {
             visible: vec![true; 5],
             depths: Vec::new(),
             image: None,
+            layers: Vec::new(),
         };
         let found = depths(&view, &positions, "view 0").unwrap();
         for ([_, _, z], depth) in positions.iter().zip(found) {

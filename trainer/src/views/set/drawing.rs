@@ -1,6 +1,6 @@
 //! A hand drawing with its mask and 16 joints, cut into triangles and set in motion.
 
-use super::data::{Examples, Parameter, View, ViewSet};
+use super::data::{Examples, Layer, Parameter, View, ViewSet};
 use super::elements::Element;
 use super::error::SetError;
 use super::image::{Image, size};
@@ -39,6 +39,7 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
             points: points.into_iter().map(Some).collect(),
             depths: Vec::new(),
             image,
+            layers: Vec::new(),
         }
     };
     let key = |time: f64| (time == TIMES[0]).then(|| image.clone());
@@ -52,10 +53,12 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
         test: Vec::new(),
     };
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = name.unwrap_or_default();
+    let layer = Layer::whole(&name, JOINTS.len() + mesh.corners.len(), mesh.elements);
     Ok(ViewSet {
-        name: name.unwrap_or_default(),
+        name,
         size,
-        elements: mesh.elements.clone(),
+        layers: vec![layer],
         maps: vec![
             map("walk", phase, walk.into()),
             map("jump", Parameter::Scalar("time".to_owned()), jump.into()),

@@ -71,6 +71,20 @@ pub enum SetError {
         /// The picture's.
         found: [usize; 2],
     },
+    /// A layer cannot be taken.
+    #[error("layer \"{layer}\": {what}")]
+    Layer {
+        /// Its name.
+        layer: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// A point is of no layer.
+    #[error("point {point} is in no layer")]
+    NoLayer {
+        /// The point.
+        point: usize,
+    },
     /// An element names a point that there is not, or one twice, or has fewer than three.
     #[error("element {element}: {what}")]
     Element {

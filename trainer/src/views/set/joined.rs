@@ -8,14 +8,20 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 /// Area, over the square of the longest side, below which an element has none.
 const NO_AREA: f64 = 1e-6;
 
-/// Makes Delaunay triangles of a view's visible points.
+/// Makes Delaunay triangles of a view's visible points, and of places that are fixed, which are numbered after all points.
 ///
 /// # Errors
 /// [`SetError::Triangulation`]: two points are one, or all lie on a line.
-pub fn triangulated(view: &View, named: &str) -> Result<Vec<Element>, SetError> {
+pub fn triangulated(
+    view: &View,
+    fixed: &[[f64; 2]],
+    named: &str,
+) -> Result<Vec<Element>, SetError> {
     let wrong = |what: String| SetError::Triangulation { view: named.to_owned(), what };
-    let seen: Vec<usize> = (0..view.points.len()).filter(|&k| view.visible[k]).collect();
-    let known = view.known();
+    let len = view.points.len();
+    let seen = (0..len).filter(|&k| view.visible[k]).chain(len..len + fixed.len());
+    let seen: Vec<usize> = seen.collect();
+    let known = [&view.known()[..], fixed].concat();
     let places = seen.iter().map(|&k| Point2::new(known[k][0], known[k][1])).collect();
     let mesh: DelaunayTriangulation<Point2<f64>> = DelaunayTriangulation::bulk_load_stable(places)
         .map_err(|error| wrong(error.to_string()))?;
@@ -94,6 +100,7 @@ mod tests {
             visible: vec![true; points.len()],
             depths: Vec::new(),
             image: None,
+            layers: Vec::new(),
         }
     }
 
@@ -103,7 +110,7 @@ mod tests {
     fn triangles_of_points_cover_their_hull_once() {
         let mut points = SQUARE.to_vec();
         points.extend([[1.0, 2.0], [2.5, 1.5], [3.0, 3.2]]);
-        let found = triangulated(&view(&points), "view 0").unwrap();
+        let found = triangulated(&view(&points), &[], "view 0").unwrap();
         let area = |element: &Element| match *element {
             Element::Triangle([a, b, c]) => 0.5 * cross(points[a], points[b], points[c]).abs(),
             Element::Quad(_) => 0.0,

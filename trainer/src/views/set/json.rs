@@ -1,11 +1,10 @@
 //! Views as JSON.
 
-use super::data::{Examples, Parameter, Values, View, ViewSet};
+use super::data::{Examples, Layer, Parameter, Values, View, ViewSet};
 use super::depth::depths;
-use super::elements::Element;
 use super::error::SetError;
 use super::image::Image;
-use super::joined::{check_elements, triangulated};
+use super::layers::{WrittenLayer, WrittenLayerView, checked, layer_views, layered};
 use crate::formats::{FormatError, obj};
 use serde::Deserialize;
 use serde_json::Value;
@@ -24,6 +23,7 @@ struct Written {
     image_size: [usize; 2],
     #[serde(default)]
     elements: Vec<Vec<usize>>,
+    layers: Option<Vec<WrittenLayer>>,
     mesh_vertex_index: Option<Vec<usize>>,
     #[serde(default)]
     maps: Vec<WrittenMap>,
@@ -64,6 +64,8 @@ struct WrittenView {
     points: Vec<Option<[f64; 2]>>,
     visible: Option<Vec<bool>>,
     depth: Option<Vec<f64>>,
+    #[serde(default)]
+    layers: BTreeMap<String, WrittenLayerView>,
     #[serde(flatten)]
     values: BTreeMap<String, Value>,
 }
@@ -83,23 +85,29 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
-    let Written { name, image_size, elements: polygons, mesh_vertex_index, maps, own } = written;
+    let Written { name, image_size, elements: polygons, layers, mesh_vertex_index, maps, own } =
+        written;
+    let layers = layers.unwrap_or_default();
+    let layer_names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
     let all = std::iter::once(own).chain(maps);
     let maps: Vec<Examples> = all
         .filter(|map| !map.train.is_empty())
-        .map(|map| examples(map, folder))
+        .map(|map| examples(map, &layer_names, folder))
         .collect::<Result<_, _>>()?;
     let mut set = ViewSet {
         name: name.or(stem).unwrap_or_default(),
         size: image_size,
-        elements: Vec::new(),
+        layers: Vec::new(),
         maps,
     };
     check_points(&set)?;
     if let (Some(mesh), Some(vertices)) = (mesh, mesh_vertex_index) {
         add_depths(&mut set, mesh, &vertices)?;
     }
-    set.elements = elements(&set, &polygons)?;
+    set.layers = match layers.is_empty() {
+        true => vec![single(&set, &polygons)?],
+        false => layered(&set, layers)?,
+    };
     Ok(set)
 }
 
@@ -122,13 +130,13 @@ pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
         serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let one = |Named { view: name, own }| {
-        let read = view(own, &[], folder, &name)?;
+        let read = view(own, &[], &[], folder, &name)?;
         Ok((name, read))
     };
     written.views.into_iter().map(one).collect()
 }
 
-fn examples(map: WrittenMap, folder: &Path) -> Result<Examples, SetError> {
+fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples, SetError> {
     let WrittenMap { name, parameters, train, test } = map;
     let parameters = match parameters {
         Some(written) => written.into_iter().map(parameter).collect::<Result<_, _>>()?,
@@ -137,7 +145,7 @@ fn examples(map: WrittenMap, folder: &Path) -> Result<Examples, SetError> {
     let views = |written: Vec<WrittenView>, split: &str| {
         let one = |(number, own): (usize, WrittenView)| {
             let named = format!("{name}, {split} view {number}");
-            view(own, &parameters, folder, &named)
+            view(own, &parameters, layers, folder, &named)
         };
         written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()
     };
@@ -188,10 +196,12 @@ fn inferred(values: Option<&BTreeMap<String, Value>>) -> Vec<Parameter> {
 fn view(
     written: WrittenView,
     parameters: &[Parameter],
+    layers: &[&str],
     folder: &Path,
     named: &str,
 ) -> Result<View, SetError> {
-    let WrittenView { image, mask, points, visible, depth, values: all } = written;
+    let WrittenView { image, mask, points, visible, depth, layers: own_layers, values: all } =
+        written;
     let mut values = Values::new();
     for name in parameters.iter().flat_map(Parameter::names) {
         let own = all.get(name).or_else(|| all.get(&format!("{name}{DEGREES}")));
@@ -210,6 +220,7 @@ fn view(
             file: folder.join(file),
             mask: mask.map(|mask| folder.join(mask)),
         }),
+        layers: layer_views(own_layers, layers, folder, named)?,
     };
     let expected = view.points.len();
     let depths = if view.depths.is_empty() { expected } else { view.depths.len() };
@@ -280,22 +291,7 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
     Ok(())
 }
 
-/// Takes the elements that are given, or makes some of the key view that shows most points, the first of
-/// equals; all of them are checked in every key view.
-fn elements(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
-    let named = |(map, view): (usize, usize)| format!("{}, train view {view}", set.maps[map].name);
-    let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
-    let keys = set.key_views();
-    if polygons.is_empty() {
-        let seen = |key: &(usize, usize)| of(*key).visible.iter().filter(|seen| **seen).count();
-        let most = keys.iter().rev().copied().max_by_key(seen).unwrap_or((0, 0));
-        return triangulated(of(most), &named(most));
-    }
-    let (mut out, mut sources) = (Vec::new(), Vec::new());
-    for (number, polygon) in polygons.iter().enumerate() {
-        out.extend(Element::of_polygon(number, polygon, set.point_len())?);
-        sources.resize(out.len(), number);
-    }
-    keys.into_iter().try_for_each(|key| check_elements(&out, &sources, of(key), &named(key)))?;
-    Ok(out)
+/// Makes the layer of a set that names none, of the elements that are given.
+fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, SetError> {
+    Ok(Layer::whole(&set.name, set.point_len(), checked(set, polygons)?))
 }

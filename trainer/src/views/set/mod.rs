@@ -8,10 +8,11 @@ mod error;
 mod image;
 mod joined;
 mod json;
+mod layers;
 mod lottie;
 mod write;
 
-pub use data::{Examples, Parameter, Values, View, ViewSet};
+pub use data::{Examples, Layer, LayerView, Parameter, Values, View, ViewSet};
 pub use depth::{depths, project};
 pub use drawing::read_drawing;
 pub use elements::Element;

@@ -4,9 +4,10 @@ use super::data::{Examples, Parameter, View, ViewSet};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Writes a set as [`super::read`] reads it; pictures are named as they lie in its folder.
+/// Writes a set of one layer as [`super::read`] reads it; pictures are named as they lie in its folder.
 pub fn as_json(set: &ViewSet) -> Value {
-    let elements: Vec<&[usize]> = set.elements.iter().map(|element| element.points()).collect();
+    let elements = set.layers.iter().flat_map(|layer| &layer.elements);
+    let elements: Vec<&[usize]> = elements.map(|element| element.points()).collect();
     json!({
         "name": set.name,
         "image_size": set.size,

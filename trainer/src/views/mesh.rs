@@ -1,0 +1,335 @@
+//! Vertices that move as points do, and the elements between them (METHOD §6.9).
+
+use super::set::Element;
+use crate::page::picture::Picture;
+use nalgebra::{Complex, DMatrix, DVector};
+use sinew_runtime::views::{Element as FileElement, Layer, Vertex as FileVertex, Views};
+use std::collections::HashMap;
+
+/// Cells along the longer side of a layer that is bent as a whole, at least and at most, and how long each is at the least,
+/// pixels.
+const CELLS: [f64; 2] = [2.0, 16.0];
+const CELL: f64 = 8.0;
+/// Width over length below which points lie on a line.
+const LINE: f64 = 1e-3;
+
+/// A vertex: a place, and points, each times a complex weight, by which it is scaled and turned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vertex {
+    /// Where it stands without points.
+    pub place: [f64; 2],
+    /// Points and their weights.
+    pub weights: Vec<(usize, Complex<f64>)>,
+}
+
+/// Vertices, and the elements of layers between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertices, V.
+    pub vertices: Vec<Vertex>,
+    /// By layer its elements, by numbers of vertices.
+    pub layers: Vec<Vec<Element>>,
+}
+
+/// A layer as key views show it: where its points are on the screen, and its picture with the place of its corner.
+pub struct Shown<'a> {
+    /// K points.
+    pub points: &'a [[f64; 2]],
+    /// How many of its points are seen.
+    pub seen: usize,
+    /// Its picture, if it has one.
+    pub picture: Option<&'a (Picture, [usize; 2])>,
+}
+
+impl Vertex {
+    /// Makes the vertex that a point is.
+    pub fn of_point(point: usize) -> Self {
+        Self { place: [0.0; 2], weights: vec![(point, Complex::ONE)] }
+    }
+
+    /// Returns where it is.
+    pub fn at(&self, points: &[[f64; 2]]) -> [f64; 2] {
+        let add = |sum: Complex<f64>, (point, weight): &(usize, Complex<f64>)| {
+            sum + weight * complex(points[*point])
+        };
+        let found = self.weights.iter().fold(complex(self.place), add);
+        [found.re, found.im]
+    }
+}
+
+impl Mesh {
+    /// Adds a layer of elements between points, and between places that are fixed, numbered from `point_len` on.
+    pub fn add_elements(&mut self, elements: &[Element], point_len: usize, fixed: &[[f64; 2]]) {
+        let mut places: HashMap<usize, usize> = HashMap::new();
+        let vertices = &mut self.vertices;
+        let mut vertex = |point: usize| {
+            *places.entry(point).or_insert_with(|| {
+                vertices.push(match point.checked_sub(point_len) {
+                    None => Vertex::of_point(point),
+                    Some(number) => Vertex { place: fixed[number], weights: Vec::new() },
+                });
+                vertices.len() - 1
+            })
+        };
+        let own = elements.iter().map(|element| match *element {
+            Element::Triangle(points) => Element::Triangle(points.map(&mut vertex)),
+            Element::Quad(points) => Element::Quad(points.map(&mut vertex)),
+        });
+        let own = own.collect();
+        self.layers.push(own);
+    }
+
+    /// Adds a layer that is bent as a whole: a grid over what key views show of it, whose vertices a thin plate spline
+    /// between its points carries.
+    ///
+    /// - `points`: of the layer, one at least.
+    /// - `views`: key views, of which one at least has a picture.
+    pub fn add_bent(&mut self, points: &[usize], views: &[Shown<'_>]) {
+        // Of views with a picture that in which most points are seen, the first of equals.
+        let pictured = views.iter().filter(|view| view.picture.is_some());
+        let most = pictured.clone().map(|view| view.seen).max();
+        let Some(rest) = pictured.clone().find(|view| Some(view.seen) == most) else {
+            self.layers.push(Vec::new());
+            return;
+        };
+        let of = |view: &Shown<'_>| -> Vec<[f64; 2]> {
+            points.iter().map(|&point| view.points[point]).collect()
+        };
+        let own = of(rest);
+        // What any view shows, where it is at rest.
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for view in pictured.clone() {
+            let back = Bend::new(&of(view));
+            for place in outline(view.picture) {
+                let found = back.moved(place, &own);
+                for axis in 0..2 {
+                    low[axis] = low[axis].min(found[axis]);
+                    high[axis] = high[axis].max(found[axis]);
+                }
+            }
+        }
+        let longest = (0..2).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        let cell = longest / (longest / CELL).clamp(CELLS[0], CELLS[1]).round();
+        // A cell more on each side: splines are not their own inverse.
+        let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 2);
+        let start =
+            [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * cell * counts[axis] as f64);
+        let across = counts[0] + 1;
+        let place = |at: usize| {
+            [start[0] + cell * (at % across) as f64, start[1] + cell * (at / across) as f64]
+        };
+        let bend = Bend::new(&own);
+        let all: Vec<Vertex> =
+            (0..across * (counts[1] + 1)).map(|at| bend.vertex(place(at), points)).collect();
+        let placed: Vec<Vec<[f64; 2]>> = pictured
+            .clone()
+            .map(|view| all.iter().map(|vertex| vertex.at(view.points)).collect())
+            .collect();
+        let sums: Vec<Covered> = pictured.map(|view| Covered::new(view.picture)).collect();
+        let mut elements = Vec::new();
+        let mut numbers: HashMap<usize, usize> = HashMap::new();
+        for (row, column) in (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |c| (row, c))) {
+            let first = row * across + column;
+            let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
+            let is_seen = placed
+                .iter()
+                .zip(&sums)
+                .any(|(placed, covered)| covered.any([a, b, c, d].map(|at| placed[at])));
+            if !is_seen {
+                continue;
+            }
+            let vertices = &mut self.vertices;
+            let mut vertex = |at: usize| {
+                *numbers.entry(at).or_insert_with(|| {
+                    vertices.push(all[at].clone());
+                    vertices.len() - 1
+                })
+            };
+            let [a, b, c, d] = [a, b, c, d].map(&mut vertex);
+            elements.extend([Element::Triangle([a, b, c]), Element::Triangle([a, c, d])]);
+        }
+        self.layers.push(elements);
+    }
+
+    /// Reads what a file holds.
+    pub fn from_file(views: &Views<'_>) -> Self {
+        let vertex = |vertex: FileVertex<'_>| Vertex {
+            place: vertex.place().map(f64::from),
+            weights: vertex
+                .weights()
+                .map(|(point, [a, b])| (point, Complex::new(a.into(), b.into())))
+                .collect(),
+        };
+        let element = |element| match element {
+            FileElement::Triangle(vertices) => Element::Triangle(vertices),
+            FileElement::Quad(vertices) => Element::Quad(vertices),
+        };
+        let layer = |layer: Layer| {
+            (layer.first..layer.end).filter_map(|at| views.element(at)).map(element).collect()
+        };
+        Self {
+            vertices: (0..).map_while(|at| views.vertex(at)).map(vertex).collect(),
+            layers: (0..).map_while(|at| views.layer(at)).map(layer).collect(),
+        }
+    }
+
+    /// Returns how many elements all layers have.
+    pub fn element_len(&self) -> usize {
+        self.layers.iter().map(Vec::len).sum()
+    }
+
+    /// Lists, element by element over all layers, the elements across its edges.
+    pub fn neighbours(&self) -> Vec<[Option<usize>; 4]> {
+        let mut sides: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+        let elements: Vec<&Element> = self.layers.iter().flatten().collect();
+        for (number, element) in elements.iter().enumerate() {
+            edges(element).for_each(|edge| sides.entry(edge).or_default().push(number));
+        }
+        let own = |(number, element): (usize, &&Element)| {
+            let mut out = [None; 4];
+            for (out, edge) in out.iter_mut().zip(edges(element)) {
+                *out = sides[&edge].iter().copied().find(|other| *other != number);
+            }
+            out
+        };
+        elements.iter().enumerate().map(own).collect()
+    }
+}
+
+/// Lists the edges of an element, each by its ends in ascending order.
+fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
+    let points = element.points();
+    let ends = points.iter().cycle().skip(1);
+    points.iter().zip(ends).map(|(&a, &b)| [a.min(b), a.max(b)])
+}
+
+/// What carries places along with points: a thin plate spline; a similarity where points lie on a line; a shift where there
+/// is one.
+struct Bend {
+    rest: Vec<[f64; 2]>,
+    /// The inverse of the spline's system; none of what is no spline.
+    inverse: Option<DMatrix<f64>>,
+}
+
+impl Bend {
+    fn new(rest: &[[f64; 2]]) -> Self {
+        let rest = rest.to_vec();
+        let (n, centre) = (rest.len(), mean(&rest));
+        let off = DMatrix::from_fn(n, 2, |i, axis| rest[i][axis] - centre[axis]);
+        let sides = off.singular_values();
+        if n < 3 || sides[1] <= LINE * sides[0] {
+            return Self { rest, inverse: None };
+        }
+        let scale = sides[0] / (n as f64).sqrt();
+        let system = DMatrix::from_fn(n + 3, n + 3, |i, j| match (i < n, j < n) {
+            (true, true) => plate(rest[i], rest[j], scale),
+            (true, false) => [1.0, off[(i, 0)] / scale, off[(i, 1)] / scale][j - n],
+            (false, true) => [1.0, off[(j, 0)] / scale, off[(j, 1)] / scale][i - n],
+            (false, false) => 0.0,
+        });
+        Self { rest, inverse: system.try_inverse() }
+    }
+
+    /// Makes a vertex of a place, by numbers of the points.
+    fn vertex(&self, place: [f64; 2], points: &[usize]) -> Vertex {
+        let (own, weights) = self.weights(place);
+        let weights = points.iter().copied().zip(weights).filter(|(_, w)| *w != Complex::ZERO);
+        Vertex { place: own, weights: weights.collect() }
+    }
+
+    /// Returns where a place comes to be as points move.
+    fn moved(&self, place: [f64; 2], points: &[[f64; 2]]) -> [f64; 2] {
+        let numbers: Vec<usize> = (0..points.len()).collect();
+        self.vertex(place, &numbers).at(points)
+    }
+
+    fn weights(&self, place: [f64; 2]) -> ([f64; 2], Vec<Complex<f64>>) {
+        let (n, centre) = (self.rest.len(), mean(&self.rest));
+        if let Some(inverse) = &self.inverse {
+            let off = DMatrix::from_fn(n, 2, |i, axis| self.rest[i][axis] - centre[axis]);
+            let scale = off.singular_values()[0] / (n as f64).sqrt();
+            let [x, y] = [0, 1].map(|axis| (place[axis] - centre[axis]) / scale);
+            let own = DVector::from_fn(n + 3, |i, _| match i.checked_sub(n) {
+                None => plate(self.rest[i], place, scale),
+                Some(term) => [1.0, x, y][term],
+            });
+            let found = inverse.transpose() * own;
+            return ([0.0; 2], (0..n).map(|i| Complex::new(found[i], 0.0)).collect());
+        }
+        let arms: Vec<Complex<f64>> =
+            self.rest.iter().map(|point| complex(*point) - complex(centre)).collect();
+        let square: f64 = arms.iter().map(Complex::norm_sqr).sum();
+        let off = complex(place) - complex(centre);
+        let share = 1.0 / n as f64;
+        if square > 0.0 {
+            let own = arms.iter().map(|arm| off * arm.conj() / square + share).collect();
+            return ([0.0; 2], own);
+        }
+        ([off.re, off.im], vec![Complex::new(share, 0.0); n])
+    }
+}
+
+/// Returns r² log r of a distance in some scale.
+fn plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
+    let square = (0..2).map(|axis| ((a[axis] - b[axis]) / scale).powi(2)).sum::<f64>();
+    if square > 0.0 { 0.5 * square * libm::log(square) } else { 0.0 }
+}
+
+fn mean(points: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64)
+}
+
+fn complex([x, y]: [f64; 2]) -> Complex<f64> {
+    Complex::new(x, y)
+}
+
+/// Lists the corners of pixels that a picture begins and ends with in each row.
+fn outline(picture: Option<&(Picture, [usize; 2])>) -> Vec<[f64; 2]> {
+    let Some((picture, [left, top])) = picture else { return Vec::new() };
+    let rows = picture.rgba.chunks(4 * picture.size.width.max(1)).enumerate();
+    let ends = |(row, pixels): (usize, &[u8])| {
+        let covered = |pixel: &[u8]| pixel[3] > 0;
+        let first = pixels.chunks(4).position(covered)?;
+        let last = pixels.chunks(4).rposition(covered)?;
+        let x = [first, last + 1].map(|column| (left + column) as f64);
+        let y = [row, row + 1].map(|row| (top + row) as f64);
+        Some([[x[0], y[0]], [x[1], y[0]], [x[0], y[1]], [x[1], y[1]]])
+    };
+    rows.filter_map(ends).flatten().collect()
+}
+
+/// Sums of a picture's covered pixels over all rectangles from its corner.
+struct Covered {
+    corner: [usize; 2],
+    size: [usize; 2],
+    sums: Vec<u32>,
+}
+
+impl Covered {
+    fn new(picture: Option<&(Picture, [usize; 2])>) -> Self {
+        let Some((picture, corner)) = picture else {
+            return Self { corner: [0; 2], size: [0; 2], sums: vec![0] };
+        };
+        let [width, height] = [picture.size.width, picture.size.height];
+        let mut sums = vec![0; (width + 1) * (height + 1)];
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let own = u32::from(picture.rgba[4 * (y * width + x) + 3] > 0);
+            let at = |x: usize, y: usize| y * (width + 1) + x;
+            sums[at(x + 1, y + 1)] = own + sums[at(x, y + 1)] + sums[at(x + 1, y)] - sums[at(x, y)];
+        }
+        Self { corner: *corner, size: [width, height], sums }
+    }
+
+    /// Whether it covers a pixel within the box of places, or a pixel around it.
+    fn any(&self, places: [[f64; 2]; 4]) -> bool {
+        let [x, y] = [0, 1].map(|axis| {
+            let own = places.map(|place| place[axis] - self.corner[axis] as f64);
+            let least = own.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let within = |x: f64| x.clamp(0.0, self.size[axis] as f64) as usize;
+            [within(least.floor() - 1.0), within(most.ceil() + 1.0)]
+        });
+        let at = |x: usize, y: usize| i64::from(self.sums[y * (self.size[0] + 1) + x]);
+        at(x[1], y[1]) - at(x[0], y[1]) - at(x[1], y[0]) + at(x[0], y[0]) > 0
+    }
+}

@@ -1,0 +1,166 @@
+//! Layers of a set, as JSON has them.
+
+use super::data::{Layer, LayerView, ViewSet};
+use super::elements::Element;
+use super::error::SetError;
+use super::image::Image;
+use super::joined::check_elements;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A layer of a set.
+#[derive(Deserialize)]
+pub(super) struct WrittenLayer {
+    pub(super) name: String,
+    points: Vec<usize>,
+    #[serde(default)]
+    elements: Vec<Vec<usize>>,
+    clip: Option<String>,
+}
+
+/// A layer of a view: its picture, and what else is known of it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum WrittenLayerView {
+    Picture(String),
+    Whole { image: Option<String>, opacity: Option<f64>, order: Option<f64> },
+}
+
+/// Takes what a view says of its layers.
+///
+/// # Errors
+/// [`SetError::Layer`] of a name that no layer has.
+pub(super) fn layer_views(
+    written: BTreeMap<String, WrittenLayerView>,
+    names: &[&str],
+    folder: &Path,
+    named: &str,
+) -> Result<Vec<LayerView>, SetError> {
+    if let Some(unknown) = written.keys().find(|name| !names.contains(&name.as_str())) {
+        let what = format!("{named} has a picture of it, and the set no such layer");
+        return Err(SetError::Layer { layer: unknown.clone(), what });
+    }
+    let image = |file: String| Image { file: folder.join(file), mask: None };
+    let mut written = written;
+    let own = |name: &&str| match written.remove(*name) {
+        None => LayerView::default(),
+        Some(WrittenLayerView::Picture(file)) => {
+            LayerView { image: Some(image(file)), ..LayerView::default() }
+        }
+        Some(WrittenLayerView::Whole { image: file, opacity, order }) => {
+            LayerView { image: file.map(image), opacity, order }
+        }
+    };
+    Ok(names.iter().map(own).collect())
+}
+
+/// Makes the layers of a set whose views are read.
+///
+/// # Errors
+/// [`SetError::Layer`], and those of elements.
+pub(super) fn layered(set: &ViewSet, written: Vec<WrittenLayer>) -> Result<Vec<Layer>, SetError> {
+    let names: Vec<String> = written.iter().map(|layer| layer.name.clone()).collect();
+    let wrong = |layer: &str, what: String| SetError::Layer { layer: layer.to_owned(), what };
+    let twice = (1..names.len()).find(|&at| names[..at].contains(&names[at]));
+    if let Some(at) = twice {
+        return Err(wrong(&names[at], "two layers have this name".to_owned()));
+    }
+    let mut out = Vec::new();
+    for WrittenLayer { name, points, elements, clip } in written {
+        let clip = match clip {
+            None => None,
+            Some(other) => {
+                let found = names.iter().position(|name| *name == other);
+                let unknown = || wrong(&name, format!("it is clipped by \"{other}\", no layer"));
+                Some(found.ok_or_else(unknown)?)
+            }
+        };
+        let elements = checked(set, &elements)?;
+        if points.is_empty() {
+            return Err(wrong(&name, "it has no points".to_owned()));
+        }
+        out.push(Layer { name, points, elements, clip });
+    }
+    check_points(set, &out)?;
+    check_clips(&out)?;
+    check_pictures(set, &out)?;
+    Ok(out)
+}
+
+/// Makes elements of polygons, and checks them in every key view.
+///
+/// # Errors
+/// Those of [`Element::of_polygon`] and [`check_elements`].
+pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
+    let (mut out, mut sources) = (Vec::new(), Vec::new());
+    for (number, polygon) in polygons.iter().enumerate() {
+        out.extend(Element::of_polygon(number, polygon, set.point_len())?);
+        sources.resize(out.len(), number);
+    }
+    for (map, view) in set.key_views() {
+        let own = &set.maps[map].train[view];
+        check_elements(&out, &sources, own, &set.view_name((map, view)))?;
+    }
+    Ok(out)
+}
+
+/// Checks that each point is of one layer, and elements of their layer's points.
+fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
+    let mut owner: Vec<Option<&Layer>> = vec![None; set.point_len()];
+    for layer in layers {
+        let wrong = |what: String| SetError::Layer { layer: layer.name.clone(), what };
+        for &point in &layer.points {
+            let len = owner.len();
+            let own = owner.get_mut(point);
+            let own = own.ok_or_else(|| wrong(format!("point {point}, of {len}")))?;
+            if let Some(other) = own.replace(layer) {
+                let what = format!("point {point} is in \"{}\", too", other.name);
+                return Err(wrong(what));
+            }
+        }
+        let mut corners = layer.elements.iter().flat_map(Element::points);
+        if let Some(point) = corners.find(|point| !layer.points.contains(point)) {
+            return Err(wrong(format!("an element has point {point}, which is not its own")));
+        }
+    }
+    match owner.iter().position(Option::is_none) {
+        None => Ok(()),
+        Some(point) => Err(SetError::NoLayer { point }),
+    }
+}
+
+/// Checks that no layer is clipped by itself, directly or through others.
+fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
+    for (number, layer) in layers.iter().enumerate() {
+        let (mut at, mut way) = (layer.clip, vec![layer.name.as_str()]);
+        while let Some(clip) = at {
+            way.push(&layers[clip].name);
+            if clip == number || way.len() > layers.len() {
+                let what = format!("it is clipped by itself: {}", way.join(" by "));
+                return Err(SetError::Layer { layer: layer.name.clone(), what });
+            }
+            at = layers[clip].clip;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a key view has a picture of each layer of which a point is seen.
+fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
+    for (map, number) in set.key_views() {
+        let view = &set.maps[map].train[number];
+        for (layer, own) in layers.iter().enumerate() {
+            let seen = own.points.iter().find(|&&point| view.visible[point]);
+            if let (None, Some(point)) = (view.picture(layer), seen) {
+                let key = set.view_name((map, number));
+                let what = format!(
+                    "{key} has no picture of it, but shows point {point}: name a picture, \
+                     or mark its points as not visible"
+                );
+                return Err(SetError::Layer { layer: own.name.clone(), what });
+            }
+        }
+    }
+    Ok(())
+}
