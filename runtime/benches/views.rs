@@ -1,12 +1,12 @@
 //! Prints what frames and pictures of views cost: `cargo bench -p sinew-runtime --bench views`. One core; medians.
 //!
-//! An object as large as a face of `ict-views`: 158 points, 27 key views, a map of 27 centres and 30 terms, and a
-//! picture of 256 x 256 pixels that its elements fill.
+//! An object as large as a face of `ict-views`: 158 points, one layer, 27 key views, a map of 27 centres and 30 terms, and
+//! a picture of 256 x 256 pixels that its elements fill, of one key view or of as many as are blended.
 #![allow(missing_docs, reason = "a program")]
 
 use models::{KernelContent, Pieces, Rng, TextureContent, ViewContent, ViewsContent};
 use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
-use sinew_runtime::views::{NO_POINT, Order};
+use sinew_runtime::views::{Layer, NO_VERTEX, RenderScratch};
 use sinew_runtime::{CallError, FileError, Frame, FrameJob, Model, RenderJob};
 use std::hint::black_box;
 use std::time::Instant;
@@ -34,7 +34,7 @@ fn place(point: usize) -> [f32; 2] {
 }
 
 fn map() -> KernelContent {
-    let m = 4 * POINTS + VIEWS;
+    let m = 4 * POINTS + VIEWS + 2;
     let plain = KernelContent::plain(Kernel::Gaussian, [INPUTS, VIEWS, m]);
     let mut rng = Rng(6);
     let about = |value: usize| match (value / 3, value % 3) {
@@ -51,40 +51,35 @@ fn map() -> KernelContent {
     let free = plain.outputs[0].1;
     let vector =
         OutputRow { kind: OutputKind::Vector3, range: (0.0, 0.0), neutral: [0.0; 4], ..free };
-    let outputs = (0..2 * POINTS + VIEWS)
+    let outputs = (0..2 * POINTS + VIEWS + 2)
         .map(|output| (String::new(), if output < POINTS { vector } else { free }));
     let first = [[NO_TERM; 2]].into_iter();
     let terms = first.chain((1..TERMS as u16).map(|term| [term / 6, term % INPUTS as u16]));
     KernelContent { outputs: outputs.collect(), terms: terms.collect(), coefficients, ..plain }
 }
 
-fn object(is_quads: bool) -> ViewsContent {
+fn object(is_quads: bool, flags: u32) -> ViewsContent {
     let corner = |x: usize, y: usize| (y * GRID[0] + x) as u16;
     let cells = (0..GRID[1] - 1).flat_map(|y| (0..GRID[0] - 1).map(move |x| (x, y)));
     let elements = cells.flat_map(|(x, y)| {
         let ring = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
         let [a, b, c, d] = ring;
-        if is_quads { vec![ring] } else { vec![[a, b, c, NO_POINT], [a, c, d, NO_POINT]] }
+        if is_quads { vec![ring] } else { vec![[a, b, c, NO_VERTEX], [a, c, d, NO_VERTEX]] }
     });
     let mut rng = Rng(9);
     let mut byte = || (rng.next_u64() >> 56) as u8;
     let texels = (0..SIZE * SIZE).map(|_| [byte(), byte(), byte(), 255]).collect();
     let view = ViewContent {
         name: String::new(),
-        texture: 0,
+        textures: vec![0],
         references: (0..POINTS).map(place).collect(),
         visible: vec![true; POINTS],
         deformation: None,
     };
-    ViewsContent {
-        name: "face".to_owned(),
-        maps: vec![0],
-        point_len: POINTS,
-        elements: elements.collect(),
-        views: vec![view; VIEWS],
-        textures: vec![TextureContent { width: SIZE as u32, height: SIZE as u32, texels }],
-        fit: [0.25, 0.0, 0.0, 1.0],
-    }
+    let texture = TextureContent { width: SIZE as u32, height: SIZE as u32, texels };
+    let mut out = ViewsContent::plain(elements.collect(), vec![view; VIEWS], texture);
+    out.layers[0].flags = flags;
+    out
 }
 
 /// Returns the median of what runs take, in microseconds.
@@ -100,40 +95,50 @@ fn median(mut run: impl FnMut(usize) -> Result<(), CallError>) -> Result<f64, Re
 }
 
 fn main() -> Result<(), Refused> {
-    for is_quads in [false, true] {
+    for (is_quads, has_depth) in [(false, false), (false, true), (true, false), (true, true)] {
         let mut pieces = Pieces::kernels(&[map()]);
-        pieces.add_views(&object(is_quads));
+        pieces.add_views(&object(is_quads, if has_depth { Layer::DEPTH } else { 0 }));
         let model = Model::from_bytes(pieces.bytes()).map_err(Refused::File)?;
         let Some(views) = model.views() else { return Ok(()) };
         let Some(map) = model.map_of(&views, 0) else { return Ok(()) };
         let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
         let (mut points, mut visibility) = (vec![[0.0; 3]; POINTS], vec![0.0; POINTS]);
-        let mut scores = vec![0.0; VIEWS];
+        let (mut scores, mut layers) = (vec![0.0; VIEWS], [[0.0; 2]]);
         let frame = median(|number| {
             let parameters = [number as f32 / RUNS as f32; INPUTS];
-            let job = FrameJob { views, map, parameters: &parameters, last: Some(0), margin: 0.25 };
-            let out =
-                Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
-            black_box(job.run(&mut scratch, out)?);
-            Ok(())
-        })?;
-        let (points, visibility, scores) = (&points, &visibility, &scores);
-        let job = RenderJob { views, points, visibility, scores, view: 0, width: SIZE };
-        let (mut pixels, mut order) = (vec![[0; 4]; SIZE * SIZE], vec![0; views.element_len()]);
-        let painter = median(|_| {
-            black_box(job.run(Order::Painter(&mut order), &mut pixels)?);
-            Ok(())
-        })?;
-        let drawn = pixels.iter().filter(|pixel| pixel[3] > 0).count();
-        let mut depths = vec![0.0; SIZE * SIZE];
-        let depth = median(|_| {
-            depths.fill(f32::INFINITY);
-            black_box(job.run(Order::Depth(&mut depths), &mut pixels)?);
+            let (points, visibility) = (points.as_mut_slice(), visibility.as_mut_slice());
+            let out = Frame { points, visibility, scores: &mut scores, layers: &mut layers };
+            black_box(FrameJob { views, map, parameters: &parameters }.run(&mut scratch, out)?);
             Ok(())
         })?;
         let name = if is_quads { "quads" } else { "triangles" };
-        println!("{} {name}, {drawn} pixels: frame {frame:.1} us", views.element_len());
-        println!("  picture, by depth {depth:.0} us, painted {painter:.0} us");
+        let order_name = if has_depth { "by depth" } else { "painted" };
+        println!("{} {name}, {order_name}: frame {frame:.1} us", views.element_len());
+        for shown in [1, 2, 8] {
+            let scores: Vec<f32> =
+                (0..VIEWS).map(|view| f32::from(u8::from(view < shown))).collect();
+            let layers = &[[1.0, 0.0]];
+            let job = RenderJob {
+                views,
+                points: &points,
+                visibility: &visibility,
+                scores: &scores,
+                layers,
+                width: SIZE,
+            };
+            let mut pixels = vec![[0; 4]; SIZE * SIZE];
+            let mut vertices = vec![[0.0; 3]; views.vertex_len()];
+            let (mut order, mut depths) = (vec![0; views.order_len()], vec![0.0; SIZE * SIZE]);
+            let picture = median(|_| {
+                let (vertices, order) = (vertices.as_mut_slice(), order.as_mut_slice());
+                let scratch =
+                    RenderScratch { vertices, order, depths: &mut depths, clips: &mut [] };
+                black_box(job.run(scratch, &mut pixels)?);
+                Ok(())
+            })?;
+            let drawn = pixels.iter().filter(|pixel| pixel[3] > 0).count();
+            println!("  picture of {shown} key views: {picture:.0} us, {drawn} pixels");
+        }
     }
     Ok(())
 }

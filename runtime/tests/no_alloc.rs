@@ -4,11 +4,11 @@
 mod common;
 
 use common::{job, output, random_pose};
-use models::{KernelContent, Pieces, Rng, SMALL};
+use models::{KernelContent, Pieces, Rng, SMALL, ViewsContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
-use sinew_runtime::views::Order;
+use sinew_runtime::views::{Layer, RenderScratch};
 use sinew_runtime::{
     Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, ShapesJob, SkinJob,
     model_space_pose,
@@ -175,23 +175,31 @@ fn shapes_allocate_nothing() {
 
 #[test]
 fn views_allocate_nothing() {
-    let [_, pieces] = Pieces::viewed();
+    // The second layer has depth, and is clipped.
+    let mut content = ViewsContent::sample(vec![0], true);
+    content.layers[1].flags = Layer::DEPTH;
+    let mut pieces = Pieces::kernels(&[KernelContent::map("walk", 51)]);
+    pieces.add_views(&content);
     let bytes = pieces.bytes();
     let mut scratch = vec![0.0; 256];
     let (mut points, mut visibility, mut scores) = ([[0.0; 3]; 9], [0.0; 9], [0.0; 3]);
+    let (mut layers, mut vertices) = ([[0.0; 2]; 2], [[0.0; 3]; 10]);
     let (mut pixels, mut depths) = (vec![[0; 4]; 48 * 40], vec![f32::MAX; 48 * 40]);
+    let mut clips = vec![[0; 2]; 48 * 40];
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
         let views = model.views_named("object").unwrap().layout().open(&bytes).unwrap();
         let map = model.map_of(&views, 0).unwrap();
-        let out = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
-        let job = FrameJob { views, map, parameters: &[0.25, 0.5], last: Some(1), margin: 0.5 };
-        let view = job.run(&mut scratch, out).unwrap().view;
-        let (points, visibility, scores) = (&points, &visibility, &scores);
-        let job = RenderJob { views, points, visibility, scores, view, width: 48 };
-        assert!(job.run(Order::Painter(&mut [0; 6]), &mut pixels).unwrap().element_len > 0);
-        assert!(job.run(Order::Depth(&mut depths), &mut pixels).is_ok());
-        assert!(job.run(Order::Depth(&mut depths[1..]), &mut pixels).is_err());
+        let (points, visibility, scores) = (&mut points, &mut visibility, &mut scores);
+        let out = Frame { points, visibility, scores, layers: &mut layers };
+        FrameJob { views, map, parameters: &[0.25, 0.5] }.run(&mut scratch, out).unwrap();
+        let layers = &layers;
+        let job = RenderJob { views, points, visibility, scores, layers, width: 48 };
+        let (vertices, order) = (&mut vertices, &mut [0; 9]);
+        let scratch = RenderScratch { vertices, order, depths: &mut depths, clips: &mut clips };
+        assert!(job.run(scratch, &mut pixels).unwrap().element_len > 0);
+        let scratch = RenderScratch { vertices, order, depths: &mut depths, clips: &mut [] };
+        assert!(job.run(scratch, &mut pixels).is_err());
     });
     assert_eq!(count, 0);
 }

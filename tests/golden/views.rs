@@ -1,12 +1,12 @@
 //! The golden objects of key views, and the bits of each over seeded parameters, which all CPUs agree on.
 
 use super::{Rng, add};
-use sinew_runtime::views::{Order, ViewsCounts};
+use sinew_runtime::views::{RenderScratch, ViewsCounts};
 use sinew_runtime::{CallError, Frame, FrameJob, Model, RenderJob, Views};
 
 /// A file of an object that stands alone, and one of an object that is transferred.
 pub(crate) const VIEWS: [&[u8]; 2] =
-    [include_bytes!("views-7.snw"), include_bytes!("views-7-transferred.snw")];
+    [include_bytes!("views-8.snw"), include_bytes!("views-8-transferred.snw")];
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.
@@ -18,10 +18,12 @@ const FRAMES: usize = 64;
 const SIZE: [usize; 2] = [48, 40];
 const POINTS: usize = 9;
 const KEY_VIEWS: usize = 3;
-const ELEMENTS: usize = 6;
+const LAYERS: usize = 2;
+const VERTICES: usize = 10;
+const ELEMENTS: usize = 7;
 
 /// Hashes every map of a model's first object over seeded parameters, each of which `nudge` is added to: points,
-/// visibilities, scores, the characteristic view, and pictures in either order.
+/// visibilities, scores, opacities and orders of layers, the characteristic view, and pictures.
 ///
 /// # Errors
 /// Those of the calls; lengths, if the object is not of the golden files' size.
@@ -34,36 +36,38 @@ pub(crate) fn hash(
     let ViewsCounts { map_len, .. } = views.counts();
     let mut hash = 0;
     let mut rng = Rng(1992);
-    let [mut points, mut visibility, mut scores] =
-        [[[0.0; 3]; POINTS], [[0.0; 3]; POINTS], [[0.0; 3]; POINTS]];
-    let (visibility, scores) = (visibility.as_flattened_mut(), scores.as_flattened_mut());
+    let (mut points, mut vertices) = ([[0.0; 3]; POINTS], [[0.0; 3]; VERTICES]);
+    let (mut visibility, mut scores) = ([0.0; POINTS], [0.0; KEY_VIEWS]);
+    let (mut layers, mut order) = ([[0.0; 2]; LAYERS], [0; ELEMENTS + LAYERS]);
     for map in (0..map_len as usize).filter_map(|map| model.map_of(&views, map)) {
-        let mut last = None;
-        for number in 0..FRAMES {
+        for _ in 0..FRAMES {
             let parameters = [(); 2].map(|()| 1.5 * rng.unit() + nudge);
-            let margin = views.fit().margin;
             let frame = Frame {
                 points: &mut points,
-                visibility: visibility.get_mut(..POINTS).unwrap_or_default(),
-                scores: scores.get_mut(..KEY_VIEWS).unwrap_or_default(),
+                visibility: &mut visibility,
+                scores: &mut scores,
+                layers: &mut layers,
             };
-            let found = FrameJob { views, map, parameters: &parameters, last, margin }
-                .run(scratch, frame)?;
-            last = Some(found.view);
-            let visibility = visibility.get(..POINTS).unwrap_or_default();
-            let scores = scores.get(..KEY_VIEWS).unwrap_or_default();
-            add(&mut hash, points.as_flattened());
-            add(&mut hash, visibility);
-            add(&mut hash, scores);
+            let found = FrameJob { views, map, parameters: &parameters }.run(scratch, frame)?;
+            for numbers in [points.as_flattened(), &visibility, &scores, layers.as_flattened()] {
+                add(&mut hash, numbers);
+            }
             let mut pixels = [[40, 80, 120, 255]; SIZE[0] * SIZE[1]];
-            let [width, _] = SIZE;
-            let job =
-                RenderJob { views, points: &points, visibility, scores, view: found.view, width };
-            let drawn = if number % 2 == 0 {
-                job.run(Order::Painter(&mut [0; ELEMENTS]), &mut pixels)?
-            } else {
-                job.run(Order::Depth(&mut [f32::MAX; SIZE[0] * SIZE[1]]), &mut pixels)?
+            let job = RenderJob {
+                views,
+                points: &points,
+                visibility: &visibility,
+                scores: &scores,
+                layers: &layers,
+                width: SIZE[0],
             };
+            let scratch = RenderScratch {
+                vertices: &mut vertices,
+                order: &mut order,
+                depths: &mut [f32::MAX; SIZE[0] * SIZE[1]],
+                clips: &mut [[0; 2]; SIZE[0] * SIZE[1]],
+            };
+            let drawn = job.run(scratch, &mut pixels)?;
             let told = [found.view, drawn.element_len, drawn.flipped_len].map(|len| len as f32);
             add(&mut hash, &told);
             pixels

@@ -219,7 +219,7 @@ enum sinew_argument
     SINEW_ARGUMENT_GRADIENTS = 8,
     /// A stage's pose features; no function of this library takes it.
     SINEW_ARGUMENT_FEATURES = 9,
-    /// The range of vertices.
+    /// The range of vertices, or their places.
     SINEW_ARGUMENT_VERTICES = 10,
     /// The vertices that stand for others.
     SINEW_ARGUMENT_REMAP = 11,
@@ -253,7 +253,7 @@ enum sinew_argument
     SINEW_ARGUMENT_POINTS = 25,
     /// Visibilities of control points.
     SINEW_ARGUMENT_VISIBILITY = 26,
-    /// Scores of key views, or a view by its number.
+    /// Scores of key views.
     SINEW_ARGUMENT_SCORES = 27,
     /// Pixels of a picture.
     SINEW_ARGUMENT_PIXELS = 28,
@@ -269,6 +269,10 @@ enum sinew_argument
     SINEW_ARGUMENT_WORLD = 33,
     /// The matrix of the root.
     SINEW_ARGUMENT_ROOT = 34,
+    /// Opacities and orders of layers.
+    SINEW_ARGUMENT_LAYERS = 35,
+    /// What layers that clip leave of pixels.
+    SINEW_ARGUMENT_CLIPS = 36,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -986,16 +990,28 @@ typedef struct sinew_views_info {
     uint32_t part;
     /// 1 if they move as another object does, else 0.
     uint32_t is_transferred;
+    /// 1 if elements of a layer hide each other by depth, else 0: then a render job needs depths.
+    uint32_t has_depth;
+    /// 1 if a layer is clipped by another, else 0: then a render job needs clips.
+    uint32_t has_clips;
     /// K, control points.
     size_t point_len;
+    /// V, vertices.
+    size_t vertex_len;
     /// E, elements.
     size_t element_len;
+    /// L, layers.
+    size_t layer_len;
     /// N, key views.
     size_t view_len;
     /// M, maps.
     size_t map_len;
-    /// By how much a key view's score must be above that of the one before.
-    float margin;
+    /// E + L, the numbers that a render job sorts.
+    size_t order_len;
+    /// Width of the screen on which points are, in pixels.
+    size_t width;
+    /// Height of that screen.
+    size_t height;
     /// RMS over points and examples of the distance to the examples.
     float rms_error;
     /// The same, each example left out of its own fit; 0 if it was not measured.
@@ -1028,12 +1044,6 @@ typedef struct sinew_frame_job {
     const float *parameters;
     /// Their number.
     size_t parameters_len;
-    /// The characteristic view of the frame before.
-    size_t last_view;
-    /// 1 if there is a frame before, else 0.
-    uint32_t has_last;
-    /// By how much a key view's score must be above that of the one before: `sinew_views_info.margin`, or another.
-    float margin;
     /// At least `sinew_map_info.scratch_len` floats, of any content.
     float *scratch;
     /// Their number.
@@ -1051,11 +1061,16 @@ typedef struct sinew_frame_job {
     float *scores;
     /// Their number.
     size_t scores_len;
+    /// Receives opacity, from 0 to 1, and order of L layers: those of a greater order are drawn over those of a lesser
+    /// one.
+    float (*layers)[2];
+    /// Their number.
+    size_t layers_len;
 } sinew_frame_job;
 
 /// What a frame job found.
 typedef struct sinew_found {
-    /// The characteristic view.
+    /// The characteristic view: the one with the highest score, the first of equal ones.
     size_t view;
     /// The map's confidence in the parameters.
     float confidence;
@@ -1069,31 +1084,40 @@ typedef struct sinew_render_job {
     const float (*points)[3];
     /// Their number.
     size_t points_len;
-    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    /// K visibilities: an element between points is drawn from key views that show as much of it.
     const float *visibility;
     /// Their number.
     size_t visibility_len;
-    /// N scores: what the characteristic view does not show is textured by the view of the highest score that does.
+    /// N scores of key views, by which they are blended.
     const float *scores;
     /// Their number.
     size_t scores_len;
-    /// The characteristic view.
-    size_t view;
+    /// Opacity and order of L layers, as a frame job gives them.
+    const float (*layers)[2];
+    /// Their number.
+    size_t layers_len;
     /// Width of the picture in pixels.
     size_t width;
     /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
     uint8_t (*pixels)[4];
     /// Their number, of whole rows.
     size_t pixels_len;
-    /// Null to blend elements by their mean depth, one over the other; else a float a pixel, infinite where nothing
-    /// has been drawn: then the nearest is seen at each pixel.
-    float *depths;
+    /// V places of scratch, of any content.
+    float (*vertices)[3];
     /// Their number.
-    size_t depths_len;
-    /// Without depths E numbers of scratch, of any content.
+    size_t vertices_len;
+    /// `sinew_views_info.order_len` numbers of scratch, of any content.
     uint16_t *order;
     /// Their number.
     size_t order_len;
+    /// Scratch of any content: at least a float a pixel if `sinew_views_info.has_depth`, else null will do.
+    float *depths;
+    /// Their number.
+    size_t depths_len;
+    /// Scratch of any content: at least two bytes a pixel if `sinew_views_info.has_clips`, else null will do.
+    uint8_t (*clips)[2];
+    /// Their number, in pairs.
+    size_t clips_len;
 } sinew_render_job;
 
 /// What a render job drew.
@@ -1842,7 +1866,7 @@ sinew_status sinew_views_map(const struct sinew_views *views,
                              struct sinew_map_info *out_map,
                              struct sinew_error *out_error);
 
-/// Runs a frame job: from parameters to points, visibilities, scores and the characteristic view.
+/// Runs a frame job: from parameters to points, visibilities, scores, layers and the characteristic view.
 ///
 /// - `out_found`: receives what it found.
 ///
@@ -1856,8 +1880,7 @@ sinew_status sinew_views_frame(const struct sinew_frame_job *job,
 ///
 /// - `out_drawn`: null, or receives what it drew.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NON_FINITE`, `TOO_LONG`,
-/// `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
 sinew_status sinew_views_render(const struct sinew_render_job *job,
                                 struct sinew_drawn *out_drawn,
                                 struct sinew_error *out_error);

@@ -27,7 +27,7 @@ pub enum sinew_argument {
     Gradients = 8,
     /// A stage's pose features; no function of this library takes it.
     Features = 9,
-    /// The range of vertices.
+    /// The range of vertices, or their places.
     Vertices = 10,
     /// The vertices that stand for others.
     Remap = 11,
@@ -61,7 +61,7 @@ pub enum sinew_argument {
     Points = 25,
     /// Visibilities of control points.
     Visibility = 26,
-    /// Scores of key views, or a view by its number.
+    /// Scores of key views.
     Scores = 27,
     /// Pixels of a picture.
     Pixels = 28,
@@ -77,6 +77,10 @@ pub enum sinew_argument {
     World = 33,
     /// The matrix of the root.
     Root = 34,
+    /// Opacities and orders of layers.
+    Layers = 35,
+    /// What layers that clip leave of pixels.
+    Clips = 36,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -129,7 +133,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 59] = {
+const NAMES: [(sinew_argument, &CStr); 61] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -167,6 +171,8 @@ const NAMES: [(sinew_argument, &CStr); 59] = {
         (A::Joints, c"joint map"),
         (A::World, c"frames"),
         (A::Root, c"root matrix"),
+        (A::Layers, c"layers"),
+        (A::Clips, c"clips"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -240,6 +246,8 @@ impl From<Argument> for sinew_argument {
             Argument::Joints => Self::Joints,
             Argument::World => Self::World,
             Argument::Root => Self::Root,
+            Argument::Layers => Self::Layers,
+            Argument::Clips => Self::Clips,
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Views, what the file says of them, their frames and their pictures.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Span};
+use crate::border::{self, Array, Loaded};
 use crate::error::sinew_error;
 use crate::model::sinew_model;
 use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
-use sinew_runtime::views::{Order, ViewsLayout};
+use sinew_runtime::views::{RenderScratch, ViewsLayout};
 use sinew_runtime::{Frame, FrameJob, KernelMap, Model, RenderJob, Views};
 
 /// Elements of a `uintptr_t` array that holds views on every target: `uintptr_t memory[SINEW_VIEWS_WORDS]`.
@@ -35,16 +35,28 @@ pub struct sinew_views_info {
     pub part: u32,
     /// 1 if they move as another object does, else 0.
     pub is_transferred: u32,
+    /// 1 if elements of a layer hide each other by depth, else 0: then a render job needs depths.
+    pub has_depth: u32,
+    /// 1 if a layer is clipped by another, else 0: then a render job needs clips.
+    pub has_clips: u32,
     /// K, control points.
     pub point_len: usize,
+    /// V, vertices.
+    pub vertex_len: usize,
     /// E, elements.
     pub element_len: usize,
+    /// L, layers.
+    pub layer_len: usize,
     /// N, key views.
     pub view_len: usize,
     /// M, maps.
     pub map_len: usize,
-    /// By how much a key view's score must be above that of the one before.
-    pub margin: f32,
+    /// E + L, the numbers that a render job sorts.
+    pub order_len: usize,
+    /// Width of the screen on which points are, in pixels.
+    pub width: usize,
+    /// Height of that screen.
+    pub height: usize,
     /// RMS over points and examples of the distance to the examples.
     pub rms_error: f32,
     /// The same, each example left out of its own fit; 0 if it was not measured.
@@ -81,12 +93,6 @@ pub struct sinew_frame_job {
     pub parameters: *const f32,
     /// Their number.
     pub parameters_len: usize,
-    /// The characteristic view of the frame before.
-    pub last_view: usize,
-    /// 1 if there is a frame before, else 0.
-    pub has_last: u32,
-    /// By how much a key view's score must be above that of the one before: `sinew_views_info.margin`, or another.
-    pub margin: f32,
     /// At least `sinew_map_info.scratch_len` floats, of any content.
     pub scratch: *mut f32,
     /// Their number.
@@ -104,13 +110,18 @@ pub struct sinew_frame_job {
     pub scores: *mut f32,
     /// Their number.
     pub scores_len: usize,
+    /// Receives opacity, from 0 to 1, and order of L layers: those of a greater order are drawn over those of a lesser
+    /// one.
+    pub layers: *mut [f32; 2],
+    /// Their number.
+    pub layers_len: usize,
 }
 
 /// What a frame job found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_found {
-    /// The characteristic view.
+    /// The characteristic view: the one with the highest score, the first of equal ones.
     pub view: usize,
     /// The map's confidence in the parameters.
     pub confidence: f32,
@@ -126,31 +137,40 @@ pub struct sinew_render_job {
     pub points: *const [f32; 3],
     /// Their number.
     pub points_len: usize,
-    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    /// K visibilities: an element between points is drawn from key views that show as much of it.
     pub visibility: *const f32,
     /// Their number.
     pub visibility_len: usize,
-    /// N scores: what the characteristic view does not show is textured by the view of the highest score that does.
+    /// N scores of key views, by which they are blended.
     pub scores: *const f32,
     /// Their number.
     pub scores_len: usize,
-    /// The characteristic view.
-    pub view: usize,
+    /// Opacity and order of L layers, as a frame job gives them.
+    pub layers: *const [f32; 2],
+    /// Their number.
+    pub layers_len: usize,
     /// Width of the picture in pixels.
     pub width: usize,
     /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
     pub pixels: *mut [u8; 4],
     /// Their number, of whole rows.
     pub pixels_len: usize,
-    /// Null to blend elements by their mean depth, one over the other; else a float a pixel, infinite where nothing
-    /// has been drawn: then the nearest is seen at each pixel.
-    pub depths: *mut f32,
+    /// V places of scratch, of any content.
+    pub vertices: *mut [f32; 3],
     /// Their number.
-    pub depths_len: usize,
-    /// Without depths E numbers of scratch, of any content.
+    pub vertices_len: usize,
+    /// `sinew_views_info.order_len` numbers of scratch, of any content.
     pub order: *mut u16,
     /// Their number.
     pub order_len: usize,
+    /// Scratch of any content: at least a float a pixel if `sinew_views_info.has_depth`, else null will do.
+    pub depths: *mut f32,
+    /// Their number.
+    pub depths_len: usize,
+    /// Scratch of any content: at least two bytes a pixel if `sinew_views_info.has_clips`, else null will do.
+    pub clips: *mut [u8; 2],
+    /// Their number, in pairs.
+    pub clips_len: usize,
 }
 
 /// What a render job drew.
@@ -209,17 +229,23 @@ pub unsafe extern "C" fn sinew_views_describe(
         let (views, reads) = unsafe { part::view(views) }?;
         let out = Array::one(out_info, sinew_argument::Result)?;
         border::apart(&[out.span()], &reads)?;
-        let fit = views.fit();
+        let (fit, [width, height]) = (views.fit(), views.size());
         let info = sinew_views_info {
             name: views.name().as_ptr().cast(),
             name_len: views.name().len(),
             part: views.part() as u32,
             is_transferred: u32::from(views.is_transferred()),
+            has_depth: u32::from(views.has_depth()),
+            has_clips: u32::from(views.has_clips()),
             point_len: views.point_len(),
+            vertex_len: views.vertex_len(),
             element_len: views.element_len(),
+            layer_len: views.layer_len(),
             view_len: views.view_len(),
             map_len: views.counts().map_len as usize,
-            margin: fit.margin,
+            order_len: views.order_len(),
+            width,
+            height,
             rms_error: fit.rms_error,
             left_out_rms: fit.left_out_rms,
             visibility: fit.visibility,
@@ -263,7 +289,7 @@ pub unsafe extern "C" fn sinew_views_map(
     unsafe { border::call(out_error, body) }
 }
 
-/// Runs a frame job: from parameters to points, visibilities, scores and the characteristic view.
+/// Runs a frame job: from parameters to points, visibilities, scores, layers and the characteristic view.
 ///
 /// - `out_found`: receives what it found.
 ///
@@ -286,18 +312,21 @@ pub unsafe extern "C" fn sinew_views_frame(
         let visibility =
             Array::new(job.visibility, job.visibility_len, sinew_argument::Visibility)?;
         let scores = Array::new(job.scores, job.scores_len, sinew_argument::Scores)?;
+        let layers = Array::new(job.layers, job.layers_len, sinew_argument::Layers)?;
         let out = Array::one(out_found, sinew_argument::Result)?;
-        let written = [scratch.span(), points.span(), visibility.span(), scores.span(), out.span()];
+        let [points_span, visibility_span] = [points.span(), visibility.span()];
+        let [scores_span, layers_span] = [scores.span(), layers.span()];
+        let written =
+            [scratch.span(), points_span, visibility_span, scores_span, layers_span, out.span()];
         border::apart(&written, &[own, handle, file, job_span, parameters.span()])?;
         let map = map_of(model, &views, job.map)?;
         // SAFETY: lent by the caller; what is written is apart from all else.
         let (parameters, scratch) = unsafe { (parameters.read(), scratch.write()) };
         // SAFETY: likewise.
-        let (points, visibility, scores) =
-            unsafe { (points.write(), visibility.write(), scores.write()) };
-        let last = (job.has_last != 0).then_some(job.last_view);
-        let run = FrameJob { views, map, parameters, last, margin: job.margin };
-        let found = run.run(scratch, Frame { points, visibility, scores })?;
+        let (points, visibility, scores, layers) =
+            unsafe { (points.write(), visibility.write(), scores.write(), layers.write()) };
+        let run = FrameJob { views, map, parameters };
+        let found = run.run(scratch, Frame { points, visibility, scores, layers })?;
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(sinew_found { view: found.view, confidence: found.confidence }) };
         Ok(())
@@ -310,8 +339,7 @@ pub unsafe extern "C" fn sinew_views_frame(
 ///
 /// - `out_drawn`: null, or receives what it drew.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NON_FINITE`, `TOO_LONG`,
-/// `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_views_render(
     job: *const sinew_render_job,
@@ -327,28 +355,32 @@ pub unsafe extern "C" fn sinew_views_render(
         let visibility =
             Array::new(job.visibility, job.visibility_len, sinew_argument::Visibility)?;
         let scores = Array::new(job.scores, job.scores_len, sinew_argument::Scores)?;
+        let layers = Array::new(job.layers, job.layers_len, sinew_argument::Layers)?;
         let pixels = Array::new(job.pixels, job.pixels_len, sinew_argument::Pixels)?;
-        let depths = Array::given(job.depths, job.depths_len, sinew_argument::Depths)?;
+        let vertices = Array::new(job.vertices, job.vertices_len, sinew_argument::Vertices)?;
         let order = Array::new(job.order, job.order_len, sinew_argument::Scratch)?;
+        let depths = Array::new(job.depths, job.depths_len, sinew_argument::Depths)?;
+        let clips = Array::new(job.clips, job.clips_len, sinew_argument::Clips)?;
         let drawn = Array::optional(out_drawn, sinew_argument::Result)?;
-        let depths_span = depths.as_ref().map_or(Span::NOWHERE, Array::span);
-        let written = [pixels.span(), depths_span, order.span(), drawn.span()];
+        let [vertices_span, order_span] = [vertices.span(), order.span()];
+        let [depths_span, clips_span] = [depths.span(), clips.span()];
+        let written =
+            [pixels.span(), vertices_span, order_span, depths_span, clips_span, drawn.span()];
         let [points_span, visibility_span] = [points.span(), visibility.span()];
-        let reads = [own, handle, file, job_span, points_span, visibility_span, scores.span()];
+        let [scores_span, layers_span] = [scores.span(), layers.span()];
+        let reads =
+            [own, handle, file, job_span, points_span, visibility_span, scores_span, layers_span];
         border::apart(&written, &reads)?;
         // SAFETY: lent by the caller; what is written is apart from all else.
-        let (points, visibility, scores) =
-            unsafe { (points.read(), visibility.read(), scores.read()) };
-        let (view, width) = (job.view, job.width);
-        let run = RenderJob { views, points, visibility, scores, view, width };
+        let (points, visibility, scores, layers) =
+            unsafe { (points.read(), visibility.read(), scores.read(), layers.read()) };
+        let run = RenderJob { views, points, visibility, scores, layers, width: job.width };
         // SAFETY: likewise.
-        let (pixels, order, drawn) = unsafe { (pixels.write(), order.write(), drawn.write()) };
-        let order = match depths {
-            // SAFETY: likewise.
-            Some(depths) => Order::Depth(unsafe { depths.write() }),
-            None => Order::Painter(order),
-        };
-        let done = run.run(order, pixels)?;
+        let (pixels, vertices, order) =
+            unsafe { (pixels.write(), vertices.write(), order.write()) };
+        // SAFETY: likewise.
+        let (depths, clips, drawn) = unsafe { (depths.write(), clips.write(), drawn.write()) };
+        let done = run.run(RenderScratch { vertices, order, depths, clips }, pixels)?;
         let (element_len, flipped_len) = (done.element_len, done.flipped_len);
         drawn.fill(sinew_drawn { element_len, flipped_len });
         Ok(())

@@ -50,8 +50,12 @@ pub(super) fn cover<const N: usize>(
         for x in left..right {
             if values.iter().zip(&edges).all(|(value, edge)| *value >= edge.least) {
                 has_begun = true;
-                let shares = values.iter().zip(&edges).map(|(value, edge)| edge.share(*value));
-                each([x, y], values, shares.product());
+                let mut covered = 1.0;
+                if beside > 0 {
+                    let shares = values.iter().zip(&edges).map(|(value, edge)| edge.share(*value));
+                    covered = shares.product();
+                }
+                each([x, y], values, covered);
             } else if has_begun {
                 // A row of a convex ring has one stretch.
                 break;

@@ -365,21 +365,31 @@ mod tests {
 
     const BLACK: [u8; 4] = [0, 0, 0, 255];
 
-    fn corner(place: [f32; 2], depth: f32, texel: [f32; 2]) -> Corner {
-        Corner { place, depth, texel }
+    /// Corners of an element without borders.
+    fn corners<const N: usize>(places: [[f32; 2]; N], depth: f32) -> [Corner; N] {
+        let corner = |number| Corner { place: places[number], depth, number, is_border: false };
+        core::array::from_fn(corner)
     }
 
-    /// Corners that lie in the texture where they lie on the screen.
-    fn same<const N: usize>(places: [[f32; 2]; N], depth: f32) -> [Corner; N] {
-        places.map(|place| corner(place, depth, place))
+    /// The same, all of whose edges are borders.
+    fn bordered<const N: usize>(places: [[f32; 2]; N]) -> [Corner; N] {
+        corners(places, 0.0).map(|corner| Corner { is_border: true, ..corner })
     }
 
-    fn one(texel: &[[u8; 4]; 1]) -> Texture<'_> {
-        Texture { width: 1, height: 1, texels: texel }
+    /// The whole of a texture, in which corners lie at these places.
+    fn source<'a, const N: usize>(texture: Texture<'a>, places: [[f32; 2]; N]) -> [Source<'a>; 1] {
+        let mut texels = [[0.0; 2]; 4];
+        texels[..N].copy_from_slice(&places);
+        [Source { texture, texels, share: 1.0 }]
+    }
+
+    /// One colour, in which corners lie as on the screen.
+    fn plain<const N: usize>(texel: &[[u8; 4]; 1], places: [[f32; 2]; N]) -> [Source<'_>; 1] {
+        source(Texture { width: 1, height: 1, texels: texel }, places)
     }
 
     fn blended(width: usize, pixels: &mut [[u8; 4]]) -> Screen<'_> {
-        Screen { width, pixels, depths: None }
+        Screen { width, pixels, depths: None, clip: None, opacity: 1.0 }
     }
 
     fn random(seed: &mut u64) -> f32 {
@@ -408,11 +418,13 @@ mod tests {
         let mut screen = blended(n, &mut pixels);
         for (y, x) in (0..cells).flat_map(|y| (0..cells).map(move |x| (y, x))) {
             let ring = [place(x, y), place(x + 1, y), place(x + 1, y + 1), place(x, y + 1)];
-            let [a, b, c, d] = same(ring, 0.0);
+            let [a, b, c, d] = corners(ring, 0.0);
+            let own = source(texture, ring);
+            let screen = &mut screen;
             let flipped = match (x + y) % 3 {
-                0 => screen.quad([a, b, c, d], &texture),
-                1 => screen.triangle([a, b, c], &texture) | screen.triangle([c, d, a], &texture),
-                _ => screen.triangle([b, a, d], &texture) | screen.triangle([d, c, b], &texture),
+                0 => quad(screen, [a, b, c, d], &own),
+                1 => triangle(screen, [a, b, c], &own) | triangle(screen, [c, d, a], &own),
+                _ => triangle(screen, [b, a, d], &own) | triangle(screen, [d, c, b], &own),
             };
             assert!(!flipped);
         }
@@ -458,12 +470,9 @@ mod tests {
                 ring.reverse();
             }
             let ends = [[0.5, 0.5], [255.5, 0.5], [255.5, 255.5], [0.5, 255.5]];
-            let mut corners = [Corner::default(); 4];
-            for ((corner, place), texel) in corners.iter_mut().zip(ring).zip(ends) {
-                *corner = Corner { place, depth: 0.0, texel };
-            }
             let mut pixels = vec![[0; 4]; size * size];
-            let flipped = blended(size, &mut pixels).quad(corners, &texture);
+            let mut screen = blended(size, &mut pixels);
+            let flipped = quad(&mut screen, corners(ring, 0.0), &source(texture, ends));
             assert_eq!(flipped, round % 2 == 1);
             for (at, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel[3] > 0) {
                 let p = [at % size, at / size].map(|x| x as f64 + 0.5);
@@ -486,7 +495,8 @@ mod tests {
             let mut ring = [[8.0, 8.0], [56.0, 8.0], [24.0, 24.0], [8.0, 56.0]];
             ring.rotate_left(first);
             let mut pixels = vec![[0; 4]; 64 * 64];
-            assert!(blended(64, &mut pixels).quad(same(ring, 0.0), &one(&half)));
+            let mut screen = blended(64, &mut pixels);
+            assert!(quad(&mut screen, corners(ring, 0.0), &plain(&half, ring)));
             let area = pixels.iter().filter(|pixel| pixel[3] == 128).count();
             assert!((700..=840).contains(&area), "{area}");
             assert!(pixels.iter().all(|pixel| pixel[3] == 0 || pixel[3] == 128));
@@ -498,53 +508,236 @@ mod tests {
         let ring = [[1.0, 1.0], [7.0, 1.0], [1.0, 7.0]];
         let [a, b, c] = ring;
         let red = [[255, 0, 0, 255]];
-        let mirrored = [corner(a, 0.0, a), corner(b, 0.0, c), corner(c, 0.0, b)];
-        for (corners, expected) in [(same(ring, 0.0), false), (mirrored, true)] {
+        for (texels, expected) in [([a, b, c], false), ([a, c, b], true)] {
             let mut pixels = vec![BLACK; 64];
-            assert_eq!(blended(8, &mut pixels).triangle(corners, &one(&red)), expected);
+            let mut screen = blended(8, &mut pixels);
+            let own = plain(&red, texels);
+            assert_eq!(triangle(&mut screen, corners(ring, 0.0), &own), expected);
+            // The first source is the one that counts most.
+            let both = [own, plain(&red, [a, c, b])].concat();
+            assert_eq!(triangle(&mut screen, corners(ring, 0.0), &both), expected);
             assert_eq!(pixels.iter().filter(|pixel| pixel[0] == 255).count(), 15);
         }
         let flat = [a, b, [4.0, 1.0]];
-        let mut pixels = vec![BLACK; 64];
-        assert!(!blended(8, &mut pixels).triangle(same(flat, 0.0), &one(&red)));
-        assert!(pixels.iter().all(|pixel| *pixel == BLACK));
+        for corners in [corners(flat, 0.0), bordered(flat)] {
+            let mut pixels = vec![BLACK; 64];
+            assert!(!triangle(&mut blended(8, &mut pixels), corners, &plain(&red, flat)));
+            assert!(pixels.iter().all(|pixel| *pixel == BLACK));
+        }
     }
+
+    const SQUARE: [[f32; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
 
     #[test]
     fn without_depths_elements_are_blended() {
-        let ring = same([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]], 0.0);
-        let mut pixels = vec![[100, 200, 40, 255]; 4];
-        blended(2, &mut pixels).quad(ring, &one(&[[200, 100, 0, 51]]));
+        let mut pixels = vec![[100, 200, 40, 255]; 16];
+        let own = plain(&[[200, 100, 0, 51]], SQUARE);
+        quad(&mut blended(4, &mut pixels), corners(SQUARE, 0.0), &own);
         // A fifth of the one and four of the other.
-        assert_eq!(pixels, [[120, 180, 32, 255]; 4]);
+        assert_eq!(pixels, [[120, 180, 32, 255]; 16]);
+    }
+
+    #[test]
+    fn sources_are_mixed_by_their_shares() {
+        // Alike in triangles and quads; times their alpha: of the second a half.
+        let [[first], [second]] = [&[[200, 100, 0, 255]], &[[40, 200, 80, 102]]]
+            .map(|texel: &[[u8; 4]; 1]| plain(texel, SQUARE));
+        for (shares, expected) in [
+            ([1.0, 0.0], [200, 100, 0, 255]),
+            ([0.75, 0.25], [154, 95, 8, 217]),
+            ([0.25, 0.75], [62, 85, 24, 140]),
+        ] {
+            let sources =
+                [Source { share: shares[0], ..first }, Source { share: shares[1], ..second }];
+            let [a, b, c, d] = corners(SQUARE, 0.0);
+            let mut pixels = vec![[0; 4]; 16];
+            quad(&mut blended(4, &mut pixels), [a, b, c, d], &sources);
+            assert_eq!(pixels, [expected; 16]);
+            let mut pixels = vec![[0; 4]; 16];
+            triangle(&mut blended(4, &mut pixels), [a, b, c], &sources);
+            triangle(&mut blended(4, &mut pixels), [a, c, d], &sources);
+            assert_eq!(pixels, [expected; 16]);
+        }
+    }
+
+    #[test]
+    fn each_source_has_its_own_corners() {
+        // Of a slope each, across and down.
+        let n = 16;
+        let texels: Vec<_> =
+            (0..n * n).map(|i| [16 * (i % n) as u8, 16 * (i / n) as u8, 0, 255]).collect();
+        let texture = Texture { width: n, height: n, texels: &texels };
+        let size = n as f32;
+        let ring = [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]];
+        // The second one lies in it a quarter turned.
+        let turned = [ring[1], ring[2], ring[3], ring[0]];
+        let [[first], [second]] = [ring, turned].map(|places| source(texture, places));
+        let sources = [Source { share: 0.75, ..first }, Source { share: 0.25, ..second }];
+        let mut pixels = vec![[0; 4]; n * n];
+        quad(&mut blended(n, &mut pixels), corners(ring, 0.0), &sources);
+        for (at, [r, g, ..]) in pixels.iter().enumerate() {
+            let [x, y] = [at % n, at / n].map(|x| x as f32);
+            let expected = [12.0 * x + 4.0 * (15.0 - y), 12.0 * y + 4.0 * x];
+            for (found, expected) in [*r, *g].into_iter().zip(expected) {
+                assert!((f32::from(found) - expected).abs() <= 0.51, "{at} {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn borders_are_soft_and_edges_within_are_not() {
+        // A square from 2.25 to 9.25, cut along either diagonal or whole; of either direction.
+        let (low, high) = (2.25, 9.25);
+        let mut ring = [[low, low], [high, low], [high, high], [low, high]];
+        let covered = |i: usize| match i {
+            0 | 1 | 10.. => 0.0,
+            // A quarter of its width is outside, or inside: from the border to the centre.
+            2 => 0.75,
+            9 => 0.25,
+            _ => 1.0,
+        };
+        let white = [[255; 4]];
+        let inner = |corner: Corner| Corner { is_border: false, ..corner };
+        for round in 0..8 {
+            ring.rotate_left(1);
+            if round == 4 {
+                ring.reverse();
+            }
+            let own = plain(&white, ring);
+            let [a, b, c, d] = bordered(ring);
+            let [mut cut, mut whole] = [(); 2].map(|()| vec![[0; 4]; 144]);
+            let screen = &mut blended(12, &mut cut);
+            triangle(screen, [a, b, inner(c)], &own);
+            triangle(screen, [inner(a), c, d], &own);
+            quad(&mut blended(12, &mut whole), [a, b, c, d], &own);
+            for (at, (cut, whole)) in cut.iter().zip(&whole).enumerate() {
+                let expected = 255.0 * covered(at % 12) * covered(at / 12);
+                // At either end of the cut a pixel has the border of one triangle alone.
+                let is_corner = [at % 12, at / 12].iter().all(|i| matches!(i, 2 | 9));
+                let most = if is_corner { 64.0 } else { 0.51 };
+                for (found, most) in [(cut, most), (whole, 0.51)] {
+                    let apart = (f32::from(found[3]) - expected).abs();
+                    assert!(apart <= most, "{at}: {found:?} {expected}");
+                }
+                assert!(cut.iter().all(|x| *x == cut[3]) && whole.iter().all(|x| *x == whole[3]));
+            }
+            // Of an edge within that were soft, too, a slit would be seen.
+            let mut slit = vec![[0; 4]; 144];
+            let screen = &mut blended(12, &mut slit);
+            triangle(screen, [a, b, c], &own);
+            triangle(screen, [a, c, d], &own);
+            assert!((3..9).any(|i| slit
+                [if ring[0][0] == ring[0][1] { 13 * i } else { 11 * (i + 1) }][3]
+                < 250));
+        }
+    }
+
+    #[test]
+    fn a_quad_that_is_cut_in_two_has_no_border_within() {
+        let white = [[255; 4]];
+        for first in 0..4 {
+            let mut ring = [[8.0, 8.0], [56.0, 8.0], [24.0, 24.0], [8.0, 56.0]];
+            ring.rotate_left(first);
+            let mut pixels = vec![[0; 4]; 64 * 64];
+            assert!(quad(&mut blended(64, &mut pixels), bordered(ring), &plain(&white, ring)));
+            // The cut goes from 8, 8 to 24, 24.
+            assert!((9..23).all(|i| pixels[65 * i] == [255; 4]), "{first}");
+            let sum: f32 = pixels.iter().map(|pixel| f32::from(pixel[3]) / 255.0).sum();
+            assert!((sum - 768.0).abs() < 2.0, "{sum}");
+        }
+    }
+
+    #[test]
+    fn opacity_and_clip_scale_what_is_drawn() {
+        let own = plain(&[[200, 100, 0, 255]], SQUARE);
+        // Nothing, a fifth, and all.
+        let clip: Vec<_> = (0..16).map(|at| [[0, 51, 255][at % 3], 99]).collect();
+        for (clip, opacity) in [(None, 1.0), (None, 0.5), (Some(&*clip), 1.0), (Some(&*clip), 0.5)]
+        {
+            let mut pixels = vec![[100, 200, 40, 255]; 16];
+            let pixels_of = &mut pixels;
+            let mut screen = Screen { width: 4, pixels: pixels_of, depths: None, clip, opacity };
+            quad(&mut screen, corners(SQUARE, 0.0), &own);
+            for (at, pixel) in pixels.iter().enumerate() {
+                let share = opacity * clip.map_or(1.0, |clip| f32::from(clip[at][0]) / 255.0);
+                for (found, [above, below]) in pixel.iter().zip([[200, 100], [100, 200], [0, 40]]) {
+                    let expected = below as f32 + share * (above - below) as f32;
+                    assert!((f32::from(*found) - expected).abs() <= 0.51, "{at} {share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn masks_are_the_alpha_of_what_is_drawn() {
+        let mut pixels = vec![[7, 0]; 16];
+        let mut mask = Mask { width: 4, pixels: &mut pixels, opacity: 0.5 };
+        let [a, b, c, _] = corners(SQUARE, 0.0);
+        quad(&mut mask, corners(SQUARE, 0.0), &plain(&[[9, 9, 9, 102]], SQUARE));
+        // A fifth of all, then a half of a fifth's rest beside it: 51, and 51 + 204 / 2.
+        triangle(&mut mask, [a, b, c], &plain(&[[9, 9, 9, 255]], SQUARE));
+        let expected = |at: usize| if at % 4 > at / 4 { [7, 153] } else { [7, 51] };
+        for (at, pixel) in pixels.iter().enumerate().filter(|(at, _)| at % 4 != at / 4) {
+            assert_eq!(*pixel, expected(at), "{at}");
+        }
     }
 
     #[test]
     fn with_depths_the_nearer_wins_then_the_first() {
-        let ring = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        // The last is nearest, and so thin that it hides nothing.
         let colours = [[10, 0, 0, 255], [20, 0, 0, 255], [30, 0, 0, 255], [40, 0, 0, 127]];
-        for (order, expected) in [([0, 1, 2, 3], 10), ([1, 0, 3, 2], 20), ([2, 3, 1, 0], 20)] {
+        for (order, expected) in [([0, 1, 2, 3], 25), ([1, 0, 3, 2], 30), ([2, 3, 1, 0], 20)] {
             let depths = [5.0, 5.0, 6.0, 1.0];
             let (mut pixels, mut nearest) = (vec![BLACK; 16], vec![f32::INFINITY; 16]);
-            let mut screen = Screen { width: 4, pixels: &mut pixels, depths: Some(&mut nearest) };
             for element in order {
-                screen.quad(same(ring, depths[element]), &one(&[colours[element]]));
+                let depths_of = Some(&mut *nearest);
+                let mut screen = Screen { depths: depths_of, ..blended(4, &mut pixels) };
+                let own = [colours[element]];
+                quad(&mut screen, corners(SQUARE, depths[element]), &plain(&own, SQUARE));
             }
-            assert!(pixels.iter().all(|pixel| *pixel == [expected, 0, 0, 255]));
+            assert_eq!(pixels, [[expected, 0, 0, 255]; 16]);
             assert_eq!(nearest, [5.0; 16]);
+        }
+    }
+
+    #[test]
+    fn from_half_of_alpha_on_a_pixel_hides() {
+        for (alpha, hides) in [(127, false), (128, true)] {
+            for has_quads in [false, true] {
+                let (mut pixels, mut nearest) = (vec![[0; 4]; 16], vec![f32::INFINITY; 16]);
+                let depths = Some(&mut *nearest);
+                let mut screen = Screen { depths, ..blended(4, &mut pixels) };
+                for (depth, texel) in [(1.0, [[0, 0, 0, alpha]]), (2.0, [[255; 4]])] {
+                    let own = plain(&texel, SQUARE);
+                    let [a, b, c, d] = corners(SQUARE, depth);
+                    if has_quads {
+                        quad(&mut screen, [a, b, c, d], &own);
+                    } else {
+                        triangle(&mut screen, [a, b, c], &own);
+                        triangle(&mut screen, [a, c, d], &own);
+                    }
+                }
+                assert!(pixels.iter().all(|pixel| (pixel[0] == 0) == hides), "{alpha}");
+            }
         }
     }
 
     #[test]
     fn depths_lie_on_the_plane_of_their_corners() {
         let place = [[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]];
-        let corners = place.map(|[x, y]| corner([x, y], 3.0 + 0.5 * x - 0.25 * y, [x, y]));
+        let plane = |[x, y]: [f32; 2]| 3.0 + 0.5 * x - 0.25 * y;
+        let slanted =
+            corners(place, 0.0).map(|corner| Corner { depth: plane(corner.place), ..corner });
         let (mut pixels, mut nearest) = (vec![BLACK; 64], vec![f32::INFINITY; 64]);
-        let mut screen = Screen { width: 8, pixels: &mut pixels, depths: Some(&mut nearest) };
-        screen.triangle(corners, &one(&[[1, 2, 3, 255]]));
+        let depths = Some(&mut *nearest);
+        let mut screen = Screen { depths, ..blended(8, &mut pixels) };
+        triangle(&mut screen, slanted, &plain(&[[1, 2, 3, 255]], place));
+        let mut seen = 0;
         for (at, depth) in nearest.iter().enumerate().filter(|(_, depth)| depth.is_finite()) {
-            let [x, y] = [at % 8, at / 8].map(|x| x as f32 + 0.5);
-            assert!((depth - (3.0 + 0.5 * x - 0.25 * y)).abs() < 1e-5);
+            let centre = [at % 8, at / 8].map(|x| x as f32 + 0.5);
+            assert!((depth - plane(centre)).abs() < 1e-5);
+            seen += 1;
         }
+        assert!(seen >= 28, "{seen}");
     }
 }

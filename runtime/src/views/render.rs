@@ -160,7 +160,7 @@ impl Picture<'_> {
         let views = &self.job.views;
         let Some(element) = views.element(at) else { return };
         let vertices = element.vertices();
-        let Some(blend) = self.blend(layer, vertices) else { return };
+        let Some(blend) = self.blend(number, layer, vertices) else { return };
         let mut sources = [Source::default(); SOURCES];
         let mut len = 0;
         for (view, share) in blend.views() {
@@ -180,13 +180,14 @@ impl Picture<'_> {
             return;
         }
         let neighbours = views.neighbours(at).unwrap_or_default();
-        let turned = self.turn(vertices);
+        let turned = self.area(vertices) > 0.0;
         let corner = |number: usize, vertex: usize| {
             let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
             let across = neighbours.get(number).copied().flatten();
-            // What is folded over at an edge ends there.
+            // Where depths hide what is turned away, an element ends at such a neighbour.
             let is_border = across.is_none_or(|other| {
-                views.element(other).is_none_or(|other| self.turn(other.vertices()) != turned)
+                let other = views.element(other).filter(|_| layer.has_depth);
+                other.is_some_and(|other| (self.area(other.vertices()) > 0.0) != turned)
             });
             Corner { place: [x, y], depth, number, is_border }
         };
@@ -205,7 +206,7 @@ impl Picture<'_> {
     }
 
     /// Weighs the key views by what they show of an element; none of one that is behind others.
-    fn blend(&self, layer: &Layer, vertices: &[usize]) -> Option<Blend> {
+    fn blend(&self, number: usize, layer: &Layer, vertices: &[usize]) -> Option<Blend> {
         let job = self.job;
         // Of vertices that are no points nothing is hidden but the whole layer.
         let mut points = [None; 4];
@@ -217,29 +218,33 @@ impl Picture<'_> {
         let shows = |view: usize| {
             !points.clone().any(|point| job.views.is_visible(view, *point) == Some(false))
         };
+        let own = self.area(vertices);
+        // A view that shows it smaller has fewer texels for it, and one that shows it turned over another side.
+        let detail = |view: usize| {
+            if job.views.view_texture(view, number).is_none() {
+                return 1.0;
+            }
+            let place = |vertex: usize| job.views.reference(view, vertex).unwrap_or_default();
+            let share = area(vertices, place) / own;
+            if share > 0.0 { lesser(1.0, share) } else { 0.0 }
+        };
         if layer.has_depth {
             // What is hidden in part is to be seen in part, and hidden by what is nearer.
-            let fits = |view: usize| f32::from(u8::from(shows(view)));
+            let fits = |view: usize| if shows(view) { detail(view) } else { 0.0 };
             let is_hidden = points.clone().next().is_some() && seen.fold(0.0, greater) <= 0.5;
             return (!is_hidden).then(|| Blend::new(job.scores, fits));
         }
         let whole = smoothstep(lesser(1.0, greater(0.0, seen.fold(1.0, lesser))));
-        Some(Blend::new(job.scores, |view| if shows(view) { whole } else { 1.0 - whole }))
+        let fits = |view| detail(view) * if shows(view) { whole } else { 1.0 - whole };
+        Some(Blend::new(job.scores, fits))
     }
 
-    /// Whether an element turns clockwise on the screen.
-    fn turn(&self, vertices: &[usize]) -> bool {
-        let place = |vertex: usize| {
-            let vertex = vertices.get(vertex).and_then(|vertex| self.vertices.get(*vertex));
-            vertex.map(|[x, y, _]| [*x, *y])
-        };
-        let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (place(0), place(1), place(2))
-        else {
-            return false;
-        };
-        // By the diagonals of a quad, two of whose corners are one in a triangle.
-        let [dx, dy] = place(3).unwrap_or([ax, ay]);
-        (cx - ax) * (dy - by) - (cy - ay) * (dx - bx) > 0.0
+    /// Returns twice the area of an element on the screen, positive where it turns clockwise.
+    fn area(&self, vertices: &[usize]) -> f32 {
+        area(vertices, |vertex| {
+            let [x, y, _] = self.vertices.get(vertex).copied().unwrap_or_default();
+            [x, y]
+        })
     }
 
     fn mean_depth(&self, element: usize) -> f32 {
@@ -248,4 +253,13 @@ impl Picture<'_> {
         let depths = vertices.iter().filter_map(|vertex| self.vertices.get(*vertex));
         depths.map(|[_, _, depth]| depth).sum::<f32>() / vertices.len() as f32
     }
+}
+
+/// Returns twice the area of a triangle or a quad, positive where it turns clockwise.
+fn area(vertices: &[usize], place: impl Fn(usize) -> [f32; 2]) -> f32 {
+    let at = |corner: usize| vertices.get(corner).map(|vertex| place(*vertex));
+    let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (at(0), at(1), at(2)) else { return 0.0 };
+    // By the diagonals of a quad, two of whose corners are one in a triangle.
+    let [dx, dy] = at(3).unwrap_or([ax, ay]);
+    (cx - ax) * (dy - by) - (cy - ay) * (dx - bx)
 }

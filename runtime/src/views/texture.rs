@@ -35,15 +35,21 @@ impl<'a> Texture<'a> {
     pub(super) fn colour(&self, [x, y]: [f32; 2]) -> Colour {
         let Self { width, height, .. } = *self;
         let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
-        let row = |y: usize| mixed(self.texel(y * width + x0), self.texel(y * width + x1), across);
-        mixed(row(y0), row(y1), down)
+        let texel = |x: usize, y: usize| self.texels.get(y * width + x).copied().unwrap_or_default();
+        let [a, b, c, d] = [texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)];
+        // Much of a layer's picture is empty.
+        if a[3] | b[3] | c[3] | d[3] == 0 {
+            return Vec4::ZERO;
+        }
+        let [a, b, c, d] = [a, b, c, d].map(weighed);
+        mixed(mixed(a, b, across), mixed(c, d, across), down)
     }
+}
 
-    #[inline(always)]
-    fn texel(&self, at: usize) -> Colour {
-        let [r, g, b, a] = self.texels.get(at).copied().unwrap_or_default();
-        Vec4::new(r.into(), g.into(), b.into(), 255.0) * f32::from(a)
-    }
+/// Multiplies a texel by its alpha.
+#[inline(always)]
+fn weighed([r, g, b, a]: [u8; 4]) -> Colour {
+    Vec4::new(r.into(), g.into(), b.into(), 255.0) * f32::from(a)
 }
 
 /// Returns the two texels of `len` beside a coordinate, and its way from the first to the second.

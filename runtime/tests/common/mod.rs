@@ -13,7 +13,7 @@ use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::prior::Anchor;
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::views::Order;
+use sinew_runtime::views::{CLIPS_MAX, RenderScratch};
 use sinew_runtime::{
     Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Filter, Frame,
     FrameJob, KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob, Skin, SkinJob,
@@ -216,27 +216,46 @@ fn exercise_prior(prior: &Prior<'_>, skin: &Skin<'_>) {
 }
 
 fn exercise_views(model: &Model<&[u8]>, views: &Views<'_>) {
-    let (k, n, e) = (views.point_len(), views.view_len(), views.element_len());
-    assert!(
-        (0..n).all(|view| views.view_name(view).is_some() && views.view_texture(view).is_some())
-    );
-    assert!((0..e).all(|element| views.element(element).is_some()));
+    let (k, v, n, l) = (views.point_len(), views.vertex_len(), views.view_len(), views.layer_len());
+    let texture = |view: usize, layer: usize| {
+        views.view_texture(view, layer).is_none_or(|texture| views.texture(texture).is_some())
+    };
+    assert!((0..n).all(|view| views.view_name(view).is_some()));
+    assert!((0..n).all(|view| (0..l).all(|layer| texture(view, layer))));
+    for layer in 0..l {
+        assert!(views.layer_name(layer).is_some() && views.clips(layer).count() <= CLIPS_MAX);
+        let layer = views.layer(layer).unwrap();
+        assert!(layer.first <= layer.end && layer.end <= views.element_len());
+    }
+    for vertex in 0..v {
+        assert!(views.vertex(vertex).unwrap().weights().all(|(point, _)| point < k));
+    }
+    for element in 0..views.element_len() {
+        assert!(views.element(element).unwrap().vertices().iter().all(|vertex| *vertex < v));
+        let neighbours = views.neighbours(element).unwrap();
+        assert!(neighbours.into_iter().flatten().all(|other| other < views.element_len()));
+    }
     let (mut points, mut visibility) = (vec![[f32::NAN; 3]; k], vec![f32::NAN; k]);
-    let mut scores = vec![f32::NAN; n];
+    let (mut scores, mut layers) = (vec![f32::NAN; n], vec![[f32::NAN; 2]; l]);
     for map in 0..views.counts().map_len as usize {
         let map = model.map_of(views, map).unwrap();
         let parameters = vec![0.5; map.query_len()];
         let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
-        let out = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
-        let job = FrameJob { views: *views, map, parameters: &parameters, last: None, margin: 0.5 };
-        let Ok(found) = job.run(&mut scratch, out) else { continue };
+        let (points, visibility) = (points.as_mut_slice(), visibility.as_mut_slice());
+        let (scores, layers) = (scores.as_mut_slice(), layers.as_mut_slice());
+        let out = Frame { points, visibility, scores, layers };
+        let job = FrameJob { views: *views, map, parameters: &parameters };
+        let Ok(_) = job.run(&mut scratch, out) else { continue };
         assert!(points.as_flattened().iter().all(|x| x.is_finite()));
-        let (points, visibility, scores) = (&*points, &*visibility, &*scores);
-        let job =
-            RenderJob { views: *views, points, visibility, scores, view: found.view, width: 16 };
+        let job = RenderJob { views: *views, points, visibility, scores, layers, width: 16 };
         let mut pixels = [[0; 4]; 16 * 12];
-        assert!(job.run(Order::Painter(&mut vec![0; e]), &mut pixels).is_ok());
-        assert!(job.run(Order::Depth(&mut [f32::MAX; 16 * 12]), &mut pixels).is_ok());
+        let scratch = RenderScratch {
+            vertices: &mut vec![[f32::NAN; 3]; v],
+            order: &mut vec![u16::MAX; views.order_len()],
+            depths: &mut [f32::NAN; 16 * 12],
+            clips: &mut [[9; 2]; 16 * 12],
+        };
+        assert!(job.run(scratch, &mut pixels).is_ok());
     }
 }
 

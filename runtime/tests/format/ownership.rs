@@ -9,8 +9,10 @@ use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::{CHECKSUM_OFFSET, FileId, SectionKind};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, SkinLayout, cells};
+use sinew_runtime::views::{CLIPS_MAX, RenderScratch};
 use sinew_runtime::{
-    Envelope, KernelMap, Matrix3x4, Model, Skin, SkinJob, model_space_pose, stages,
+    Envelope, KernelMap, Matrix3x4, Model, RenderJob, Skin, SkinJob, Views, model_space_pose,
+    stages,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -160,6 +162,9 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
         let _ = model.envelope_of(&skin).map(|envelope| envelope.palette_len());
         astray.joined(read_skin(skin));
     }
+    for views in model.all_views() {
+        astray.joined(read_views(&views));
+    }
     let _ = (model.envelope_named("arm").is_some(), model.skin_named("sleeve").is_some());
     astray
 }
@@ -174,6 +179,9 @@ struct Astray {
     input: bool,
     term: bool,
     row: bool,
+    vertex: bool,
+    texture: bool,
+    clip: bool,
 }
 
 impl Astray {
@@ -185,6 +193,9 @@ impl Astray {
         self.input |= other.input;
         self.term |= other.term;
         self.row |= other.row;
+        self.vertex |= other.vertex;
+        self.texture |= other.texture;
+        self.clip |= other.clip;
     }
 }
 
@@ -222,6 +233,48 @@ fn read_kernel(map: &KernelMap<'_>) -> Astray {
         let _ = map.evaluate(&[], &mut [], &mut []);
         let _ = (map.jacobian(&[], &mut [], &mut []), map.variance(&[], &mut [], &mut []));
     }
+    astray
+}
+
+fn read_views(views: &Views<'_>) -> Astray {
+    let counts = views.counts();
+    let (k, v, n, l) = (views.point_len(), views.vertex_len(), views.view_len(), views.layer_len());
+    let _ = (views.name(), views.fit(), views.size(), views.map_part(0), format!("{views:?}"));
+    let some = |len: usize| (0..len.min(64)).chain([len, usize::MAX]);
+    let mut astray = Astray::default();
+    for layer in some(l) {
+        let _ = (views.layer_name(layer), views.view_texture(0, layer));
+        // A chain of clips may come round, once bytes have changed.
+        astray.clip |= views.clips(layer).nth(CLIPS_MAX).is_some();
+    }
+    for view in some(n) {
+        let _ = (views.view_name(view), views.ratio(view), views.offset(view, k));
+        let _ = (views.reference(view, v), views.is_visible(view, k));
+        let texture = views.view_texture(view, 0);
+        astray.texture |= texture.is_some_and(|texture| views.texture(texture).is_none());
+    }
+    for element in some(views.element_len()) {
+        let vertices = views.element(element);
+        let is_out = |vertex: &usize| views.vertex(*vertex).is_none();
+        astray.vertex |= vertices.is_some_and(|element| element.vertices().iter().any(is_out));
+        let _ = views.neighbours(element);
+    }
+    let points = vec![[1.0; 3]; k.min(MOST)];
+    let (visibility, scores) = (vec![1.0; k.min(MOST)], vec![1.0; n.min(MOST)]);
+    let layers = vec![[1.0, 0.0]; l.min(MOST)];
+    let (points, visibility, scores, layers) = (&*points, &*visibility, &*scores, &*layers);
+    let job = RenderJob { views: *views, points, visibility, scores, layers, width: 16 };
+    let scratch = RenderScratch {
+        vertices: &mut vec![[0.0; 3]; v.min(MOST)],
+        order: &mut vec![0; views.order_len().min(MOST)],
+        depths: &mut [0.0; 16 * 12],
+        clips: &mut [[0; 2]; 16 * 12],
+    };
+    let is_small = [counts.point_len, counts.vertex_len, counts.view_len, counts.layer_len]
+        .into_iter()
+        .all(|len| len as usize <= MOST);
+    let drawn = job.run(scratch, &mut [[0; 4]; 16 * 12]);
+    assert!(drawn.is_ok() || !is_small || views.order_len() > MOST);
     astray
 }
 
@@ -319,7 +372,7 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     astray
 }
 
-/// A sample of each predictor, one of several parts, small, and one of kernels.
+/// A sample of each predictor, one of several parts, small, one of kernels, and one of key views.
 fn sound() -> Vec<Vec<u8>> {
     let shape = Shape {
         vertices: 2,
@@ -338,7 +391,12 @@ fn sound() -> Vec<Vec<u8>> {
     let mut several = several.unwrap();
     several.append(Pieces::loose(shape));
     let kernels = [KernelContent::servo(), KernelContent::every(Kernel::Cubic)];
-    samples.iter().chain([&several, &Pieces::kernels(&kernels)]).map(Pieces::bytes).collect()
+    let [_, views] = Pieces::viewed();
+    samples
+        .iter()
+        .chain([&several, &Pieces::kernels(&kernels), &views])
+        .map(Pieces::bytes)
+        .collect()
 }
 
 #[test]
@@ -381,6 +439,9 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
         input: true,
         term: true,
         row: true,
+        vertex: true,
+        texture: true,
+        clip: true,
     };
     assert!(cfg!(miri) || seen == every, "{seen:?}");
 }

@@ -1,9 +1,12 @@
 //! The files that everything starts from.
 
-use models::{FilterContent, GOLDEN, KernelContent, Pieces, RecordContent, ShapeContent};
+use models::{
+    FilterContent, GOLDEN, KernelContent, Pieces, RecordContent, ShapeContent, ViewsContent,
+};
 use sinew_runtime::FileError;
 use sinew_runtime::format::Element;
 use sinew_runtime::kernel::Kernel;
+use sinew_runtime::views::Layer;
 use std::sync::LazyLock;
 
 /// Lists the files that everything starts from: the golden ones, and one of several parts.
@@ -20,7 +23,7 @@ pub fn files() -> &'static [Vec<u8>] {
 
 /// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter: those of a rotational and of a kernel model,
 /// a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one with little, a
-/// face, an object with two maps.
+/// face, an object with two maps, whose first layer has depth and clips the second.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);
@@ -33,7 +36,14 @@ fn several() -> Result<Vec<u8>, FileError> {
     let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
     out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));
     out.append(Pieces::face());
-    let [object, _] = Pieces::viewed();
+    let mut object = Pieces::kernels(
+        &[("walk", 51), ("jump", 52)].map(|(name, seed)| KernelContent::map(name, seed)),
+    );
+    let mut content = ViewsContent::sample(vec![0, 1], false);
+    for layer in content.layers.iter_mut().take(1) {
+        layer.flags = Layer::DEPTH;
+    }
+    object.add_views(&content);
     out.append(object);
     out.add_filter(&FilterContent::sample(2, 5));
     out.add_record(&RecordContent::sample());

@@ -1,11 +1,14 @@
 //! Views: what they say of themselves, the runtime's bits, and calls that are refused.
 
 use crate::handles::{Loaded, NONE, done, name};
-use models::{Pieces, Rng};
+use models::{KernelContent, Pieces, Rng, ViewsContent};
 use sinew_capi::*;
-use sinew_runtime::views::Order;
-use sinew_runtime::{Frame, FrameJob, Model, RenderJob};
+use sinew_runtime::views::{Layer, RenderScratch};
+use sinew_runtime::{Frame, FrameJob, Model, RenderJob, Views};
 use std::ptr::{null, null_mut};
+
+/// Pixels of a picture, in rows of 48.
+const PIXELS: usize = 48 * 40;
 
 fn opened(loaded: &Loaded, memory: &mut [usize]) -> *const sinew_views {
     let mut views = null();
@@ -16,6 +19,15 @@ fn opened(loaded: &Loaded, memory: &mut [usize]) -> *const sinew_views {
     views
 }
 
+fn described(views: *const sinew_views) -> sinew_views_info {
+    let mut info = std::mem::MaybeUninit::<sinew_views_info>::uninit();
+    // SAFETY: open views and a structure to be written.
+    unsafe {
+        done(sinew_views_describe(views, info.as_mut_ptr(), NONE));
+        info.assume_init()
+    }
+}
+
 #[test]
 fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
     let [file, _] = Pieces::viewed().map(|pieces| pieces.bytes());
@@ -23,59 +35,54 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
     let expected = model.views().unwrap();
     let mut memory = [0; SINEW_VIEWS_WORDS];
     let views = opened(&loaded, &mut memory);
-    let mut info = std::mem::MaybeUninit::<sinew_views_info>::uninit();
+    let info = described(views);
     let mut map = std::mem::MaybeUninit::<sinew_map_info>::uninit();
-    // SAFETY: open views and structures to be written.
-    let (info, map) = unsafe {
-        done(sinew_views_describe(views, info.as_mut_ptr(), NONE));
+    // SAFETY: open views and a structure to be written.
+    let map = unsafe {
         done(sinew_views_map(views, 1, map.as_mut_ptr(), NONE));
-        (info.assume_init(), map.assume_init())
+        map.assume_init()
     };
     assert_eq!(name(info.name, info.name_len), "object");
     assert_eq!((info.part, info.is_transferred, info.map_len), (2, 0, 2));
-    assert_eq!((info.point_len, info.element_len, info.view_len), (9, 6, 3));
-    let fit = [info.margin, info.rms_error, info.left_out_rms, info.visibility];
+    assert_eq!((info.has_depth, info.has_clips), (0, 1));
+    assert_eq!((info.point_len, info.vertex_len, info.view_len), (9, 10, 3));
+    assert_eq!((info.element_len, info.layer_len, info.order_len), (7, 2, 9));
+    assert_eq!((info.width, info.height), (48, 40));
+    let fit = [info.rms_error, info.left_out_rms, info.visibility];
     assert_eq!(fit, expected.fit().figures());
     assert_eq!(name(map.name, map.name_len), "jump");
     assert_eq!((map.part, map.parameters_len), (1, 2));
 
     let mut rng = Rng(3);
     let parameters = [rng.unit(), rng.unit()];
-    let (mut points, mut visibility, mut scores) = ([[0.0; 3]; 9], [0.0; 9], [0.0; 3]);
+    let mut frame = Given::default();
     let mut scratch = vec![f32::NAN; map.scratch_len];
     let job = sinew_frame_job {
         views,
         map: 1,
         parameters: parameters.as_ptr(),
         parameters_len: 2,
-        last_view: 2,
-        has_last: 1,
-        margin: info.margin,
         scratch: scratch.as_mut_ptr(),
         scratch_len: scratch.len(),
-        points: points.as_mut_ptr(),
+        points: frame.points.as_mut_ptr(),
         points_len: 9,
-        visibility: visibility.as_mut_ptr(),
+        visibility: frame.visibility.as_mut_ptr(),
         visibility_len: 9,
-        scores: scores.as_mut_ptr(),
+        scores: frame.scores.as_mut_ptr(),
         scores_len: 3,
+        layers: frame.layers.as_mut_ptr(),
+        layers_len: 2,
     };
     let mut found = sinew_found { view: 9, confidence: 0.0 };
     // SAFETY: a job of open views and arrays with their lengths, and a structure to be written.
     done(unsafe { sinew_views_frame(&raw const job, &raw mut found, NONE) });
-    let mut own = ([[0.0; 3]; 9], [0.0; 9], [0.0; 3]);
-    let frame = Frame { points: &mut own.0, visibility: &mut own.1, scores: &mut own.2 };
+    let mut own = Given::default();
     let kernel = model.map_of(&expected, 1).unwrap();
-    let run = FrameJob {
-        views: expected,
-        map: kernel,
-        parameters: &parameters,
-        last: Some(2),
-        margin: info.margin,
-    };
-    let told = run.run(&mut vec![0.0; map.scratch_len], frame).unwrap();
+    let run = FrameJob { views: expected, map: kernel, parameters: &parameters };
+    let told = run.run(&mut vec![0.0; map.scratch_len], own.frame()).unwrap();
     assert_eq!((found.view, found.confidence), (told.view, told.confidence));
-    assert_eq!((points, visibility, scores), own);
+    assert_eq!(frame, own);
+    assert!(frame.layers.iter().all(|[opacity, _]| *opacity > 0.0));
 
     let refused = |edit: &dyn Fn(&mut sinew_frame_job)| {
         let mut other = job;
@@ -85,27 +92,77 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
         unsafe { sinew_views_frame(&raw const other, &raw mut found, NONE) }
     };
     assert_eq!(refused(&|job| job.views = null()), sinew_status::Null);
+    assert_eq!(refused(&|job| job.layers = null_mut()), sinew_status::Null);
     assert_eq!(refused(&|job| job.map = 2), sinew_status::OutOfRange);
-    assert_eq!(refused(&|job| job.last_view = 3), sinew_status::OutOfRange);
     assert_eq!(refused(&|job| job.points_len = 8), sinew_status::Length);
+    assert_eq!(refused(&|job| job.layers_len = 1), sinew_status::Length);
     assert_eq!(refused(&|job| job.scratch_len -= 1), sinew_status::TooShort);
     assert_eq!(refused(&|job| job.scores = job.visibility), sinew_status::Overlap);
-    assert_eq!((points, visibility, scores), own);
-    drawn(views, &expected, (&points, &visibility, &scores), found.view);
+    assert_eq!(refused(&|job| job.layers = job.points.cast()), sinew_status::Overlap);
+    assert_eq!(frame, own);
+    drawn(views, &expected, &frame);
 }
 
-/// Draws in both orders.
-fn drawn(
-    handle: *const sinew_views,
-    views: &sinew_runtime::Views<'_>,
-    (points, visibility, scores): (&[[f32; 3]; 9], &[f32; 9], &[f32; 3]),
-    view: usize,
-) {
-    let run = RenderJob { views: *views, points, visibility, scores, view, width: 48 };
-    for has_depths in [false, true] {
-        let mut pixels = vec![[9; 4]; 48 * 40];
-        let mut depths = vec![f32::INFINITY; 48 * 40];
-        let mut order = [0; 6];
+#[test]
+fn layers_of_depth_are_drawn_with_the_bits_of_the_runtime() {
+    let mut pieces = Pieces::kernels(&[KernelContent::map("walk", 51)]);
+    let mut content = ViewsContent::sample(vec![0], false);
+    content.layers[0].flags = Layer::DEPTH;
+    pieces.add_views(&content);
+    let file = pieces.bytes();
+    let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
+    let views = model.views().unwrap();
+    let mut memory = [0; SINEW_VIEWS_WORDS];
+    let handle = opened(&loaded, &mut memory);
+    let info = described(handle);
+    assert_eq!((info.has_depth, info.has_clips), (1, 1));
+    let mut frame = Given::default();
+    let map = model.map_of(&views, 0).unwrap();
+    let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
+    FrameJob { views, map, parameters: &[0.25; 2] }.run(&mut scratch, frame.frame()).unwrap();
+    drawn(handle, &views, &frame);
+}
+
+/// What a frame gives.
+#[derive(Debug, Default, PartialEq)]
+struct Given {
+    points: [[f32; 3]; 9],
+    visibility: [f32; 9],
+    scores: [f32; 3],
+    layers: [[f32; 2]; 2],
+}
+
+impl Given {
+    fn frame(&mut self) -> Frame<'_> {
+        let Self { points, visibility, scores, layers } = self;
+        Frame { points, visibility, scores, layers }
+    }
+}
+
+/// Draws a frame, with all scratch that a job may need and with no more than it does.
+fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
+    let Given { points, visibility, scores, layers } = frame;
+    let run = RenderJob { views: *views, points, visibility, scores, layers, width: 48 };
+    let mut own = vec![[9; 4]; PIXELS];
+    let (mut own_depths, mut own_clips) = (vec![0.0; PIXELS], vec![[0; 2]; PIXELS]);
+    let expected = run.run(
+        RenderScratch {
+            vertices: &mut [[0.0; 3]; 10],
+            order: &mut [0; 9],
+            depths: &mut own_depths,
+            clips: &mut own_clips,
+        },
+        &mut own,
+    );
+    let expected = expected.unwrap();
+    assert!(expected.element_len > 0 && own.iter().any(|pixel| *pixel != [9; 4]));
+    let least = |has: bool| if has { PIXELS } else { 0 };
+    let needed = [least(views.has_depth()), least(views.has_clips())];
+    for [depths_len, clips_len] in [[PIXELS; 2], needed] {
+        let mut pixels = vec![[9; 4]; PIXELS];
+        let (mut vertices, mut order) = ([[f32::NAN; 3]; 10], [u16::MAX; 9]);
+        let (mut depths, mut clips) = (vec![f32::NAN; depths_len], vec![[7; 2]; clips_len]);
+        let given = |len: usize| len > 0;
         let job = sinew_render_job {
             views: handle,
             points: points.as_ptr(),
@@ -114,43 +171,81 @@ fn drawn(
             visibility_len: 9,
             scores: scores.as_ptr(),
             scores_len: 3,
-            view,
+            layers: layers.as_ptr(),
+            layers_len: 2,
             width: 48,
             pixels: pixels.as_mut_ptr(),
-            pixels_len: pixels.len(),
-            depths: if has_depths { depths.as_mut_ptr() } else { null_mut() },
-            depths_len: if has_depths { depths.len() } else { 0 },
+            pixels_len: PIXELS,
+            vertices: vertices.as_mut_ptr(),
+            vertices_len: 10,
             order: order.as_mut_ptr(),
-            order_len: 6,
+            order_len: 9,
+            depths: if given(depths_len) { depths.as_mut_ptr() } else { null_mut() },
+            depths_len,
+            clips: if given(clips_len) { clips.as_mut_ptr() } else { null_mut() },
+            clips_len,
         };
         let mut told = sinew_drawn { element_len: 0, flipped_len: 9 };
         // SAFETY: a job of open views and arrays with their lengths, and a structure to be written.
         done(unsafe { sinew_views_render(&raw const job, &raw mut told, NONE) });
-        let mut own = vec![[9; 4]; 48 * 40];
-        let (mut own_depths, mut own_order) = (vec![f32::INFINITY; 48 * 40], [0; 6]);
-        let by =
-            if has_depths { Order::Depth(&mut own_depths) } else { Order::Painter(&mut own_order) };
-        let expected = run.run(by, &mut own).unwrap();
         assert_eq!(
             (told.element_len, told.flipped_len),
             (expected.element_len, expected.flipped_len)
         );
-        assert!(
-            pixels == own && depths == own_depths && pixels.iter().any(|pixel| *pixel != [9; 4])
-        );
-        let refused = |edit: &dyn Fn(&mut sinew_render_job)| {
-            let mut other = job;
-            edit(&mut other);
-            // SAFETY: as above, but for what the call refuses.
-            unsafe { sinew_views_render(&raw const other, null_mut(), NONE) }
-        };
-        assert_eq!(refused(&|job| job.view = 3), sinew_status::OutOfRange);
-        assert_eq!(refused(&|job| job.pixels_len -= 1), sinew_status::Length);
-        assert_eq!(refused(&|job| job.pixels = null_mut()), sinew_status::Null);
-        assert_eq!(refused(&|job| job.order = job.pixels.cast()), sinew_status::Overlap);
-        if !has_depths {
-            assert_eq!(refused(&|job| job.order_len = 5), sinew_status::Length);
-        }
+        assert!(pixels == own);
+        refused(&job, views);
         assert!(pixels == own);
     }
+}
+
+/// Checks that a job with one thing wrong is refused, and what the error is about.
+fn refused(job: &sinew_render_job, views: &Views<'_>) {
+    let refused = |edit: &dyn Fn(&mut sinew_render_job)| {
+        let mut other = *job;
+        edit(&mut other);
+        let (ok, call) = (sinew_status::Ok, sinew_argument::Call);
+        let mut error = sinew_error {
+            status: ok,
+            argument: call,
+            part: 0,
+            section: 0,
+            index: 0,
+            expected: 0,
+            found: 0,
+        };
+        // SAFETY: as the job, but for what the call refuses.
+        let status = unsafe { sinew_views_render(&raw const other, null_mut(), &raw mut error) };
+        (status, error.argument)
+    };
+    use sinew_argument as Argument;
+    use sinew_status as Status;
+    for (found, status, argument) in [
+        (refused(&|job| job.views = null()), Status::Null, Argument::Views),
+        (refused(&|job| job.pixels = null_mut()), Status::Null, Argument::Pixels),
+        (refused(&|job| job.layers = null()), Status::Null, Argument::Layers),
+        (refused(&|job| job.vertices = null_mut()), Status::Null, Argument::Vertices),
+        (refused(&|job| job.order = null_mut()), Status::Null, Argument::Scratch),
+        (refused(&|job| job.layers_len = 1), Status::Length, Argument::Layers),
+        (refused(&|job| job.pixels_len -= 1), Status::Length, Argument::Pixels),
+        (refused(&|job| job.vertices_len = 9), Status::Length, Argument::Vertices),
+        (refused(&|job| job.order_len = 8), Status::Length, Argument::Scratch),
+        (refused(&|job| job.order = job.pixels.cast()), Status::Overlap, Argument::Pixels),
+        (refused(&|job| job.pixels = job.vertices.cast()), Status::Overlap, Argument::Pixels),
+        (refused(&|job| job.vertices = job.points.cast_mut()), Status::Overlap, Argument::Vertices),
+        (
+            refused(&|job| {
+                (job.clips, job.clips_len) = (job.layers.cast_mut().cast(), 1);
+            }),
+            Status::Overlap,
+            Argument::Clips,
+        ),
+    ] {
+        assert_eq!(found, (status, argument));
+    }
+    if views.has_depth() {
+        let found = refused(&|job| job.depths_len = PIXELS - 1);
+        assert_eq!(found, (Status::TooShort, Argument::Depths));
+    }
+    assert!(views.has_clips());
+    assert_eq!(refused(&|job| job.clips_len = PIXELS - 1), (Status::TooShort, Argument::Clips));
 }

@@ -5,7 +5,7 @@ use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
 use models::{FACE_NAME, VIEWED_NAMES};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output, cells};
-use sinew_runtime::views::Order;
+use sinew_runtime::views::RenderScratch;
 use sinew_runtime::{Frame, FrameJob, Model, Pin, PinJob, Pins, RenderJob, ShapesJob};
 use std::process::Command;
 
@@ -72,33 +72,38 @@ fn views(file: &[u8]) -> String {
     let views = model.views().unwrap();
     let map = model.map_of(&views, 0).unwrap();
     let mut out = format!("views {}, map {}\n", views.name(), map.name());
-    let (k, margin) = (views.point_len(), views.fit().margin);
-    let (mut points, mut visibility) = (vec![[0.0; 3]; k], vec![0.0; k]);
-    let mut scores = vec![0.0; views.view_len()];
-    let mut view = 0;
+    let [width, height] = views.size();
+    let (mut points, mut visibility) =
+        (vec![[0.0; 3]; views.point_len()], vec![0.0; views.point_len()]);
+    let (mut scores, mut layers) = (vec![0.0; views.view_len()], vec![[0.0; 2]; views.layer_len()]);
+    out += &format!("screen {width} x {height}, layers {}\n", layers.len());
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
-    let mut last = None;
-    let steps = (0..8).map(|step| [0.25 * step as f32 - 1.0, 0.125]).chain([[0.5, 0.0]]);
-    for (step, parameters) in steps.enumerate() {
-        let frame = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
-        let job = FrameJob { views, map, parameters: &parameters, last, margin };
-        let found = job.run(&mut scratch, frame).unwrap();
-        if step < 8 {
-            out += &line("points", bytes(points.as_flattened()));
-            out += &format!("view {}, confidence {:.6}\n", found.view, found.confidence);
-        }
-        // The program forgets the frame before the last one.
-        last = (step < 7).then_some(found.view);
-        view = found.view;
+    for step in 0..8 {
+        let frame = Frame {
+            points: &mut points,
+            visibility: &mut visibility,
+            scores: &mut scores,
+            layers: &mut layers,
+        };
+        let parameters = [0.25 * step as f32 - 1.0, 0.125];
+        let found =
+            FrameJob { views, map, parameters: &parameters }.run(&mut scratch, frame).unwrap();
+        out += &line("points", bytes(points.as_flattened()));
+        out += &line("layers", bytes(layers.as_flattened()));
+        out += &format!("view {}, confidence {:.6}\n", found.view, found.confidence);
     }
-    let (points, visibility, scores) = (&points[..], &visibility[..], &scores[..]);
-    let job = RenderJob { views, points, visibility, scores, view, width: 48 };
-    let mut pixels = vec![[9; 4]; 48 * 40];
-    let mut order = vec![0; views.element_len()];
-    let drawn = job.run(Order::Painter(&mut order), &mut pixels).unwrap();
-    out += &line("painted", pixels.iter().flatten().copied());
-    job.run(Order::Depth(&mut [f32::INFINITY; 48 * 40]), &mut pixels).unwrap();
-    out += &line("by depth", pixels.iter().flatten().copied());
+    let (points, visibility, scores, layers) = (&points, &visibility, &scores, &layers);
+    let job = RenderJob { views, points, visibility, scores, layers, width };
+    let mut pixels = vec![[9; 4]; width * height];
+    let scratch = RenderScratch {
+        vertices: &mut vec![[0.0; 3]; views.vertex_len()],
+        order: &mut vec![0; views.order_len()],
+        depths: &mut vec![0.0; width * height],
+        clips: &mut vec![[0; 2]; width * height],
+    };
+    let drawn = job.run(scratch, &mut pixels).unwrap();
+    assert!(drawn.element_len > 0);
+    out += &line("picture", pixels.iter().flatten().copied());
     out + &format!("drawn {}\n", drawn.element_len)
 }
 

@@ -73,27 +73,31 @@ fn the_document_lays_the_numbers_of_a_prior_out_as_the_code() {
 
 #[test]
 fn the_document_lays_the_numbers_of_views_out_as_the_code() {
-    let words: [u32; 6] = [11, 12, 13, 14, 15, 16];
+    let words: [u32; 11] = [11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21];
     let counts = ViewsCounts::from_words(words);
     assert_eq!(counts.words(), words);
     let fields = [
         ("point_len", counts.point_len.into()),
+        ("vertex_len", counts.vertex_len.into()),
+        ("weight_len", counts.weight_len.into()),
         ("element_len", counts.element_len.into()),
+        ("layer_len", counts.layer_len.into()),
         ("view_len", counts.view_len.into()),
         ("map_len", counts.map_len.into()),
         ("texture_len", counts.texture_len.into()),
         ("texel_len", counts.texel_len.into()),
+        ("width", counts.size[0].into()),
+        ("height", counts.size[1].into()),
     ];
     let bytes = words.map(u32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), ViewsCounts::BYTES);
     assert_fields("Counts of views", bytes.as_flattened(), &fields);
 
-    let figures = [1.0, 2.0, 3.0, 4.0];
+    let figures = [1.0, 2.0, 3.0];
     let fit = ViewsFit::from_figures(figures);
     assert_eq!(fit.figures(), figures);
     let bits = |x: f32| u64::from(x.to_bits());
     let fields = [
-        ("margin", bits(fit.margin)),
         ("rms_error", bits(fit.rms_error)),
         ("left_out_rms", bits(fit.left_out_rms)),
         ("visibility", bits(fit.visibility)),

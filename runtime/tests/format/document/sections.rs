@@ -72,7 +72,10 @@ fn of_prior(formula: &str, counts: &PriorCounts) -> u64 {
 fn of_views(formula: &str, counts: &ViewsCounts) -> u64 {
     evaluate(formula, |word| match word {
         "K" => Some(counts.point_len.into()),
+        "V" => Some(counts.vertex_len.into()),
+        "W" => Some(counts.weight_len.into()),
         "E" => Some(counts.element_len.into()),
+        "L" => Some(counts.layer_len.into()),
         "N" => Some(counts.view_len.into()),
         "M" => Some(counts.map_len.into()),
         "T" => Some(counts.texture_len.into()),
@@ -200,7 +203,11 @@ fn the_document_lists_the_sections_of_the_code() {
     }
     for (row, kind) in views.iter().zip(VIEWS_SECTIONS) {
         assert_eq!(row[3], if kind == SectionKind::Deformations { "no" } else { "yes" });
-        for words in [[1, 0, 1, 1, 1, 1], [33, 40, 27, 2, 5, 900], [32, 9, 3, 1, 1, 65_536]] {
+        for words in [
+            [1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1],
+            [33, 40, 71, 51, 4, 27, 2, 5, 900, 48, 40],
+            [32, 9, 17, 8, 3, 2, 1, 6, 65_536, 7, 65_535],
+        ] {
             let counts = ViewsCounts::from_words(words);
             let bytes = of_views(row[2], &counts);
             assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);

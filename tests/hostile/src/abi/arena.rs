@@ -65,6 +65,7 @@ pub(super) struct Arena {
     pub(super) points: Range<usize>,
     pub(super) visibility: Range<usize>,
     pub(super) scores: Range<usize>,
+    pub(super) layers: Range<usize>,
     /// Room for parameters of a map.
     pub(super) parameters: Range<usize>,
     /// Room for samples.
@@ -134,6 +135,7 @@ impl Arena {
             points: place(frame.views.as_ref().map_or(0, |views| 12 * views.points.len())),
             visibility: place(frame.views.as_ref().map_or(0, |views| 4 * views.points.len())),
             scores: place(frame.views.as_ref().map_or(0, |views| 4 * views.scores.len())),
+            layers: place(frame.views.as_ref().map_or(0, |views| 8 * views.layers.len())),
             parameters: place(frame.views.as_ref().map_or(0, |views| 4 * views.parameter_len())),
             samples: place(frame.filter.as_ref().map_or(0, Filtered::sample_bytes)),
             argument: place(
@@ -184,6 +186,7 @@ impl Arena {
             (self.points.start, bytes(views(&|views| views.points.as_flattened()))),
             (self.visibility.start, bytes(views(&|views| &views.visibility))),
             (self.scores.start, bytes(views(&|views| &views.scores))),
+            (self.layers.start, bytes(views(&|views| views.layers.as_flattened()))),
             (positions, bytes(frame.rest_positions.as_flattened().iter().copied())),
             (normals, bytes(frame.rest_normals.as_flattened().iter().copied())),
             (tangents, bytes(frame.rest_tangents.as_flattened().iter().copied())),

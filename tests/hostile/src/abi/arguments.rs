@@ -187,7 +187,17 @@ impl Call<'_, '_> {
 
     /// Draws an array for `len` results, which must not be shorter.
     pub(super) fn output<T>(&mut self, len: usize, argument: Argument) -> Result<(*mut T, usize)> {
-        self.output_of(len, Must::HoldAtLeast(len), argument)
+        self.output_least(len, len, argument)
+    }
+
+    /// Draws an array for at least `least` results; room is for `len`.
+    pub(super) fn output_least<T>(
+        &mut self,
+        len: usize,
+        least: usize,
+        argument: Argument,
+    ) -> Result<(*mut T, usize)> {
+        self.output_of(len, Must::HoldAtLeast(least), argument)
     }
 
     /// Draws an array for exactly `right` results; room is for `len`.

@@ -89,6 +89,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use sinew_runtime::format::SectionKind;
     use sinew_runtime::kernel::Kernel;
+    use sinew_runtime::views::Layer;
     use std::collections::BTreeSet;
 
     #[test]
@@ -97,12 +98,14 @@ mod tests {
         assert_eq!(called, promises().keys().copied().collect());
     }
 
-    /// An object whose map goes by a rotation.
+    /// An object whose map goes by a rotation, and a layer of which has depth.
     fn turned() -> Pieces {
         let mut map = KernelContent::map("walk", 51);
         map.inputs = KernelContent::servo().inputs.split_off(2);
         let mut pieces = Pieces::kernels(&[map]);
-        pieces.add_views(&ViewsContent::sample(vec![0], false));
+        let mut content = ViewsContent::sample(vec![0], false);
+        content.layers[0].flags = Layer::DEPTH;
+        pieces.add_views(&content);
         pieces
     }
 

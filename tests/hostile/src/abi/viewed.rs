@@ -2,7 +2,7 @@
 
 use crate::kernels::query;
 use sinew_capi::{sinew_drawn, sinew_found};
-use sinew_runtime::views::{Drawn, Found, Order};
+use sinew_runtime::views::{Drawn, Found, RenderScratch};
 use sinew_runtime::{CallError, Frame, FrameJob, Model, RenderJob, Views};
 
 /// Pixels of a picture.
@@ -12,12 +12,15 @@ pub(super) const PIXELS: usize = 12 * 10;
 pub(super) struct Viewed {
     pub(super) name: String,
     pub(super) maps: Vec<ViewedMap>,
-    pub(super) margin: f32,
-    pub(super) element_len: usize,
+    pub(super) vertex_len: usize,
+    pub(super) order_len: usize,
+    pub(super) has_depth: bool,
+    pub(super) has_clips: bool,
     /// A frame of the first map, of zeros where the runtime refuses one.
     pub(super) points: Vec<[f32; 3]>,
     pub(super) visibility: Vec<f32>,
     pub(super) scores: Vec<f32>,
+    pub(super) layers: Vec<[f32; 2]>,
 }
 
 /// A map of the object.
@@ -31,8 +34,6 @@ pub(super) struct ViewedMap {
 pub(super) struct AskedFrame {
     pub(super) map: usize,
     pub(super) parameters: Vec<f32>,
-    pub(super) last: Option<usize>,
-    pub(super) margin: f32,
 }
 
 /// What a frame job gives.
@@ -40,15 +41,15 @@ pub(super) struct Given {
     pub(super) points: Vec<[f32; 3]>,
     pub(super) visibility: Vec<f32>,
     pub(super) scores: Vec<f32>,
+    pub(super) layers: Vec<[f32; 2]>,
     pub(super) found: Found,
 }
 
-/// What a render job is asked for: into pixels and depths that are all alike.
+/// What a render job is asked for: into pixels that are all alike.
 pub(super) struct AskedPicture {
     pub(super) points: Vec<[f32; 3]>,
-    pub(super) view: usize,
+    pub(super) layers: Vec<[f32; 2]>,
     pub(super) width: usize,
-    pub(super) has_depths: bool,
 }
 
 impl Viewed {
@@ -62,18 +63,21 @@ impl Viewed {
         let mut own = Self {
             name: views.name().to_owned(),
             maps: maps.collect(),
-            margin: views.fit().margin,
-            element_len: views.element_len(),
+            vertex_len: views.vertex_len(),
+            order_len: views.order_len(),
+            has_depth: views.has_depth(),
+            has_clips: views.has_clips(),
             points: vec![[0.0; 3]; views.point_len()],
             visibility: vec![0.0; views.point_len()],
             scores: vec![0.0; views.view_len()],
+            layers: vec![[0.0; 2]; views.layer_len()],
         };
         // Others reach beyond what can be drawn.
         let parameters = model.map_of(views, 0).map(|map| query(&map, 0)).unwrap_or_default();
-        let asked = AskedFrame { map: 0, parameters, last: None, margin: own.margin };
+        let asked = AskedFrame { map: 0, parameters };
         if let Ok(Some(given)) = asked.frame(model.as_bytes()) {
-            (own.points, own.visibility, own.scores) =
-                (given.points, given.visibility, given.scores);
+            (own.points, own.visibility) = (given.points, given.visibility);
+            (own.scores, own.layers) = (given.scores, given.layers);
         }
         own
     }
@@ -86,8 +90,10 @@ impl Viewed {
     /// Returns the bytes of what its calls write.
     pub(super) fn result_bytes(&self) -> usize {
         let scratch_len = self.maps.iter().map(|map| map.scratch_len).max().unwrap_or_default();
-        let frame = 16 * self.points.len() + 4 * (self.scores.len() + scratch_len);
-        let picture = 8 * PIXELS + 2 * self.element_len;
+        let layers = 8 * self.layers.len();
+        let frame = 16 * self.points.len() + 4 * (self.scores.len() + scratch_len) + layers;
+        // Pixels, depths and clips; places; numbers.
+        let picture = (4 + 4 + 2) * PIXELS + 12 * self.vertex_len + 2 * self.order_len;
         frame + size_of::<sinew_found>() + picture + size_of::<sinew_drawn>()
     }
 }
@@ -104,16 +110,22 @@ impl AskedFrame {
         let mut points = vec![[f32::NAN; 3]; views.point_len()];
         let mut visibility = vec![f32::NAN; views.point_len()];
         let mut scores = vec![f32::NAN; views.view_len()];
-        let out = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
+        let mut layers = vec![[f32::NAN; 2]; views.layer_len()];
+        let out = Frame {
+            points: &mut points,
+            visibility: &mut visibility,
+            scores: &mut scores,
+            layers: &mut layers,
+        };
         let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
-        let &Self { ref parameters, last, margin, .. } = self;
-        let found = FrameJob { views, map, parameters, last, margin }.run(&mut scratch, out)?;
-        Ok(Some(Given { points, visibility, scores, found }))
+        let parameters = &self.parameters;
+        let found = FrameJob { views, map, parameters }.run(&mut scratch, out)?;
+        Ok(Some(Given { points, visibility, scores, layers, found }))
     }
 }
 
 impl AskedPicture {
-    /// Draws the first views of a file over pixels and depths; `None` where there are none.
+    /// Draws the first views of a file over pixels; `None` where there are none.
     ///
     /// # Errors
     /// As the runtime refuses it.
@@ -122,18 +134,18 @@ impl AskedPicture {
         file: &[u8],
         own: &Viewed,
         pixels: &mut [[u8; 4]],
-        depths: &mut [f32],
     ) -> Result<Option<Drawn>, CallError> {
         let Ok(model) = Model::from_bytes(file) else { return Ok(None) };
         let Some(views) = model.views() else { return Ok(None) };
-        let Viewed { visibility, scores, .. } = own;
-        let &Self { ref points, view, width, .. } = self;
-        let job = RenderJob { views, points, visibility, scores, view, width };
-        let mut order = vec![0; own.element_len];
-        let order = match self.has_depths {
-            true => Order::Depth(depths),
-            false => Order::Painter(&mut order),
+        let Viewed { visibility, scores, vertex_len, order_len, .. } = own;
+        let &Self { ref points, ref layers, width } = self;
+        let job = RenderJob { views, points, visibility, scores, layers, width };
+        let scratch = RenderScratch {
+            vertices: &mut vec![[f32::NAN; 3]; *vertex_len],
+            order: &mut vec![0; *order_len],
+            depths: &mut vec![f32::NAN; pixels.len()],
+            clips: &mut vec![[0; 2]; pixels.len()],
         };
-        job.run(order, pixels).map(Some)
+        job.run(scratch, pixels).map(Some)
     }
 }

@@ -58,13 +58,11 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (points, points_len) = call.output_exact(k, k, Argument::Points)?;
     let (visibility, visibility_len) = call.output_exact(k, k, Argument::Visibility)?;
     let (scores, scores_len) = call.output_exact(n, n, Argument::Scores)?;
+    let l = own(call, |views| views.layers.len());
+    let (layers, layers_len) = call.output_exact(l, l, Argument::Layers)?;
     let found = call.output_one(Argument::Result)?;
     let (scratch, scratch_len) = call.output(least, Argument::Scratch)?;
     call.used = call.arena.place(scratch, scratch_len);
-    let last_view = match asked.last {
-        Some(last) => last,
-        None => call.u.arbitrary()?,
-    };
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_frame_job>(place);
     // SAFETY: the place is aligned and large enough, and the structure has no padding.
@@ -74,9 +72,6 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             map: asked.map,
             parameters,
             parameters_len,
-            last_view,
-            has_last: asked.last.is_some().into(),
-            margin: asked.margin,
             scratch,
             scratch_len,
             points,
@@ -85,6 +80,8 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             visibility_len,
             scores,
             scores_len,
+            layers,
+            layers_len,
         });
     }
     // Any other bytes would be pointers to no memory of the caller.
@@ -96,6 +93,7 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             bytes(given.points.into_iter().flatten()),
             bytes(given.visibility),
             bytes(given.scores),
+            bytes(given.layers.into_iter().flatten()),
             given.found.view.to_ne_bytes().into_iter().chain(confidence).collect(),
         ]))
     });
@@ -122,42 +120,35 @@ fn asked_frame(call: &mut Call<'_, '_>) -> Result<(AskedFrame, usize)> {
         1 => parameters.fill(0.0),
         _ => {}
     }
-    let n = own(call, |views| views.scores.len());
-    let last = if call.one_in(2)? { Some(call.number(n, Argument::Scores)?) } else { None };
-    let margin = if call.one_in(16)? {
-        recipe::float(call.u)?
-    } else {
-        call.arena.frame.views.as_ref().map_or(0.0, |views| views.margin)
-    };
-    Ok((AskedFrame { map, parameters, last, margin }, scratch_len))
+    Ok((AskedFrame { map, parameters }, scratch_len))
 }
 
 pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let views = call.views()?;
     let asked = asked_picture(call)?;
     let (k, n) = (own(call, |views| views.points.len()), own(call, |views| views.scores.len()));
-    let places = [&call.arena.points, &call.arena.visibility, &call.arena.scores];
-    let [at_points, at_visibility, at_scores] = places.map(Clone::clone);
+    let l = own(call, |views| views.layers.len());
+    let [at_points, at_visibility] = [&call.arena.points, &call.arena.visibility].map(Clone::clone);
+    let [at_scores, at_layers] = [&call.arena.scores, &call.arena.layers].map(Clone::clone);
     call.arena.write(at_points.start, &bytes(asked.points.as_flattened().iter().copied()));
+    call.arena.write(at_layers.start, &bytes(asked.layers.as_flattened().iter().copied()));
     let (points, points_len) = call.input(at_points, k, Argument::Points)?;
     let (visibility, visibility_len) = call.input(at_visibility, k, Argument::Visibility)?;
     let (scores, scores_len) = call.input(at_scores, n, Argument::Scores)?;
+    let (layers, layers_len) = call.input(at_layers, l, Argument::Layers)?;
     let len = if call.arena.frame.views.is_some() { PIXELS } else { 0 };
     let (pixels, pixels_len) = call.output_any::<[u8; 4]>(len, Argument::Pixels)?;
     let rows = pixels_len.checked_div(asked.width).unwrap_or_default();
     call.fault_if(rows * asked.width != pixels_len, Status::Length, Argument::Pixels);
-    let (mut depths, mut depths_len) = (null_mut(), 0);
-    if asked.has_depths {
-        call.arena.write(call.next_result, &bytes([f32::INFINITY; PIXELS])[..4 * len]);
-        (depths, depths_len) = call.output_exact(len, pixels_len, Argument::Depths)?;
-    }
     let drawn: *mut sinew_drawn =
         if call.one_in(4)? { null_mut() } else { optional(call, Argument::Result)? };
-    let e = own(call, |views| views.element_len);
-    let (order, order_len) = match asked.has_depths {
-        true => call.output_any(e, Argument::Scratch)?,
-        false => call.output_exact(e, e, Argument::Scratch)?,
-    };
+    let (v, order_len) = (own(call, |views| views.vertex_len), own(call, |views| views.order_len));
+    let (vertices, vertices_len) = call.output_exact(v, v, Argument::Vertices)?;
+    let (order, order_len) = call.output_exact(order_len, order_len, Argument::Scratch)?;
+    let has_depth = own(call, |views| views.has_depth.into()) > 0;
+    let (depths, depths_len) = by_pixel(call, has_depth, len, pixels_len, Argument::Depths)?;
+    let has_clips = own(call, |views| views.has_clips.into()) > 0;
+    let (clips, clips_len) = by_pixel(call, has_clips, len, pixels_len, Argument::Clips)?;
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_render_job>(place);
     // SAFETY: the place is aligned and large enough, and the structure has no padding.
@@ -170,14 +161,19 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             visibility_len,
             scores,
             scores_len,
-            view: asked.view,
+            layers,
+            layers_len,
             width: asked.width,
             pixels,
             pixels_len,
-            depths,
-            depths_len,
+            vertices,
+            vertices_len,
             order,
             order_len,
+            depths,
+            depths_len,
+            clips,
+            clips_len,
         });
     }
     // Any other bytes would be pointers to no memory of the caller.
@@ -185,38 +181,48 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let right = call.by_runtime(|arena| {
         let Some(own) = &arena.frame.views else { return Ok(Vec::new()) };
         let mut pixels = vec![[BLANK; 4]; len];
-        let mut depths = vec![f32::INFINITY; len];
-        let told = asked.draw(arena.file_bytes(), own, &mut pixels, &mut depths)?;
+        let told = asked.draw(arena.file_bytes(), own, &mut pixels)?;
         let told = told.filter(|_| !drawn.is_null());
         let told = told.into_iter().flat_map(|told| [told.element_len, told.flipped_len]);
         let told = told.flat_map(usize::to_ne_bytes).collect();
-        let pixels = pixels.into_iter().flatten().collect();
-        Ok(match asked.has_depths {
-            true => laid([pixels, bytes(depths), told]),
-            false => laid([pixels, told]),
-        })
+        Ok(laid([pixels.into_iter().flatten().collect(), told]))
     });
     let error = call.ready(|_| right);
     // SAFETY: as above.
     Ok(unsafe { sinew_views_render(job, drawn, error) })
 }
 
-/// Draws what a picture is asked for: mostly the frame's points.
+/// Draws scratch of an element a pixel, of which a job needs at least `pixels_len` if it asks for it at all; room is for
+/// `len`.
+fn by_pixel<T>(
+    call: &mut Call<'_, '_>,
+    is_asked: bool,
+    len: usize,
+    pixels_len: usize,
+    argument: Argument,
+) -> Result<(*mut T, usize)> {
+    let len = if is_asked || call.one_in(4)? { len } else { 0 };
+    call.output_least(len, if is_asked { pixels_len } else { 0 }, argument)
+}
+
+/// Draws what a picture is asked for: mostly the frame's points and layers.
 fn asked_picture(call: &mut Call<'_, '_>) -> Result<AskedPicture> {
-    let mut points =
-        call.arena.frame.views.as_ref().map_or(Vec::new(), |views| views.points.clone());
+    let views = call.arena.frame.views.as_ref();
+    let mut points = views.map_or(Vec::new(), |views| views.points.clone());
+    let mut layers = views.map_or(Vec::new(), |views| views.layers.clone());
     if call.one_in(8)? {
         let at = call.u.choose_index(points.len().max(1))?;
         let (axis, float) = (call.u.choose_index(3)?, recipe::float(call.u)?);
         points.iter_mut().skip(at).take(1).for_each(|point| point[axis] = float);
     }
-    let n = own(call, |views| views.scores.len());
-    Ok(AskedPicture {
-        points,
-        view: call.number(n, Argument::Scores)?,
-        width: if call.one_in(8)? { call.u.int_in_range(0..=2 * WIDTH)? } else { WIDTH },
-        has_depths: call.one_in(2)?,
-    })
+    // No opacity and no order is refused.
+    if call.one_in(4)? {
+        let at = call.u.choose_index(layers.len().max(1))?;
+        let (number, float) = (call.u.choose_index(2)?, recipe::float(call.u)?);
+        layers.iter_mut().skip(at).take(1).for_each(|layer| layer[number] = float);
+    }
+    let width = if call.one_in(8)? { call.u.int_in_range(0..=2 * WIDTH)? } else { WIDTH };
+    Ok(AskedPicture { points, layers, width })
 }
 
 /// Asks the first views; where there are none, for none.
