@@ -9,7 +9,7 @@ const FAR: f32 = 1e-3;
 /// What a view counts that does not fit, beside one that does.
 const UNFIT: f32 = 1e-6;
 /// Share of the greatest count from which on a view is part of the picture; it starts there from nothing.
-const LEAST: f32 = 0.1;
+const LEAST: f32 = 0.2;
 
 /// Key views with their shares, which sum to 1; the greatest first.
 #[derive(Clone, Copy, Debug)]

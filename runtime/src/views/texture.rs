@@ -37,9 +37,12 @@ impl<'a> Texture<'a> {
         let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
         let texel = |x: usize, y: usize| self.texels.get(y * width + x).copied().unwrap_or_default();
         let [a, b, c, d] = [texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)];
-        // Much of a layer's picture is empty.
+        // Much of a drawing is empty, or of one colour.
         if a[3] | b[3] | c[3] | d[3] == 0 {
             return Vec4::ZERO;
+        }
+        if a == b && c == d && a == c {
+            return weighed(a);
         }
         let [a, b, c, d] = [a, b, c, d].map(weighed);
         mixed(mixed(a, b, across), mixed(c, d, across), down)
