@@ -106,7 +106,7 @@ pub enum Argument {
     Points,
     /// Visibilities of control points.
     Visibility,
-    /// Scores of key views, or a view by its number.
+    /// Scores of key views.
     Scores,
     /// Opacities and orders of layers.
     Layers,

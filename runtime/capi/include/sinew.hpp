@@ -439,15 +439,16 @@ class Face {
     std::vector<float> weights_;
 };
 
-/// One drawn object: its points, their visibility, the scores of its key views. For one thread at a time. Points to
-/// the views, which must stay where they are; once they were opened anew, so must this be made.
+/// One drawn object: its points, their visibility, the scores of its key views, what its layers do. For one thread at a
+/// time. Points to the views, which must stay where they are; once they were opened anew, so must this be made.
 class Figure {
   public:
     explicit Figure(const Views &&) = delete;
     explicit Figure(const Views &views)
         : views_(&views), points_(3 * views.info().point_len),
           visibility_(views.info().point_len), scores_(views.info().view_len),
-          order_(views.info().element_len) {
+          layers_(2 * views.info().layer_len), vertices_(3 * views.info().vertex_len),
+          order_(views.info().order_len) {
         for (std::size_t index = 0; index < views.info().map_len; index++) {
             sinew_map_info map;
             if (!views.map(index, map) && scratch_.size() < map.scratch_len) {
@@ -456,7 +457,7 @@ class Figure {
         }
     }
 
-    /// Evaluates a map; the characteristic view stays that of the frame before while others are hardly better.
+    /// Evaluates a map.
     Failure frame(std::size_t map, Span<const float> parameters) {
         Failure failure;
         sinew_frame_job job{};
@@ -464,9 +465,6 @@ class Figure {
         job.map = map;
         job.parameters = parameters.data;
         job.parameters_len = parameters.len;
-        job.last_view = found_.view;
-        job.has_last = has_last_;
-        job.margin = views_->info().margin;
         job.scratch = scratch_.data();
         job.scratch_len = scratch_.size();
         job.points = reinterpret_cast<float(*)[3]>(points_.data());
@@ -475,18 +473,23 @@ class Figure {
         job.visibility_len = visibility_.size();
         job.scores = scores_.data();
         job.scores_len = scores_.size();
+        job.layers = reinterpret_cast<float(*)[2]>(layers_.data());
+        job.layers_len = layers_.size() / 2;
         failure.status = sinew_views_frame(&job, &found_, &failure.error);
-        has_last_ = failure ? has_last_ : 1;
         return failure;
     }
 
-    /// Forgets the frame before.
-    void restart() { has_last_ = 0; }
-
-    /// Draws the last frame over RGBA8 pixels, each times its alpha: by depths, a float a pixel, or painted.
-    Failure render(Span<std::uint8_t> pixels, std::size_t width, Span<float> depths = {},
-                   sinew_drawn *drawn = nullptr) {
+    /// Draws the last frame over RGBA8 pixels, each times its alpha. A larger picture than before allocates scratch,
+    /// if the object needs any by the pixel.
+    Failure render(Span<std::uint8_t> pixels, std::size_t width, sinew_drawn *drawn = nullptr) {
         Failure failure;
+        const std::size_t pixel_len = pixels.len / 4;
+        if (views_->info().has_depth && depths_.size() < pixel_len) {
+            depths_.resize(pixel_len);
+        }
+        if (views_->info().has_clips && clips_.size() < 2 * pixel_len) {
+            clips_.resize(2 * pixel_len);
+        }
         sinew_render_job job{};
         job.views = views_->get();
         job.points = reinterpret_cast<const float(*)[3]>(points_.data());
@@ -495,14 +498,19 @@ class Figure {
         job.visibility_len = visibility_.size();
         job.scores = scores_.data();
         job.scores_len = scores_.size();
-        job.view = found_.view;
+        job.layers = reinterpret_cast<const float(*)[2]>(layers_.data());
+        job.layers_len = layers_.size() / 2;
         job.width = width;
         job.pixels = reinterpret_cast<std::uint8_t(*)[4]>(pixels.data);
-        job.pixels_len = pixels.len / 4;
-        job.depths = depths.data;
-        job.depths_len = depths.len;
+        job.pixels_len = pixel_len;
+        job.vertices = reinterpret_cast<float(*)[3]>(vertices_.data());
+        job.vertices_len = vertices_.size() / 3;
         job.order = order_.data();
         job.order_len = order_.size();
+        job.depths = depths_.data();
+        job.depths_len = depths_.size();
+        job.clips = reinterpret_cast<std::uint8_t(*)[2]>(clips_.data());
+        job.clips_len = clips_.size() / 2;
         failure.status = sinew_views_render(&job, drawn, &failure.error);
         return failure;
     }
@@ -511,14 +519,16 @@ class Figure {
     const std::vector<float> &points() const { return points_; }
     const std::vector<float> &visibility() const { return visibility_; }
     const std::vector<float> &scores() const { return scores_; }
+    /// Two numbers a layer: opacity and order.
+    const std::vector<float> &layers() const { return layers_; }
     const sinew_found &found() const { return found_; }
 
   private:
     const Views *views_;
-    std::vector<float> points_, visibility_, scores_, scratch_;
+    std::vector<float> points_, visibility_, scores_, layers_, scratch_, vertices_, depths_;
     std::vector<std::uint16_t> order_;
+    std::vector<std::uint8_t> clips_;
     sinew_found found_{};
-    std::uint32_t has_last_ = 0;
 };
 
 } // namespace sinew

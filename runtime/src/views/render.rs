@@ -118,9 +118,10 @@ impl RenderJob<'_> {
         }
     }
 
-    /// Returns opacity and order of a layer.
+    /// Returns opacity, from 0 to 1, and order of a layer.
     fn layer_numbers(&self, layer: usize) -> [f32; 2] {
-        self.layers.get(layer).copied().unwrap_or_default()
+        let [opacity, order] = self.layers.get(layer).copied().unwrap_or_default();
+        [lesser(1.0, greater(0.0, opacity)), order]
     }
 }
 

@@ -187,16 +187,20 @@ fn each_float_is_checked() {
             assert_eq!(refused, Err(error(Kind::Float, section, 2)), "{section:?} {value}");
         }
     }
-    // Places and weights, beside numbers that are none.
-    for (section, at) in [
-        (SectionKind::Vertices, 13),
-        (SectionKind::Vertices, 14),
-        (SectionKind::VertexWeights, 4),
-        (SectionKind::VertexWeights, 35),
-    ] {
-        for value in [f32::NAN, f32::NEG_INFINITY, -2.0e9] {
+    // Places, beside numbers that are none.
+    for at in [13, 14] {
+        let section = SectionKind::Vertices;
+        let refused = edited(|pieces| pieces.set_float(section, at, f32::NAN));
+        assert_eq!(refused, Err(error(Kind::Float, section, at as u32)));
+        let refused = edited(|pieces| pieces.set_float(section, at, -2.0e9));
+        assert_eq!(refused, Err(error(Kind::Float, section, at as u32)));
+    }
+    // Weights likewise; their index is that among the floats.
+    for (at, index) in [(1, 0), (4, 2), (35, 23)] {
+        let section = SectionKind::VertexWeights;
+        for value in [f32::NAN, f32::NEG_INFINITY, 2.0e9] {
             let refused = edited(|pieces| pieces.set_float(section, at, value));
-            assert_eq!(refused, Err(error(Kind::Float, section, at as u32)), "{section:?} {value}");
+            assert_eq!(refused, Err(error(Kind::Float, section, index)));
         }
     }
     let negative = edited(|pieces| pieces.set_float(SectionKind::ViewsFit, 0, -1.0));

@@ -21,9 +21,9 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter: those of a rotational and of a kernel model,
-/// a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one with little, a
-/// face, an object with two maps, whose first layer has depth and clips the second.
+/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter: those of a rotational and of a
+/// kernel model, a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one
+/// with little, a face, and an object with two maps, whose first layer has depth and clips the second.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);

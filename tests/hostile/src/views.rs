@@ -7,8 +7,8 @@ use sinew_runtime::{Argument, CallErrorKind, Frame, FrameJob, Model, RenderJob, 
 /// Width and height of a picture.
 const SIZE: [usize; 2] = [24, 16];
 
-/// Elements that are drawn, those of layers that clip once for each layer that they clip, and points, vertices and layers
-/// times key views, that are worth a picture's time.
+/// What is worth a picture's time: elements drawn, those of a layer that clips once for each layer that it clips;
+/// weights; and points, vertices and layers times key views.
 const COST: usize = 1 << 14;
 
 /// Reads all that the accessors of views give.

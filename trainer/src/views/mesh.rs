@@ -333,3 +333,85 @@ impl Covered {
         at(x[1], y[1]) - at(x[0], y[1]) - at(x[1], y[0]) + at(x[0], y[0]) > 0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::camera::Resolution;
+
+    const POINTS: [[f64; 2]; 5] =
+        [[10.0, 12.0], [40.0, 10.0], [44.0, 50.0], [8.0, 44.0], [25.0, 30.0]];
+
+    fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
+        (0..2).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_is_bent_goes_through_its_points_and_follows_affine_maps() {
+        let bend = Bend::new(&POINTS);
+        let moved = POINTS.map(|[x, y]| [x + 3.0 * (0.1 * y).sin(), y - 0.02 * x * x]);
+        for (point, target) in POINTS.iter().zip(moved) {
+            assert!(far(bend.moved(*point, &moved), target) < 1e-9);
+        }
+        let affine = |[x, y]: [f64; 2]| [1.5 * x - 0.25 * y + 7.0, 0.5 * x + 0.75 * y - 20.0];
+        let moved = POINTS.map(affine);
+        for place in [[0.0, 0.0], [30.0, 20.0], [90.0, -40.0]] {
+            assert!(far(bend.moved(place, &moved), affine(place)) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn two_points_turn_and_scale_what_is_between_and_beside_them_and_one_shifts_it() {
+        let similar = |[x, y]: [f64; 2]| [-2.0 * y + 5.0, 2.0 * x - 1.0];
+        for points in [vec![[1.0, 2.0], [9.0, 2.0]], vec![[1.0, 1.0], [3.0, 3.0], [8.0, 8.0]]] {
+            let moved: Vec<_> = points.iter().copied().map(similar).collect();
+            let found = Bend::new(&points).moved([4.0, 7.0], &moved);
+            assert!(far(found, similar([4.0, 7.0])) < 1e-12);
+        }
+        let found = Bend::new(&[[3.0, 4.0]]).moved([5.0, 5.0], &[[13.0, 24.0]]);
+        assert!(far(found, [15.0, 25.0]) < 1e-12);
+    }
+
+    #[test]
+    fn a_grid_covers_what_every_view_shows() {
+        let disc = |centre: [f64; 2], radius: f64| {
+            let size = Resolution { width: 64, height: 64 };
+            let inside = |at: usize| {
+                let off = [(at % 64) as f64 + 0.5 - centre[0], (at / 64) as f64 + 0.5 - centre[1]];
+                off[0].hypot(off[1]) < radius
+            };
+            let rgba = (0..64 * 64).flat_map(|at| [9, 9, 9, if inside(at) { 255 } else { 0 }]);
+            (Picture { size, rgba: rgba.collect() }, [0, 0])
+        };
+        let square = |centre: [f64; 2], half: f64| {
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                .map(|[x, y]| [centre[0] + half * x, centre[1] + half * y])
+        };
+        let pictures = [disc([20.0, 20.0], 12.0), disc([40.0, 36.0], 20.0)];
+        let points = [square([20.0, 20.0], 8.0), square([40.0, 36.0], 12.0)];
+        let views: Vec<Shown<'_>> = (0..2)
+            .map(|k| Shown { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
+            .collect();
+        let mut mesh = Mesh::default();
+        mesh.add_bent(&[0, 1, 2, 3], &views);
+        for (view, (picture, _)) in points.iter().zip(&pictures) {
+            let places: Vec<[f64; 2]> = mesh.vertices.iter().map(|v| v.at(view)).collect();
+            let covers = |p: [f64; 2]| {
+                mesh.layers[0].iter().any(|element| {
+                    let ring: Vec<_> = element.points().iter().map(|&v| places[v]).collect();
+                    (0..ring.len()).all(|i| {
+                        let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+                        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) >= -1e-9
+                    })
+                })
+            };
+            let shown = (0..64 * 64).filter(|at| picture.rgba[4 * at + 3] > 0);
+            for at in shown {
+                assert!(covers([(at % 64) as f64 + 0.5, (at / 64) as f64 + 0.5]), "{at}");
+            }
+        }
+        // Elements of a grid meet at every edge but the outermost.
+        let alone = mesh.neighbours().iter().flatten().filter(|other| other.is_none()).count();
+        assert!(alone < 2 * mesh.element_len());
+    }
+}

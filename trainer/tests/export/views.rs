@@ -68,7 +68,7 @@ fn shows(glb: &[u8], trained: &Trained, rest: f64, targets: &[f64]) {
             assert!((0..2).all(|axis| (f64::from(uv[axis]) - expected[axis]).abs() < 1e-6));
         }
     }
-    assert_eq!(quads, trained.model.elements.len(), "each once");
+    assert_eq!(quads, trained.model.mesh.element_len(), "each once");
 }
 
 #[test]

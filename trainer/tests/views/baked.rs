@@ -52,7 +52,7 @@ fn the_run_time_shows_what_was_trained() {
                 let values: Values =
                     pair[0].values.iter().map(|(name, a)| share(name, a)).collect();
                 let expected = outputs.evaluate(map, &values).unwrap();
-                let mut player = Player::new(&file, Some(&examples.name)).unwrap();
+                let player = Player::new(&file, Some(&examples.name)).unwrap();
                 let found = player.play(&values).unwrap();
                 let places: Vec<[f64; 2]> =
                     found.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
@@ -73,11 +73,11 @@ fn a_picture_of_a_key_view_is_its_own_where_elements_cover_it() {
     let Some(set) = head() else { return };
     let (trained, file) = trained(&set);
     for (view, key) in set.maps[0].train.iter().zip(&trained.model.keys) {
-        let mut player = Player::new(&file, None).unwrap();
+        let own = multiplied(&view.image.as_ref().unwrap().load(set.size).unwrap());
+        let player = Player::new(&file, None).unwrap();
         let played = player.play(&view.values).unwrap();
         let (picture, drawn) = player.draw(&played).unwrap();
         assert!(drawn.element_len > 150 && drawn.flipped_len == 0, "{drawn:?}");
-        let own = multiplied(&key.picture);
         let pixels = || picture.rgba.chunks(4).zip(own.rgba.chunks(4)).filter(|(a, _)| a[3] > 0);
         let apart = pixels().flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| a.abs_diff(*b));
         assert!(pixels().count() > 8000 && apart.max() <= Some(1), "{}", key.name);
@@ -90,13 +90,13 @@ fn its_own_points_drive_it_as_its_parameters_do() {
     let (_, file) = trained(&set);
     let map = file.map_of(&file.views().unwrap(), 0).unwrap();
     let model = sinew_trainer::kernel::model::KernelModel::from_file(&map);
-    let outputs = sinew_trainer::views::fit::MapOutputs { points: 158, views: 27 };
+    let outputs = sinew_trainer::views::fit::MapOutputs { points: 158, views: 27, layers: 1 };
     let starts = starts(&model);
     for (number, view) in set.maps[0].train.iter().enumerate() {
         let points: Vec<_> = (0..158).map(|k| view.points[k].filter(|_| view.visible[k])).collect();
         let found = find(&model, outputs, &points, &starts).unwrap();
         let shown = |values: &Values| {
-            let mut player = Player::new(&file, None).unwrap();
+            let player = Player::new(&file, None).unwrap();
             let played = player.play(values).unwrap();
             (played.view, player.draw(&played).unwrap().0)
         };
@@ -143,7 +143,7 @@ fn an_instance_moves_as_its_prototype_does() {
         for examples in &figure.maps {
             for view in &examples.train {
                 let of = |file| {
-                    let mut player = Player::new(file, Some(&examples.name)).unwrap();
+                    let player = Player::new(file, Some(&examples.name)).unwrap();
                     place(&player.play(&view.values).unwrap().points)
                 };
                 let expected = reference.moved(&of(&prototype));

@@ -45,6 +45,7 @@ pub(crate) fn view(values: &[(&str, f64)], points: Vec<[f64; 2]>) -> View {
         points: points.into_iter().map(Some).collect(),
         depths: Vec::new(),
         image: None,
+        layers: Vec::new(),
     }
 }
 

@@ -19,8 +19,8 @@ fn sets_read_back_as_they_were_written() {
     for set in &sets {
         let found = read(&folder.path(&set.name).join("views.json"), None).unwrap();
         assert_eq!(
-            (&found.name, found.size, &found.elements),
-            (&set.name, set.size, &set.elements)
+            (&found.name, found.size, &found.layers[0].elements),
+            (&set.name, set.size, &set.layers[0].elements)
         );
         for (found, set) in found.maps.iter().zip(&set.maps) {
             assert_eq!((&found.name, &found.parameters), (&set.name, &set.parameters));
@@ -74,7 +74,7 @@ fn covered(set: &ViewSet) -> f64 {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     };
     let is_covered = |p: [f64; 2]| {
-        set.elements.iter().any(|element| {
+        set.layers[0].elements.iter().any(|element| {
             let &[a, b, c] = element.points() else { return false };
             let [a, b, c] = [known[a], known[b], known[c]];
             let turns = [cross(a, b, p), cross(b, c, p), cross(c, a, p)];
@@ -105,11 +105,11 @@ fn a_drawing_is_covered_by_triangles_that_follow_its_bones() {
             "{}: {} points, {} triangles, {share:.4} covered",
             set.name,
             set.point_len(),
-            set.elements.len()
+            set.element_len()
         );
         assert!(share > 0.999, "{}: {share}", set.name);
         assert!(set.point_len() > 60 && set.point_len() < 800);
-        assert!(set.elements.iter().all(|element| matches!(element, Element::Triangle(_))));
+        assert!(set.layers[0].elements.iter().all(|element| matches!(element, Element::Triangle(_))));
         let [walk, jump] = &set.maps[..] else { panic!("two motions") };
         let height = |view: &sinew_trainer::views::set::View| view.known()[0][1];
         assert!(height(&jump.train[3]) < height(&jump.train[0]) - 5.0, "it leaves the ground");

@@ -107,7 +107,7 @@ fn a_grid_of_two_parameters_is_a_puppet() {
                 assert!((uv - place[axis] / 192.0).abs() < 1e-6);
             }
         }
-        assert_eq!(mesh.indices.len(), 6 * set.elements.len(), "quads in two");
+        assert_eq!(mesh.indices.len(), 6 * set.element_len(), "quads in two");
         let texture = &puppet.textures[part.textures[0] as usize];
         assert_eq!((texture.width, texture.height), (192, 192));
     }

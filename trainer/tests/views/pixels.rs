@@ -112,7 +112,7 @@ fn the_best_network_over_pixels_is_far_behind_points_and_warping() {
     // Points that the front does not show are part of the side's: all are joined where they stand in front.
     let front = View { visible: vec![true; set.point_len()], ..whole.train[12].clone() };
     assert!(front.values["yaw"] == 0.0 && front.values["pitch"] == 0.0);
-    let elements = triangulated(&front, "front").unwrap();
+    let elements = triangulated(&front, &[], "front").unwrap();
     let (mut own, mut networks) = (0.0, [0.0; NETWORKS.len()]);
     let (mut inside, mut bare) = (0, 0);
     for left_out in 0..whole.train.len() {

@@ -104,24 +104,22 @@ static void views(const char *path)
     std::printf("views %s, map %.*s\n", views.name().c_str(), int(map.name_len), map.name);
     expect(views.map(views.info().map_len, map), SINEW_STATUS_OUT_OF_RANGE);
 
+    const sinew_views_info &info = views.info();
+    std::printf("screen %zu x %zu, layers %zu\n", info.width, info.height, info.layer_len);
     sinew::Figure figure(views);
-    std::vector<std::uint8_t> pixels(4 * 48 * 40, 9);
-    std::vector<float> depths(48 * 40, std::numeric_limits<float>::infinity());
     for (int step = 0; step < 8; step++) {
         check(figure.frame(0, std::vector<float>{0.25f * float(step) - 1.0f, 0.125f}));
         print("points", figure.points());
+        print("layers", figure.layers());
         std::printf("view %zu, confidence %.6f\n", figure.found().view, figure.found().confidence);
     }
     expect(figure.frame(0, std::vector<float>(3)), SINEW_STATUS_LENGTH);
-    figure.restart();
-    check(figure.frame(0, std::vector<float>{0.5f, 0.0f}));
+    std::vector<std::uint8_t> pixels(4 * info.width * info.height, 9);
     sinew_drawn drawn;
-    check(figure.render(pixels, 48, {}, &drawn));
-    print("painted", pixels.data(), pixels.size());
-    check(figure.render(pixels, 48, depths));
-    print("by depth", pixels.data(), pixels.size());
+    check(figure.render(pixels, info.width, &drawn));
+    print("picture", pixels.data(), pixels.size());
     std::printf("drawn %zu\n", drawn.element_len);
-    expect(figure.render(pixels, 47), SINEW_STATUS_LENGTH);
+    expect(figure.render(pixels, info.width - 1), SINEW_STATUS_LENGTH);
 }
 
 static void filter(const char *path)

@@ -192,7 +192,7 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_views_render(job, drawn, error) })
 }
 
-/// Draws scratch of an element a pixel, of which a job needs at least `pixels_len` if it asks for it at all; room is for
+/// Draws scratch of an element a pixel: a job that asks for it needs at least `pixels_len`, another none. Room is for
 /// `len`.
 fn by_pixel<T>(
     call: &mut Call<'_, '_>,

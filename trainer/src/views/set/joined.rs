@@ -117,11 +117,11 @@ mod tests {
         };
         assert!((found.iter().map(area).sum::<f64>() - 16.0).abs() < 1e-12);
         let line = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]];
-        let refused = triangulated(&view(&line), "view 3").unwrap_err().to_string();
+        let refused = triangulated(&view(&line), &[], "view 3").unwrap_err().to_string();
         assert_eq!(refused, "the points of view 3 cannot be triangulated: they lie on a line");
         let twice = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[1]];
         assert!(
-            triangulated(&view(&twice), "view 3").unwrap_err().to_string().contains("one place")
+            triangulated(&view(&twice), &[], "view 3").unwrap_err().to_string().contains("one place")
         );
     }
 
