@@ -38,7 +38,8 @@ fn psnr(found: &Picture, truth: &Picture, counts: impl Fn(usize) -> bool) -> f64
     let (mut squares, mut len) = (0.0, 0);
     let pixels = found.rgba.chunks(4).zip(truth.rgba.chunks(4)).enumerate();
     for (_, (a, b)) in pixels.filter(|(at, _)| counts(*at)) {
-        squares += a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
+        squares +=
+            a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
         len += 4;
     }
     20.0 * 255.0f64.log10() - 10.0 * (squares / f64::from(len)).log10()
@@ -78,14 +79,25 @@ fn character() -> Outcome<()> {
                 drawn(&model, &set.maps[0].name, &values)
             };
             let all = (0..len).map(at).collect::<Outcome<Vec<_>>>()?;
-            let mut apart: Vec<f64> =
-                all.windows(2).map(|pair| 10f64.powf(-psnr(&pair[0], &pair[1], |_| true) / 20.0)).collect();
+            let mut apart: Vec<f64> = all
+                .windows(2)
+                .map(|pair| 10f64.powf(-psnr(&pair[0], &pair[1], |_| true) / 20.0))
+                .collect();
             apart.sort_by(f64::total_cmp);
             Ok([apart[apart.len() / 2], apart[apart.len() - 1]])
         };
         for (path, [median, most]) in [
             ("turn", steps(&|t| [2.0 * t - 1.0, 0.0], 41)?),
-            ("circle", steps(&|t| { let a = t * std::f64::consts::TAU; [0.7 * a.cos(), 0.7 * a.sin()] }, 61)?),
+            (
+                "circle",
+                steps(
+                    &|t| {
+                        let a = t * std::f64::consts::TAU;
+                        [0.7 * a.cos(), 0.7 * a.sin()]
+                    },
+                    61,
+                )?,
+            ),
         ] {
             println!("  {path}: most over median {:.2}", most / median);
         }
@@ -95,7 +107,9 @@ fn character() -> Outcome<()> {
 
 /// Lists the pixels within the hull of a view's visible points.
 fn hull(points: &[[f64; 2]], [width, height]: [usize; 2]) -> Vec<bool> {
-    let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+    let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| {
+        (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+    };
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
@@ -133,13 +147,16 @@ fn heads() -> Outcome<()> {
         let seen = view.known().into_iter().zip(&view.visible).filter(|(_, seen)| **seen);
         let within = hull(&seen.map(|(point, _)| point).collect::<Vec<_>>(), set.size);
         all.push(psnr(&found, &truth, |at| within[at]));
-        let is_hole =
-            |at: &usize| within[*at] && truth.rgba[4 * at + 3] > 127 && found.rgba[4 * at + 3] < 128;
+        let is_hole = |at: &usize| {
+            within[*at] && truth.rgba[4 * at + 3] > 127 && found.rgba[4 * at + 3] < 128
+        };
         holes += (0..within.len()).filter(is_hole).count();
     }
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("ict-views, each left out: mean {mean:.2} dB, least {least:.2}, {holes} pixels without");
+    println!(
+        "ict-views, each left out: mean {mean:.2} dB, least {least:.2}, {holes} pixels without"
+    );
     println!("  {all:.1?}");
     Ok(())
 }

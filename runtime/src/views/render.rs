@@ -1,6 +1,7 @@
 //! From points to a picture (METHOD §6.5, §6.9).
 
 use super::blend::{Blend, SOURCES};
+use super::counts::CLIPS_MAX;
 use super::order::sort;
 use super::raster::{Corner, Mask, Screen, Source, Target, quad, triangle};
 use super::view::{Element, Layer, Views};
@@ -135,7 +136,8 @@ impl Picture<'_> {
     /// Makes the first byte of each pixel what the layers that clip a layer leave of it.
     fn clip(&self, layer: usize, clips: &mut [[u8; 2]]) {
         clips.iter_mut().for_each(|[left, _]| *left = u8::MAX);
-        for number in self.job.views.clips(layer) {
+        // Bytes that changed after loading may come round.
+        for number in self.job.views.clips(layer).take(CLIPS_MAX) {
             let Some(layer) = self.job.views.layer(number) else { continue };
             clips.iter_mut().for_each(|[_, own]| *own = 0);
             let [opacity, _] = self.job.layer_numbers(number);
@@ -259,7 +261,9 @@ impl Picture<'_> {
 /// Returns twice the area of a triangle or a quad, positive where it turns clockwise.
 fn area(vertices: &[usize], place: impl Fn(usize) -> [f32; 2]) -> f32 {
     let at = |corner: usize| vertices.get(corner).map(|vertex| place(*vertex));
-    let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (at(0), at(1), at(2)) else { return 0.0 };
+    let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (at(0), at(1), at(2)) else {
+        return 0.0;
+    };
     // By the diagonals of a quad, two of whose corners are one in a triangle.
     let [dx, dy] = at(3).unwrap_or([ax, ay]);
     (cx - ax) * (dy - by) - (cy - ay) * (dx - bx)

@@ -14,8 +14,12 @@ pub struct Measured {
     pub max: f64,
     /// Share of points whose visibility is right.
     pub visibility: f64,
-    /// Peak over RMS error of pictures where elements cover them, dB; none where views have none, or nothing is off.
+    /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none, or nothing is off.
     pub psnr: Option<f64>,
+    /// The same over the pixels that are covered in what is drawn.
+    pub psnr_covered: Option<f64>,
+    /// Whether the views are those that the file was trained on: the set has no others.
+    pub is_training: bool,
     /// Elements that were drawn turned over.
     pub flipped: usize,
     /// Views.
@@ -56,7 +60,8 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
-    let (mut off, mut numbers) = (0.0, 0);
+    // Squares and numbers, of all pixels and of those that are covered.
+    let mut off = [(0.0, 0); 2];
     for examples in &set.maps {
         let wrong =
             |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
@@ -82,21 +87,30 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             flipped += drawn.flipped_len;
             if let Some(image) = &view.image {
                 let truth = multiplied(&image.load(player.size())?);
-                let pixels = truth.rgba.chunks(4).zip(picture.rgba.chunks(4));
-                for (own, found) in pixels.filter(|(_, found)| found[3] > 0) {
+                for (own, found) in truth.rgba.chunks(4).zip(picture.rgba.chunks(4)) {
                     let apart = own.iter().zip(found);
-                    off += apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
-                    numbers += own.len();
+                    let square = apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+                    let square: f64 = square.sum();
+                    let covered = usize::from(found[3] > 0);
+                    for (squares, numbers) in &mut off[..=covered] {
+                        (*squares, *numbers) = (*squares + square, *numbers + own.len());
+                    }
                 }
             }
         }
     }
-    let psnr = 20.0 * 255.0f64.log10() - 10.0 * (off / numbers.max(1) as f64).log10();
+    let psnr = |(squares, numbers): (f64, usize)| {
+        let error = squares / numbers.max(1) as f64;
+        (error > 0.0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
+    };
+    let [psnr, psnr_covered] = off.map(psnr);
     Ok(Measured {
         rms: (squares / known.max(1) as f64).sqrt(),
         max: most.sqrt(),
         visibility: right as f64 / marks.max(1) as f64,
-        psnr: Some(psnr).filter(|_| off > 0.0),
+        psnr,
+        psnr_covered,
+        is_training: !is_tested,
         flipped,
         views: count,
     })

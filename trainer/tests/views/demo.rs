@@ -109,7 +109,9 @@ fn a_drawing_is_covered_by_triangles_that_follow_its_bones() {
         );
         assert!(share > 0.999, "{}: {share}", set.name);
         assert!(set.point_len() > 60 && set.point_len() < 800);
-        assert!(set.layers[0].elements.iter().all(|element| matches!(element, Element::Triangle(_))));
+        assert!(
+            set.layers[0].elements.iter().all(|element| matches!(element, Element::Triangle(_)))
+        );
         let [walk, jump] = &set.maps[..] else { panic!("two motions") };
         let height = |view: &sinew_trainer::views::set::View| view.known()[0][1];
         assert!(height(&jump.train[3]) < height(&jump.train[0]) - 5.0, "it leaves the ground");

@@ -99,6 +99,89 @@ fn faults_are_named_by_view_and_index() {
     assert!(refused("json", |set| set["image_size"] = json!("large")).contains("invalid type"));
 }
 
+/// The set in two layers, to be spoiled.
+fn in_layers(set: &mut Value) {
+    set.as_object_mut().unwrap().remove("elements");
+    set["layers"] = json!([
+        { "name": "back", "points": [0, 3] },
+        { "name": "front", "points": [1, 2], "clip": "back" },
+    ]);
+    set["train"][0]["layers"] = json!({ "back": "b.png", "front": { "image": "f.png" } });
+}
+
+#[test]
+fn faults_of_layers_are_named() {
+    for (name, spoil, expected) in [
+        ("layers", (|_| {}) as fn(&mut Value), "taken"),
+        (
+            "layer-twice",
+            |set| set["layers"][1]["name"] = json!("back"),
+            "layer \"front\": main, train view 0 has a picture of it, and the set no such layer",
+        ),
+        (
+            "layer-names",
+            |set| {
+                set["layers"][1]["name"] = json!("back");
+                set["train"][0]["layers"] = json!({ "back": "b.png" });
+            },
+            "layer \"back\": two layers have this name",
+        ),
+        (
+            "layer-both",
+            |set| set["layers"][1]["points"] = json!([1, 2, 3]),
+            "layer \"front\": point 3 is in \"back\", too",
+        ),
+        ("layer-none", |set| set["layers"][1]["points"] = json!([1]), "point 2 is in no layer"),
+        (
+            "layer-point",
+            |set| set["layers"][1]["points"] = json!([1, 2, 4]),
+            "layer \"front\": point 4, of 4",
+        ),
+        (
+            "layer-empty",
+            |set| {
+                set["layers"][0]["points"] = json!([]);
+                set["layers"][1]["points"] = json!([0, 1, 2, 3]);
+            },
+            "layer \"back\": it has no points",
+        ),
+        (
+            "layer-elements",
+            |set| set["layers"][0]["elements"] = json!([[0, 1, 3]]),
+            "layer \"back\": an element has point 1, which is not its own",
+        ),
+        (
+            "layer-clip",
+            |set| set["layers"][1]["clip"] = json!("side"),
+            "layer \"front\": it is clipped by \"side\", no layer",
+        ),
+        (
+            "layer-cycle",
+            |set| set["layers"][0]["clip"] = json!("front"),
+            "layer \"back\": it is clipped by itself: back by front by back",
+        ),
+        (
+            "layer-picture",
+            |set| set["train"][0]["layers"] = json!({ "back": "b.png" }),
+            "layer \"front\": main, train view 0 has no picture of it, but shows point 1: name a picture, or mark its points as not visible",
+        ),
+        (
+            "layer-hidden",
+            |set| {
+                set["train"][0]["layers"] = json!({ "back": "b.png" });
+                set["train"][0]["visible"] = json!([true, false, false, true]);
+            },
+            "taken",
+        ),
+    ] {
+        let found = refused(name, |set| {
+            in_layers(set);
+            spoil(set);
+        });
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
 #[test]
 fn pictures_that_are_missing_broken_or_of_another_size_are_named() {
     let folder = Folder::new("pictures");

@@ -24,12 +24,15 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let found =
         evaluate(&model, &set).with_context(|| arguments.set.file().display().to_string())?;
     let line = |name: &str, value: f64, unit: &str| format!("{name:<24}{value:>10.4}{unit}\n");
-    let mut text = format!("{:<24}{:>10}\n", "views", found.views);
+    let views = if found.is_training { "views of the training" } else { "test views" };
+    let mut text = format!("{views:<24}{:>10}\n", found.views);
     text += &line("points, RMS", found.rms, " px");
     text += &line("points, most", found.max, " px");
     text += &line("visibility", found.visibility, "");
-    if let Some(psnr) = found.psnr {
-        text += &line("pictures, PSNR", psnr, " dB");
+    let pictures =
+        [("PSNR, whole pictures", found.psnr), ("PSNR, where covered", found.psnr_covered)];
+    for (name, psnr) in pictures {
+        text += &psnr.map_or_else(String::new, |psnr| line(name, psnr, " dB"));
     }
     text += &format!("{:<24}{:>10}\n", "elements turned over", found.flipped);
     output.print(&found, &text)

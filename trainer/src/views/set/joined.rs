@@ -121,7 +121,10 @@ mod tests {
         assert_eq!(refused, "the points of view 3 cannot be triangulated: they lie on a line");
         let twice = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[1]];
         assert!(
-            triangulated(&view(&twice), &[], "view 3").unwrap_err().to_string().contains("one place")
+            triangulated(&view(&twice), &[], "view 3")
+                .unwrap_err()
+                .to_string()
+                .contains("one place")
         );
     }
 
