@@ -72,6 +72,7 @@ fn object(is_quads: bool, flags: u32) -> ViewsContent {
     let view = ViewContent {
         name: String::new(),
         textures: vec![0],
+        texels: (0..POINTS).map(place).collect(),
         references: (0..POINTS).map(place).collect(),
         visible: vec![true; POINTS],
         deformation: None,
@@ -131,8 +132,13 @@ fn main() -> Result<(), Refused> {
             let (mut order, mut depths) = (vec![0; views.order_len()], vec![0.0; SIZE * SIZE]);
             let picture = median(|_| {
                 let (vertices, order) = (vertices.as_mut_slice(), order.as_mut_slice());
-                let scratch =
-                    RenderScratch { vertices, order, depths: &mut depths, clips: &mut [] };
+                let scratch = RenderScratch {
+                    vertices,
+                    order,
+                    depths: &mut depths,
+                    group: &mut [],
+                    clips: &mut [],
+                };
                 black_box(job.run(scratch, &mut pixels)?);
                 Ok(())
             })?;

@@ -114,6 +114,8 @@ pub enum Argument {
     Pixels,
     /// Depths of pixels.
     Depths,
+    /// Pixels of a layer that is drawn by itself.
+    Group,
     /// What layers that clip leave of pixels.
     Clips,
     /// Samples of signals.
@@ -192,6 +194,7 @@ impl Argument {
             Self::Layers => "layers",
             Self::Pixels => "pixels",
             Self::Depths => "depths",
+            Self::Group => "group",
             Self::Clips => "clips",
             Self::Samples => "samples",
             Self::Names => "names",

@@ -185,7 +185,7 @@ fn views_allocate_nothing() {
     let (mut points, mut visibility, mut scores) = ([[0.0; 3]; 9], [0.0; 9], [0.0; 3]);
     let (mut layers, mut vertices) = ([[0.0; 2]; 2], [[0.0; 3]; 10]);
     let (mut pixels, mut depths) = (vec![[0; 4]; 48 * 40], vec![f32::MAX; 48 * 40]);
-    let mut clips = vec![[0; 2]; 48 * 40];
+    let (mut group, mut clips) = (vec![[0; 4]; 48 * 40], vec![0; 48 * 40]);
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
         let views = model.views_named("object").unwrap().layout().open(&bytes).unwrap();
@@ -196,9 +196,16 @@ fn views_allocate_nothing() {
         let layers = &layers;
         let job = RenderJob { views, points, visibility, scores, layers, width: 48 };
         let (vertices, order) = (&mut vertices, &mut [0; 9]);
-        let scratch = RenderScratch { vertices, order, depths: &mut depths, clips: &mut clips };
+        let scratch = RenderScratch {
+            vertices,
+            order,
+            depths: &mut depths,
+            group: &mut group,
+            clips: &mut clips,
+        };
         assert!(job.run(scratch, &mut pixels).unwrap().element_len > 0);
-        let scratch = RenderScratch { vertices, order, depths: &mut depths, clips: &mut [] };
+        let scratch =
+            RenderScratch { vertices, order, depths: &mut depths, group: &mut [], clips: &mut [] };
         assert!(job.run(scratch, &mut pixels).is_err());
     });
     assert_eq!(count, 0);

@@ -46,7 +46,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "rotational",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-7-rotational.snw"),
+        file: include_bytes!("envelope-8-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -61,7 +61,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "kernel",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-7-kernel.snw"),
+        file: include_bytes!("envelope-8-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -76,7 +76,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "hybrid",
         predictor: Predictor::Hybrid,
-        file: include_bytes!("envelope-7-hybrid.snw"),
+        file: include_bytes!("envelope-8-hybrid.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -91,7 +91,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "tangents",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-7-tangents.snw"),
+        file: include_bytes!("skin-8-tangents.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -106,7 +106,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "normals",
         predictor: Predictor::Hybrid,
-        file: include_bytes!("skin-7-normals.snw"),
+        file: include_bytes!("skin-8-normals.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0x6b62_e67d_5cad_ccd2,
@@ -121,7 +121,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "shapes of f32",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-7-f32.snw"),
+        file: include_bytes!("shapes-8-f32.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -136,7 +136,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "shapes of f16",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-7-f16.snw"),
+        file: include_bytes!("shapes-8-f16.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -151,7 +151,7 @@ pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "shapes of i8",
         predictor: Predictor::Hybrid,
-        file: include_bytes!("shapes-7-i8.snw"),
+        file: include_bytes!("shapes-8-i8.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0xc540_68e0_2f26_8909,

@@ -65,7 +65,8 @@ pub(crate) fn hash(
                 vertices: &mut vertices,
                 order: &mut order,
                 depths: &mut [f32::MAX; SIZE[0] * SIZE[1]],
-                clips: &mut [[0; 2]; SIZE[0] * SIZE[1]],
+                group: &mut [[0; 4]; SIZE[0] * SIZE[1]],
+                clips: &mut [0; SIZE[0] * SIZE[1]],
             };
             let drawn = job.run(scratch, &mut pixels)?;
             let told = [found.view, drawn.element_len, drawn.flipped_len].map(|len| len as f32);

@@ -35,7 +35,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 8
+#define SINEW_ABI_VERSION 9
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -273,6 +273,8 @@ enum sinew_argument
     SINEW_ARGUMENT_LAYERS = 35,
     /// What layers that clip leave of pixels.
     SINEW_ARGUMENT_CLIPS = 36,
+    /// Pixels of a layer that is drawn by itself.
+    SINEW_ARGUMENT_GROUP = 37,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -994,6 +996,10 @@ typedef struct sinew_views_info {
     uint32_t has_depth;
     /// 1 if a layer is clipped by another, else 0: then a render job needs clips.
     uint32_t has_clips;
+    /// 1 if a layer is drawn by itself before it is blended, else 0: then a render job needs a group.
+    uint32_t has_groups;
+    /// 0.
+    uint32_t reserved;
     /// K, control points.
     size_t point_len;
     /// V, vertices.
@@ -1114,9 +1120,13 @@ typedef struct sinew_render_job {
     float *depths;
     /// Their number.
     size_t depths_len;
-    /// Scratch of any content: at least two bytes a pixel if `sinew_views_info.has_clips`, else null will do.
-    uint8_t (*clips)[2];
-    /// Their number, in pairs.
+    /// Scratch of any content: at least a pixel each if `sinew_views_info.has_groups`, else null will do.
+    uint8_t (*group)[4];
+    /// Their number.
+    size_t group_len;
+    /// Scratch of any content: at least a byte a pixel if `sinew_views_info.has_clips`, else null will do.
+    uint8_t *clips;
+    /// Their number.
     size_t clips_len;
 } sinew_render_job;
 

@@ -487,8 +487,11 @@ class Figure {
         if (views_->info().has_depth && depths_.size() < pixel_len) {
             depths_.resize(pixel_len);
         }
-        if (views_->info().has_clips && clips_.size() < 2 * pixel_len) {
-            clips_.resize(2 * pixel_len);
+        if (views_->info().has_groups && group_.size() < 4 * pixel_len) {
+            group_.resize(4 * pixel_len);
+        }
+        if (views_->info().has_clips && clips_.size() < pixel_len) {
+            clips_.resize(pixel_len);
         }
         sinew_render_job job{};
         job.views = views_->get();
@@ -509,8 +512,10 @@ class Figure {
         job.order_len = order_.size();
         job.depths = depths_.data();
         job.depths_len = depths_.size();
-        job.clips = reinterpret_cast<std::uint8_t(*)[2]>(clips_.data());
-        job.clips_len = clips_.size() / 2;
+        job.group = reinterpret_cast<std::uint8_t(*)[4]>(group_.data());
+        job.group_len = group_.size() / 4;
+        job.clips = clips_.data();
+        job.clips_len = clips_.size();
         failure.status = sinew_views_render(&job, drawn, &failure.error);
         return failure;
     }
@@ -527,7 +532,7 @@ class Figure {
     const Views *views_;
     std::vector<float> points_, visibility_, scores_, layers_, scratch_, vertices_, depths_;
     std::vector<std::uint16_t> order_;
-    std::vector<std::uint8_t> clips_;
+    std::vector<std::uint8_t> group_, clips_;
     sinew_found found_{};
 };
 

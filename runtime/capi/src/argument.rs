@@ -81,6 +81,8 @@ pub enum sinew_argument {
     Layers = 35,
     /// What layers that clip leave of pixels.
     Clips = 36,
+    /// Pixels of a layer that is drawn by itself.
+    Group = 37,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -133,7 +135,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 61] = {
+const NAMES: [(sinew_argument, &CStr); 62] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -173,6 +175,7 @@ const NAMES: [(sinew_argument, &CStr); 61] = {
         (A::Root, c"root matrix"),
         (A::Layers, c"layers"),
         (A::Clips, c"clips"),
+        (A::Group, c"group"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -248,6 +251,7 @@ impl From<Argument> for sinew_argument {
             Argument::Root => Self::Root,
             Argument::Layers => Self::Layers,
             Argument::Clips => Self::Clips,
+            Argument::Group => Self::Group,
         }
     }
 }

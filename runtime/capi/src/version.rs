@@ -5,7 +5,7 @@ use core::ffi::c_char;
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-pub const SINEW_ABI_VERSION: u32 = 8;
+pub const SINEW_ABI_VERSION: u32 = 9;
 
 /// Returns the version of the ABI, to be compared with `SINEW_ABI_VERSION` where the library is
 /// loaded at run time.

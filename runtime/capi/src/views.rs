@@ -39,6 +39,10 @@ pub struct sinew_views_info {
     pub has_depth: u32,
     /// 1 if a layer is clipped by another, else 0: then a render job needs clips.
     pub has_clips: u32,
+    /// 1 if a layer is drawn by itself before it is blended, else 0: then a render job needs a group.
+    pub has_groups: u32,
+    /// 0.
+    pub reserved: u32,
     /// K, control points.
     pub point_len: usize,
     /// V, vertices.
@@ -167,9 +171,13 @@ pub struct sinew_render_job {
     pub depths: *mut f32,
     /// Their number.
     pub depths_len: usize,
-    /// Scratch of any content: at least two bytes a pixel if `sinew_views_info.has_clips`, else null will do.
-    pub clips: *mut [u8; 2],
-    /// Their number, in pairs.
+    /// Scratch of any content: at least a pixel each if `sinew_views_info.has_groups`, else null will do.
+    pub group: *mut [u8; 4],
+    /// Their number.
+    pub group_len: usize,
+    /// Scratch of any content: at least a byte a pixel if `sinew_views_info.has_clips`, else null will do.
+    pub clips: *mut u8,
+    /// Their number.
     pub clips_len: usize,
 }
 
@@ -237,6 +245,8 @@ pub unsafe extern "C" fn sinew_views_describe(
             is_transferred: u32::from(views.is_transferred()),
             has_depth: u32::from(views.has_depth()),
             has_clips: u32::from(views.has_clips()),
+            has_groups: u32::from(views.has_groups()),
+            reserved: 0,
             point_len: views.point_len(),
             vertex_len: views.vertex_len(),
             element_len: views.element_len(),
@@ -360,12 +370,12 @@ pub unsafe extern "C" fn sinew_views_render(
         let vertices = Array::new(job.vertices, job.vertices_len, sinew_argument::Vertices)?;
         let order = Array::new(job.order, job.order_len, sinew_argument::Scratch)?;
         let depths = Array::new(job.depths, job.depths_len, sinew_argument::Depths)?;
+        let group = Array::new(job.group, job.group_len, sinew_argument::Group)?;
         let clips = Array::new(job.clips, job.clips_len, sinew_argument::Clips)?;
         let drawn = Array::optional(out_drawn, sinew_argument::Result)?;
-        let [vertices_span, order_span] = [vertices.span(), order.span()];
-        let [depths_span, clips_span] = [depths.span(), clips.span()];
-        let written =
-            [pixels.span(), vertices_span, order_span, depths_span, clips_span, drawn.span()];
+        let [places, numbers] = [vertices.span(), order.span()];
+        let [distances, layer, masks] = [depths.span(), group.span(), clips.span()];
+        let written = [pixels.span(), places, numbers, distances, layer, masks, drawn.span()];
         let [points_span, visibility_span] = [points.span(), visibility.span()];
         let [scores_span, layers_span] = [scores.span(), layers.span()];
         let reads =
@@ -379,8 +389,9 @@ pub unsafe extern "C" fn sinew_views_render(
         let (pixels, vertices, order) =
             unsafe { (pixels.write(), vertices.write(), order.write()) };
         // SAFETY: likewise.
-        let (depths, clips, drawn) = unsafe { (depths.write(), clips.write(), drawn.write()) };
-        let done = run.run(RenderScratch { vertices, order, depths, clips }, pixels)?;
+        let (depths, group, clips, drawn) =
+            unsafe { (depths.write(), group.write(), clips.write(), drawn.write()) };
+        let done = run.run(RenderScratch { vertices, order, depths, group, clips }, pixels)?;
         let (element_len, flipped_len) = (done.element_len, done.flipped_len);
         drawn.fill(sinew_drawn { element_len, flipped_len });
         Ok(())

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 /// First bytes of every file.
 pub const MAGIC: [u8; 4] = *b"SNEW";
 /// The version that this crate reads and that the trainer writes.
-pub const VERSION: u8 = 7;
+pub const VERSION: u8 = 8;
 /// Feature bits that a reader must know; this version has none.
 pub const FEATURES: u32 = 0;
 /// Sections and the blob start at multiples of so many bytes.

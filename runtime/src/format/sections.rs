@@ -112,7 +112,7 @@ pub enum SectionKind {
     Elements = 52,
     /// Texture of each layer in each key view.
     ViewTextures = 53,
-    /// Where vertices are in the textures of key views.
+    /// Where key views have control points on the screen.
     References = 54,
     /// Which control points key views show.
     ViewMasks = 55,
@@ -146,11 +146,13 @@ pub enum SectionKind {
     LbsWeights = 67,
     /// Which element lies across each edge of an element.
     Neighbours = 68,
+    /// Where vertices are in the textures of key views.
+    VertexTexels = 69,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 64 + 4 * cfg!(feature = "record") as usize] = [
+    pub const ALL: [Self; 65 + 4 * cfg!(feature = "record") as usize] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -223,6 +225,7 @@ impl SectionKind {
         #[cfg(feature = "record")]
         Self::LbsWeights,
         Self::Neighbours,
+        Self::VertexTexels,
     ];
 
     /// Returns its number in the file.
@@ -310,6 +313,7 @@ impl SectionKind {
             #[cfg(feature = "record")]
             Self::LbsWeights => "lbs_weights",
             Self::Neighbours => "neighbours",
+            Self::VertexTexels => "vertex_texels",
         }
     }
 

@@ -1,6 +1,6 @@
 //! The checks of an object, in the order that FORMAT.md lists.
 
-use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place};
+use super::counts::{CLIP_ELEMENTS_MAX, CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place};
 use super::view::{Layer, Views};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
@@ -85,7 +85,7 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let mut before = 0;
     for (index, row) in views.layers().iter().enumerate() {
         let [end, clip, flags] = row.map(u32::from_le_bytes);
-        if end < before || flags & !Layer::DEPTH != 0 {
+        if end < before || flags & !(Layer::DEPTH | Layer::FADES) != 0 {
             return loading.invalid(section, index);
         }
         before = end;
@@ -97,9 +97,19 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
         let values = [element_len, before];
         return Err(loading.refuse(Kind::Mismatch, Some(section), layer_len as usize, values));
     }
-    // A chain that does not end in so many steps may come round.
-    let is_endless = |layer: &usize| views.clips(*layer).nth(CLIPS_MAX).is_some();
-    (0..views.layer_len()).find(is_endless).map_or(Ok(()), |index| loading.invalid(section, index))
+    let mut clip_len = 0;
+    for index in 0..views.layer_len() {
+        // A chain that does not end in so many steps may come round.
+        if views.chain(index).nth(CLIPS_MAX).is_some() {
+            return loading.invalid(section, index);
+        }
+        let clips = views.clips(index).filter_map(|layer| views.layer(layer));
+        clip_len += clips.map(|layer| layer.end - layer.first).sum::<usize>();
+        if clip_len > CLIP_ELEMENTS_MAX {
+            return loading.invalid(section, index);
+        }
+    }
+    Ok(())
 }
 
 /// Checks that vertices stand by points of the object.

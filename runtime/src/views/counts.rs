@@ -11,6 +11,8 @@ pub const NOTHING: u32 = u32::MAX;
 
 /// The most layers that clip one layer: one that itself is clipped clips by that, too.
 pub const CLIPS_MAX: usize = 8;
+/// The most elements that clip, those of every layer that clips one counted once for that one.
+pub const CLIP_ELEMENTS_MAX: usize = 1 << 20;
 
 /// Counts of an object, from which every section's length follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,7 +146,7 @@ const _: () = assert!(RULES.len() <= SECTIONS && ViewsCounts::BYTES <= 4 * COUNT
 
 /// What an object asks of its sections. Sizes: 1, K, V, W, E, L, N, M, T, texels, words of a mask of K bits, floats of a
 /// view's deformation, N + L.
-pub(crate) const RULES: [Rule; 15] = [
+pub(crate) const RULES: [Rule; 16] = [
     Rule::new(SectionKind::ViewsCounts, ViewsCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [12, 0]).or_more(4),
     Rule::new(SectionKind::Maps, 4, [7, 0]),
@@ -154,7 +156,8 @@ pub(crate) const RULES: [Rule; 15] = [
     Rule::new(SectionKind::Elements, 8, [4, 0]),
     Rule::new(SectionKind::Neighbours, 8, [4, 0]),
     Rule::new(SectionKind::ViewTextures, 4, [6, 5]),
-    Rule::floats(SectionKind::References, 8, [6, 2]),
+    Rule::floats(SectionKind::VertexTexels, 8, [6, 2]),
+    Rule::floats(SectionKind::References, 8, [6, 1]),
     Rule::new(SectionKind::ViewMasks, 4, [6, 10]),
     Rule::new(SectionKind::Textures, 12, [8, 0]),
     Rule::new(SectionKind::Texels, 4, [9, 0]),

@@ -9,6 +9,7 @@ pub(crate) mod check;
 mod counts;
 mod cover;
 mod frame;
+mod group;
 mod order;
 mod raster;
 mod render;
@@ -16,7 +17,9 @@ mod texture;
 mod view;
 
 pub(crate) use counts::RULES;
-pub use counts::{CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, ViewsFit};
+pub use counts::{
+    CLIP_ELEMENTS_MAX, CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, ViewsFit,
+};
 pub use frame::{Found, Frame, FrameJob};
 pub use render::{Drawn, RenderJob, RenderScratch};
 pub use texture::Texture;

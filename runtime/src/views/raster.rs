@@ -28,40 +28,30 @@ pub(super) struct Source<'a> {
     pub(super) share: f32,
 }
 
-/// What elements are drawn to.
-pub(super) trait Target {
-    /// Returns the width and height in pixels.
-    fn size(&self) -> [usize; 2];
-    /// Draws a colour at a pixel and a depth.
-    fn put(&mut self, at: usize, depth: f32, colour: Colour);
-    /// Whether a pixel would show anything that far away.
-    fn shows(&self, at: usize, depth: f32) -> bool;
-}
-
-/// A picture of one layer over what it holds.
+/// A picture that elements are drawn to, over what it holds.
 pub(super) struct Screen<'a> {
     pub(super) width: usize,
     /// RGBA8, colours times their alpha, row by row from the top.
     pub(super) pixels: &'a mut [[u8; 4]],
     /// How far each pixel is; without them elements are blended, one over the other.
     pub(super) depths: Option<&'a mut [f32]>,
-    /// How far each pixel is not clipped, in 255ths.
-    pub(super) clip: Option<&'a [[u8; 2]]>,
-    /// From 0 to 1.
+    /// Of what is drawn, from 0 to 1.
     pub(super) opacity: f32,
 }
 
-impl Target for Screen<'_> {
+impl Screen<'_> {
     fn size(&self) -> [usize; 2] {
         [self.width, self.pixels.len().checked_div(self.width).unwrap_or(0)]
     }
 
+    /// Whether a pixel would show anything that far away.
     #[inline(always)]
     fn shows(&self, at: usize, depth: f32) -> bool {
         let is_nearest = |depths: &[f32]| depths.get(at).is_some_and(|nearest| depth < *nearest);
         self.depths.as_deref().is_none_or(is_nearest)
     }
 
+    /// Draws a colour at a pixel and a depth.
     #[inline(always)]
     fn put(&mut self, at: usize, depth: f32, colour: Colour) {
         if let Some(nearest) = self.depths.as_mut().and_then(|depths| depths.get_mut(at))
@@ -69,43 +59,15 @@ impl Target for Screen<'_> {
         {
             *nearest = depth;
         }
-        let clipped = self.clip.and_then(|clip| clip.get(at));
-        let left = clipped.map_or(1.0, |[left, _]| f32::from(*left) * (1.0 / 255.0));
         if let Some(pixel) = self.pixels.get_mut(at) {
-            *pixel = over(colour * (left * self.opacity), *pixel);
-        }
-    }
-}
-
-/// The alpha of a layer, as the second byte of each pixel.
-pub(super) struct Mask<'a> {
-    pub(super) width: usize,
-    pub(super) pixels: &'a mut [[u8; 2]],
-    pub(super) opacity: f32,
-}
-
-impl Target for Mask<'_> {
-    fn size(&self) -> [usize; 2] {
-        [self.width, self.pixels.len().checked_div(self.width).unwrap_or(0)]
-    }
-
-    #[inline(always)]
-    fn shows(&self, _: usize, _: f32) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn put(&mut self, at: usize, _: f32, colour: Colour) {
-        if let Some([_, own]) = self.pixels.get_mut(at) {
-            let [.., alpha] = over(colour * self.opacity, [0, 0, 0, *own]);
-            *own = alpha;
+            *pixel = over(colour * self.opacity, *pixel);
         }
     }
 }
 
 /// Draws a triangle whose texture is mapped affinely; returns whether it is flipped against its first source.
 pub(super) fn triangle(
-    target: &mut impl Target,
+    screen: &mut Screen<'_>,
     corners: [Corner; 3],
     sources: &[Source<'_>],
 ) -> bool {
@@ -115,15 +77,15 @@ pub(super) fn triangle(
     let is_flipped = flips(whole, turn([a, b, c], sources));
     match whole {
         0 => {}
-        1.. => clockwise_triangle(target, [a, b, c], [p, q, r], sources),
-        _ => clockwise_triangle(target, reversed([a, b, c]), [p, r, q], sources),
+        1.. => clockwise_triangle(screen, [a, b, c], [p, q, r], sources),
+        _ => clockwise_triangle(screen, reversed([a, b, c]), [p, r, q], sources),
     }
     is_flipped
 }
 
 /// Draws a quad whose texture is mapped bilinearly where it is convex on the screen, and as two triangles where it
 /// is not; returns whether it is flipped against its first source, or folded.
-pub(super) fn quad(target: &mut impl Target, corners: [Corner; 4], sources: &[Source<'_>]) -> bool {
+pub(super) fn quad(screen: &mut Screen<'_>, corners: [Corner; 4], sources: &[Source<'_>]) -> bool {
     let [a, b, c, d] = corners;
     let ring = corners.map(|corner| snap(corner.place));
     let [p, q, r, s] = ring;
@@ -137,16 +99,16 @@ pub(super) fn quad(target: &mut impl Target, corners: [Corner; 4], sources: &[So
     match reflex {
         [false, false, false, false] => match whole {
             0 => {}
-            1.. => clockwise_quad(target, corners, ring, sources),
-            _ => clockwise_quad(target, reversed(corners), [p, s, r, q], sources),
+            1.. => clockwise_quad(screen, corners, ring, sources),
+            _ => clockwise_quad(screen, reversed(corners), [p, s, r, q], sources),
         },
         [true, ..] | [_, _, true, _] => {
-            triangle(target, [a, b, inner(c)], sources);
-            triangle(target, [inner(a), c, d], sources);
+            triangle(screen, [a, b, inner(c)], sources);
+            triangle(screen, [inner(a), c, d], sources);
         }
         _ => {
-            triangle(target, [a, inner(b), d], sources);
-            triangle(target, [b, c, inner(d)], sources);
+            triangle(screen, [a, inner(b), d], sources);
+            triangle(screen, [b, c, inner(d)], sources);
         }
     }
     is_flipped || reflex.contains(&true)
@@ -163,14 +125,14 @@ fn reversed<const N: usize>(corners: [Corner; N]) -> [Corner; N] {
 }
 
 fn clockwise_triangle(
-    target: &mut impl Target,
+    screen: &mut Screen<'_>,
     corners: [Corner; 3],
     ring: [Step; 3],
     sources: &[Source<'_>],
 ) {
     let [p, q, r] = ring;
     let share = 1.0 / area(p, q, r) as f32;
-    let size = target.size();
+    let size = screen.size();
     let soft = corners.map(|corner| corner.is_border);
     let (own, len) = prepared(&corners, sources);
     let depths = corners.map(|corner| corner.depth);
@@ -178,12 +140,12 @@ fn clockwise_triangle(
     cover(&ring, soft, size, |[x, y], [towards_c, _, towards_b], covered| {
         let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
         let (pixel, depth) = (y * size[0] + x, at(depths, s, t));
-        if target.shows(pixel, depth) {
+        if screen.shows(pixel, depth) {
             let mut colour = Vec4::ZERO;
             for (Source { texture, share, .. }, [xs, ys]) in sources.iter().zip(&own).take(len) {
                 colour += texture.colour([at(*xs, s, t), at(*ys, s, t)]) * *share;
             }
-            target.put(pixel, depth, colour * covered);
+            screen.put(pixel, depth, colour * covered);
         }
     });
 }
@@ -202,7 +164,7 @@ fn prepared<const N: usize>(
 }
 
 fn clockwise_quad(
-    target: &mut impl Target,
+    screen: &mut Screen<'_>,
     corners: [Corner; 4],
     ring: [Step; 4],
     sources: &[Source<'_>],
@@ -211,7 +173,7 @@ fn clockwise_quad(
     // How far the ring is from a parallelogram: e x g and g x f, of e = q - p, f = s - p, g = r - q - f.
     let e_g = area(p, q, r) - area(p, q, s);
     let g_f = area(p, r, s) - area(p, q, s);
-    let size = target.size();
+    let size = screen.size();
     let mut batch = Batch::default();
     let (own, sources_len) = prepared(&corners, sources);
     let depths = corners.map(|corner| corner.depth);
@@ -230,8 +192,8 @@ fn clockwise_quad(
         let depths = bilinear(depths, shares);
         let pixels = batch.pixels.iter().zip(&batch.covered).zip(Eight::floats(&depths));
         for (((at, covered), depth), colour) in pixels.zip(colours).take(len) {
-            if target.shows(*at, *depth) {
-                target.put(*at, *depth, colour * *covered);
+            if screen.shows(*at, *depth) {
+                screen.put(*at, *depth, colour * *covered);
             }
         }
     };
@@ -312,7 +274,7 @@ fn by_lane<R: Real, const N: usize>(mut a: [R; N], b: [R; N], f: impl Fn(R, R) -
 
 /// Returns a colour over another, rounded.
 #[inline(always)]
-fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
+pub(super) fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
     let [r, g, b, a] = below;
     let below = Vec4::new(r.into(), g.into(), b.into(), a.into());
     rounded(colour * (1.0 / 255.0) + below * (1.0 - colour.w * (1.0 / ALPHA_MAX)))
@@ -389,7 +351,7 @@ mod tests {
     }
 
     fn blended(width: usize, pixels: &mut [[u8; 4]]) -> Screen<'_> {
-        Screen { width, pixels, depths: None, clip: None, opacity: 1.0 }
+        Screen { width, pixels, depths: None, opacity: 1.0 }
     }
 
     fn random(seed: &mut u64) -> f32 {
@@ -644,41 +606,6 @@ mod tests {
             assert!((9..23).all(|i| pixels[65 * i] == [255; 4]), "{first}");
             let sum: f32 = pixels.iter().map(|pixel| f32::from(pixel[3]) / 255.0).sum();
             assert!((sum - 768.0).abs() < 2.0, "{sum}");
-        }
-    }
-
-    #[test]
-    fn opacity_and_clip_scale_what_is_drawn() {
-        let own = plain(&[[200, 100, 0, 255]], SQUARE);
-        // Nothing, a fifth, and all.
-        let clip: Vec<_> = (0..16).map(|at| [[0, 51, 255][at % 3], 99]).collect();
-        for (clip, opacity) in [(None, 1.0), (None, 0.5), (Some(&*clip), 1.0), (Some(&*clip), 0.5)]
-        {
-            let mut pixels = vec![[100, 200, 40, 255]; 16];
-            let pixels_of = &mut pixels;
-            let mut screen = Screen { width: 4, pixels: pixels_of, depths: None, clip, opacity };
-            quad(&mut screen, corners(SQUARE, 0.0), &own);
-            for (at, pixel) in pixels.iter().enumerate() {
-                let share = opacity * clip.map_or(1.0, |clip| f32::from(clip[at][0]) / 255.0);
-                for (found, [above, below]) in pixel.iter().zip([[200, 100], [100, 200], [0, 40]]) {
-                    let expected = below as f32 + share * (above - below) as f32;
-                    assert!((f32::from(*found) - expected).abs() <= 0.51, "{at} {share}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn masks_are_the_alpha_of_what_is_drawn() {
-        let mut pixels = vec![[7, 0]; 16];
-        let mut mask = Mask { width: 4, pixels: &mut pixels, opacity: 0.5 };
-        let [a, b, c, _] = corners(SQUARE, 0.0);
-        quad(&mut mask, corners(SQUARE, 0.0), &plain(&[[9, 9, 9, 102]], SQUARE));
-        // A fifth of all, then a half of a fifth's rest beside it: 51, and 51 + 204 / 2.
-        triangle(&mut mask, [a, b, c], &plain(&[[9, 9, 9, 255]], SQUARE));
-        let expected = |at: usize| if at % 4 > at / 4 { [7, 153] } else { [7, 51] };
-        for (at, pixel) in pixels.iter().enumerate().filter(|(at, _)| at % 4 != at / 4) {
-            assert_eq!(*pixel, expected(at), "{at}");
         }
     }
 

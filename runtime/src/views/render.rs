@@ -1,9 +1,9 @@
 //! From points to a picture (METHOD §6.5, §6.9).
 
 use super::blend::{Blend, SOURCES};
-use super::counts::CLIPS_MAX;
+use super::group;
 use super::order::sort;
-use super::raster::{Corner, Mask, Screen, Source, Target, quad, triangle};
+use super::raster::{Corner, Screen, Source, quad, triangle};
 use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::numeric::{greater, lesser, smoothstep};
@@ -34,9 +34,14 @@ pub struct RenderScratch<'o> {
     pub order: &'o mut [u16],
     /// A float a pixel, if a layer has depth: [`Views::has_depth`].
     pub depths: &'o mut [f32],
-    /// Two bytes a pixel, if a layer is clipped: [`Views::has_clips`].
-    pub clips: &'o mut [[u8; 2]],
+    /// A colour a pixel, if a layer is clipped or fades: [`Views::has_groups`].
+    pub group: &'o mut [[u8; 4]],
+    /// A byte a pixel, if a layer is clipped: [`Views::has_clips`].
+    pub clips: &'o mut [u8],
 }
+
+/// Opacity from which on a layer is opaque: beyond it no byte changes.
+const OPAQUE: f32 = 1.0 - 1.0 / 512.0;
 
 /// What a [`RenderJob`] drew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +56,9 @@ impl RenderJob<'_> {
     /// Draws the layers over what the picture holds, those of a greater order over those of a lesser one, equal ones as
     /// they come in the file.
     ///
+    /// A layer that fades, or is clipped, is drawn by itself first. Where elements of another one overlap, those below
+    /// show through at an opacity below 1.
+    ///
     /// Points more than 2^20 pixels out are drawn as if they were there.
     ///
     /// - `out`: pixels row by row from the top, RGBA8: sRGB, each times its alpha. Textures are sampled between texels
@@ -59,14 +67,17 @@ impl RenderJob<'_> {
     /// # Errors
     /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or the scratch have another length; or
     ///   `out` is not of whole rows.
+    /// - [`CallErrorKind::TooShort`]: scratch that has a value a pixel is too short.
     /// - [`CallErrorKind::NonFinite`]: a point is not finite.
     pub fn run(&self, scratch: RenderScratch<'_>, out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
         self.check(&scratch, out)?;
-        let RenderScratch { vertices, order, depths, clips } = scratch;
+        let RenderScratch { vertices, order, depths, group, clips } = scratch;
         for (number, vertex) in vertices.iter_mut().enumerate() {
             *vertex = self.views.vertex(number).map_or([0.0; 3], |vertex| vertex.at(self.points));
         }
         let picture = Picture { job: self, vertices };
+        let group = group.get_mut(..out.len()).unwrap_or_default();
+        let clips = clips.get_mut(..out.len()).unwrap_or_default();
         let (layers, elements) = order.split_at_mut(self.views.layer_len().min(order.len()));
         layers.iter_mut().zip(0..).for_each(|(out, layer)| *out = layer);
         sort(layers, |layer| self.layer_numbers(layer.into())[1]);
@@ -76,9 +87,10 @@ impl RenderJob<'_> {
             let [opacity, _] = self.layer_numbers(number);
             let Some(layer) = self.views.layer(number).filter(|_| opacity > 0.0) else { continue };
             if layer.clip.is_some() && layer.clip != clipped {
-                picture.clip(number, clips);
+                picture.clip(number, group, clips);
                 clipped = layer.clip;
             }
+            let is_group = layer.clip.is_some() || layer.fades && opacity < OPAQUE;
             let order = elements.get_mut(layer.first..layer.end).unwrap_or_default();
             order.iter_mut().zip(layer.first as u16..).for_each(|(out, element)| *out = element);
             if layer.has_depth {
@@ -86,15 +98,17 @@ impl RenderJob<'_> {
                 // From the far ones to the near ones, then by number.
                 sort(order, |element| -picture.mean_depth(element.into()));
             }
-            let mut screen = Screen {
-                width: self.width,
-                pixels: out,
-                depths: layer.has_depth.then_some(&mut *depths),
-                clip: layer.clip.is_some().then_some(&*clips),
-                opacity,
-            };
+            if is_group {
+                group.fill([0; 4]);
+            }
+            let (pixels, own) = if is_group { (&mut *group, 1.0) } else { (&mut *out, opacity) };
+            let depths = layer.has_depth.then_some(&mut *depths);
+            let mut screen = Screen { width: self.width, pixels, depths, opacity: own };
             for element in order {
                 picture.draw(number, &layer, (*element).into(), &mut screen, &mut drawn);
+            }
+            if is_group {
+                group::blend(group, layer.clip.map(|_| &*clips), opacity, out);
             }
         }
         Ok(drawn)
@@ -112,6 +126,7 @@ impl RenderJob<'_> {
         Argument::Scratch.check_len(views.order_len(), scratch.order.len())?;
         let asked = |has: bool| if has { out.len() } else { 0 };
         Argument::Depths.check_least(asked(views.has_depth()), scratch.depths.len())?;
+        Argument::Group.check_least(asked(views.has_groups()), scratch.group.len())?;
         Argument::Clips.check_least(asked(views.has_clips()), scratch.clips.len())?;
         match self.points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
             None => Ok(()),
@@ -133,21 +148,18 @@ struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// Makes the first byte of each pixel what the layers that clip a layer leave of it.
-    fn clip(&self, layer: usize, clips: &mut [[u8; 2]]) {
-        clips.iter_mut().for_each(|[left, _]| *left = u8::MAX);
-        // Bytes that changed after loading may come round.
-        for number in self.job.views.clips(layer).take(CLIPS_MAX) {
+    /// Makes each byte what the layers that clip a layer leave of the pixel.
+    fn clip(&self, layer: usize, group: &mut [[u8; 4]], clips: &mut [u8]) {
+        clips.fill(u8::MAX);
+        for number in self.job.views.clips(layer) {
             let Some(layer) = self.job.views.layer(number) else { continue };
-            clips.iter_mut().for_each(|[_, own]| *own = 0);
-            let [opacity, _] = self.job.layer_numbers(number);
-            let mut mask = Mask { width: self.job.width, pixels: clips, opacity };
+            group.fill([0; 4]);
+            let mut screen =
+                Screen { width: self.job.width, pixels: group, depths: None, opacity: 1.0 };
             for element in layer.first..layer.end {
-                self.draw(number, &layer, element, &mut mask, &mut Drawn::default());
+                self.draw(number, &layer, element, &mut screen, &mut Drawn::default());
             }
-            for [left, own] in &mut *clips {
-                *left = ((u16::from(*left) * u16::from(*own) + 127) / 255) as u8;
-            }
+            group::mask(group, self.job.layer_numbers(number)[0], clips);
         }
     }
 
@@ -157,7 +169,7 @@ impl Picture<'_> {
         number: usize,
         layer: &Layer,
         at: usize,
-        target: &mut impl Target,
+        screen: &mut Screen<'_>,
         drawn: &mut Drawn,
     ) {
         let views = &self.job.views;
@@ -172,7 +184,7 @@ impl Picture<'_> {
             if let (Some(texture), Some(out)) = (texture, sources.get_mut(len)) {
                 let mut texels = [[0.0; 2]; 4];
                 for (out, vertex) in texels.iter_mut().zip(vertices) {
-                    *out = views.reference(*view, *vertex).unwrap_or_default();
+                    *out = views.texel(*view, *vertex).unwrap_or_default();
                 }
                 *out = Source { texture, texels, share: *share };
                 len += 1;
@@ -197,11 +209,11 @@ impl Picture<'_> {
         let is_flipped = match element {
             Element::Triangle([a, b, c]) => {
                 let corners = [corner(0, a), corner(1, b), corner(2, c)];
-                triangle(target, corners, sources)
+                triangle(screen, corners, sources)
             }
             Element::Quad([a, b, c, d]) => {
                 let corners = [corner(0, a), corner(1, b), corner(2, c), corner(3, d)];
-                quad(target, corners, sources)
+                quad(screen, corners, sources)
             }
         };
         drawn.element_len += 1;
@@ -227,7 +239,7 @@ impl Picture<'_> {
             if job.views.view_texture(view, number).is_none() {
                 return 1.0;
             }
-            let place = |vertex: usize| job.views.reference(view, vertex).unwrap_or_default();
+            let place = |vertex: usize| job.views.texel(view, vertex).unwrap_or_default();
             let share = area(vertices, place) / own;
             if share > 0.0 { lesser(1.0, share) } else { 0.0 }
         };

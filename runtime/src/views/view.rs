@@ -1,6 +1,6 @@
 //! An object in a loaded file: what loading found of it, and what it holds.
 
-use super::counts::{NO_VERTEX, NOTHING, RULES, ViewsCounts, ViewsFit, mask_len};
+use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, ViewsFit, mask_len};
 use super::texture::Texture;
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
@@ -16,6 +16,7 @@ const WEIGHTS: usize = Rule::place(&RULES, SectionKind::VertexWeights);
 const ELEMENTS: usize = Rule::place(&RULES, SectionKind::Elements);
 const NEIGHBOURS: usize = Rule::place(&RULES, SectionKind::Neighbours);
 const VIEW_TEXTURES: usize = Rule::place(&RULES, SectionKind::ViewTextures);
+const VERTEX_TEXELS: usize = Rule::place(&RULES, SectionKind::VertexTexels);
 const REFERENCES: usize = Rule::place(&RULES, SectionKind::References);
 const MASKS: usize = Rule::place(&RULES, SectionKind::ViewMasks);
 const TEXTURES: usize = Rule::place(&RULES, SectionKind::Textures);
@@ -94,6 +95,8 @@ pub struct Layer {
     pub clip: Option<usize>,
     /// Whether its elements hide each other by depth, and not by their order.
     pub has_depth: bool,
+    /// Whether it is drawn by itself before it is blended, for its opacity is other than 1 somewhere.
+    pub fades: bool,
 }
 
 impl Layer {
@@ -101,6 +104,8 @@ impl Layer {
     pub const BYTES: usize = 12;
     /// The bit of its flags that says it has depth.
     pub const DEPTH: u32 = 1;
+    /// The bit that says it fades.
+    pub const FADES: u32 = 2;
 }
 
 /// An object of K control points in L layers, as N key views show it; borrowed from a loaded model.
@@ -171,6 +176,7 @@ impl<'a> Views<'a> {
             end: end as usize,
             clip: (clip != NOTHING).then_some(clip as usize),
             has_depth: flags & Layer::DEPTH != 0,
+            fades: flags & Layer::FADES != 0,
         })
     }
 
@@ -184,13 +190,25 @@ impl<'a> Views<'a> {
         (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.clip.is_some())
     }
 
+    /// Whether a layer is drawn by itself before it is blended: one that is clipped, or fades.
+    pub fn has_groups(&self) -> bool {
+        let mut layers = (0..).map_while(|layer| self.layer(layer));
+        layers.any(|layer| layer.fades || layer.clip.is_some())
+    }
+
     /// Returns E + L, the numbers that [`super::RenderJob::run`] sorts.
     pub const fn order_len(&self) -> usize {
         self.element_len().saturating_add(self.layer_len())
     }
 
-    /// Lists the layers that clip a layer: that of its row, the one that clips that, and so on.
+    /// Lists the layers that clip a layer: that of its row, the one that clips that, and so on, [`CLIPS_MAX`] at most.
     pub fn clips(&self, layer: usize) -> impl Iterator<Item = usize> + use<'a> {
+        // Bytes that changed after loading may come round.
+        self.chain(layer).take(CLIPS_MAX)
+    }
+
+    /// Lists the layers that clip a layer, without end where they come round.
+    pub(super) fn chain(&self, layer: usize) -> impl Iterator<Item = usize> + use<'a> {
         let own = *self;
         let next = move |layer: &usize| own.layer(*layer).and_then(|layer| layer.clip);
         core::iter::successors(next(&layer), next)
@@ -237,8 +255,13 @@ impl<'a> Views<'a> {
 
     /// Returns where a vertex is in its layer's texture of a key view: x to the right and y down, in texels, whose centres
     /// are at 0.5.
-    pub fn reference(&self, view: usize, vertex: usize) -> Option<[f32; 2]> {
-        self.references(view).get(vertex).map(floats)
+    pub fn texel(&self, view: usize, vertex: usize) -> Option<[f32; 2]> {
+        self.row(VERTEX_TEXELS, view, self.vertex_len()).get(vertex).map(floats)
+    }
+
+    /// Returns where a key view has a point on the screen, in pixels.
+    pub fn reference(&self, view: usize, point: usize) -> Option<[f32; 2]> {
+        self.row(REFERENCES, view, self.point_len()).get(point).map(floats)
     }
 
     /// Whether a point is to be seen in a key view.
@@ -325,14 +348,13 @@ impl<'a> Views<'a> {
         self.0.bytes(TEXELS).as_chunks().0
     }
 
-    /// Returns a key view's references, V of them.
-    pub(super) fn references(&self, view: usize) -> &'a [[Le; 2]] {
+    /// Returns a key view's places, `len` of them, of a section that has so many of each.
+    fn row(&self, section: usize, view: usize, len: usize) -> &'a [[Le; 2]] {
         if view >= self.view_len() {
             return &[];
         }
         // Chunks of zero would panic.
-        let mut views = self.0.array(REFERENCES).chunks_exact(self.vertex_len().max(1));
-        views.nth(view).unwrap_or_default()
+        self.0.array(section).chunks_exact(len.max(1)).nth(view).unwrap_or_default()
     }
 
     /// Returns s of a key view, and its K offsets.

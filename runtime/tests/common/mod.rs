@@ -253,7 +253,8 @@ fn exercise_views(model: &Model<&[u8]>, views: &Views<'_>) {
             vertices: &mut vec![[f32::NAN; 3]; v],
             order: &mut vec![u16::MAX; views.order_len()],
             depths: &mut [f32::NAN; 16 * 12],
-            clips: &mut [[9; 2]; 16 * 12],
+            group: &mut [[9; 4]; 16 * 12],
+            clips: &mut [9; 16 * 12],
         };
         assert!(job.run(scratch, &mut pixels).is_ok());
     }

@@ -173,6 +173,7 @@ fn board(layers: &[([u16; 4], [u32; 3])], textures: Vec<TextureContent>) -> View
     let view = |view: usize| ViewContent {
         name: format!("view {view}"),
         textures: layers.iter().map(|(_, textures)| textures[view]).collect(),
+        texels: PLACES.to_vec(),
         references: PLACES.to_vec(),
         visible: vec![true; 6],
         deformation: None,
@@ -245,19 +246,20 @@ impl Asked {
     fn painted(&self, model: &Model<Vec<u8>>) -> (Drawn, Vec<[u8; 4]>) {
         let mut pixels = vec![[0; 4]; SIDE * SIDE];
         let views = model.views().unwrap();
-        let drawn = run(&self.job(views), [6, views.order_len(), 64, 64], &mut pixels);
+        let drawn = run(&self.job(views), [6, views.order_len(), 64, 64, 64], &mut pixels);
         (drawn.unwrap(), pixels)
     }
 }
 
-/// Runs a job with scratch of so many vertices, numbers, depths and clips.
-fn run(job: &RenderJob<'_>, lens: [usize; 4], out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
-    let [vertices, order, depths, clips] = lens;
+/// Runs a job with scratch of so many vertices, numbers, depths, pixels and clips.
+fn run(job: &RenderJob<'_>, lens: [usize; 5], out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
+    let [vertices, order, depths, group, clips] = lens;
     let scratch = RenderScratch {
         vertices: &mut vec![[f32::NAN; 3]; vertices],
         order: &mut vec![u16::MAX; order],
         depths: &mut vec![f32::NAN; depths],
-        clips: &mut vec![[9; 2]; clips],
+        group: &mut vec![[9; 4]; group],
+        clips: &mut vec![9; clips],
     };
     job.run(scratch, out)
 }
@@ -363,6 +365,20 @@ fn layers_are_as_opaque_as_they_are_asked_to_be() {
     }
     let (drawn, pixels) = Asked::new([1.0, 0.0, 0.0], &[[0.0, 0.0]]).painted(&model);
     assert_eq!((drawn.element_len, pixels), (0, vec![[0; 4]; SIDE * SIDE]));
+}
+
+#[test]
+fn a_layer_that_fades_is_blended_once_where_it_lies_on_itself() {
+    let mut content = board(&[(WHOLE, [0; 3])], plain(&[[200, 100, 0]]));
+    let twice = content.layers[0].elements.clone();
+    content.layers[0].elements.extend(twice);
+    content.meet();
+    let asked = Asked::new([1.0, 0.0, 0.0], &[[0.5, 0.0]]);
+    for (flags, expected) in [(Layer::FADES, [100, 50, 0, 128]), (0, [150, 75, 0, 192])] {
+        content.layers[0].flags = flags;
+        let (_, pixels) = asked.painted(&loaded(&content));
+        assert_eq!(pixels, [expected; SIDE * SIDE], "{flags}");
+    }
 }
 
 #[test]
@@ -472,7 +488,7 @@ fn refused_calls_have_written_nothing() {
     let mut unsound = asked.points;
     unsound[4][2] = f32::INFINITY;
     // Numbers that are sorted: of two elements and two layers.
-    let lens = [6, 4, 16, 16];
+    let lens = [6, 4, 16, 16, 16];
     for (job, lens, pixel_len, expected) in [
         (
             RenderJob { points: &asked.points[1..], ..job },
@@ -484,11 +500,12 @@ fn refused_calls_have_written_nothing() {
         (RenderJob { scores: &[0.0], ..job }, lens, 16, (Kind::Length, Argument::Scores)),
         (RenderJob { layers: &[], ..job }, lens, 16, (Kind::Length, Argument::Layers)),
         (RenderJob { width: 0, ..job }, lens, 16, (Kind::Length, Argument::Pixels)),
-        (job, [6, 4, 17, 17], 17, (Kind::Length, Argument::Pixels)),
-        (job, [5, 4, 16, 16], 16, (Kind::Length, Argument::Vertices)),
-        (job, [6, 3, 16, 16], 16, (Kind::Length, Argument::Scratch)),
-        (job, [6, 4, 15, 16], 16, (Kind::TooShort, Argument::Depths)),
-        (job, [6, 4, 16, 15], 16, (Kind::TooShort, Argument::Clips)),
+        (job, [6, 4, 17, 17, 17], 17, (Kind::Length, Argument::Pixels)),
+        (job, [5, 4, 16, 16, 16], 16, (Kind::Length, Argument::Vertices)),
+        (job, [6, 3, 16, 16, 16], 16, (Kind::Length, Argument::Scratch)),
+        (job, [6, 4, 15, 16, 16], 16, (Kind::TooShort, Argument::Depths)),
+        (job, [6, 4, 16, 15, 16], 16, (Kind::TooShort, Argument::Group)),
+        (job, [6, 4, 16, 16, 15], 16, (Kind::TooShort, Argument::Clips)),
         (RenderJob { points: &unsound, ..job }, lens, 16, (Kind::NonFinite, Argument::Points)),
     ] {
         let mut pixels = vec![[9; 4]; pixel_len];

@@ -9,7 +9,7 @@ use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::{CHECKSUM_OFFSET, FileId, SectionKind};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, SkinLayout, cells};
-use sinew_runtime::views::{CLIPS_MAX, RenderScratch};
+use sinew_runtime::views::RenderScratch;
 use sinew_runtime::{
     Envelope, KernelMap, Matrix3x4, Model, RenderJob, Skin, SkinJob, Views, model_space_pose,
     stages,
@@ -245,11 +245,11 @@ fn read_views(views: &Views<'_>) -> Astray {
     for layer in some(l) {
         let _ = (views.layer_name(layer), views.view_texture(0, layer));
         // A chain of clips may come round, once bytes have changed.
-        astray.clip |= views.clips(layer).nth(CLIPS_MAX).is_some();
+        astray.clip |= views.clips(layer).any(|clip| clip == layer);
     }
     for view in some(n) {
         let _ = (views.view_name(view), views.ratio(view), views.offset(view, k));
-        let _ = (views.reference(view, v), views.is_visible(view, k));
+        let _ = (views.texel(view, v), views.reference(view, k), views.is_visible(view, k));
         let texture = views.view_texture(view, 0);
         astray.texture |= texture.is_some_and(|texture| views.texture(texture).is_none());
     }
@@ -268,7 +268,8 @@ fn read_views(views: &Views<'_>) -> Astray {
         vertices: &mut vec![[0.0; 3]; v.min(MOST)],
         order: &mut vec![0; views.order_len().min(MOST)],
         depths: &mut [0.0; 16 * 12],
-        clips: &mut [[0; 2]; 16 * 12],
+        group: &mut [[0; 4]; 16 * 12],
+        clips: &mut [0; 16 * 12],
     };
     let is_small = [counts.point_len, counts.vertex_len, counts.view_len, counts.layer_len]
         .into_iter()

@@ -5,7 +5,7 @@ use models::{KernelContent, LayerContent, Pieces, ViewsContent};
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::kernel::{Kernel, OutputKind};
 use sinew_runtime::views::{
-    CLIPS_MAX, Element, Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts,
+    CLIP_ELEMENTS_MAX, CLIPS_MAX, Element, Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts,
 };
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
@@ -63,10 +63,10 @@ fn accessors_give_what_was_written() {
     assert_eq!(views.size(), [48, 40]);
     let names = [views.layer_name(0), views.layer_name(1), views.layer_name(2)];
     assert_eq!(names, [Some("body"), Some("mark"), None]);
-    let body = Layer { first: 0, end: 6, clip: None, has_depth: false };
-    let mark = Layer { first: 6, end: 7, clip: Some(0), has_depth: false };
+    let body = Layer { first: 0, end: 6, clip: None, has_depth: false, fades: false };
+    let mark = Layer { first: 6, end: 7, clip: Some(0), has_depth: false, fades: true };
     assert_eq!([0, 1, 2].map(|layer| views.layer(layer)), [Some(body), Some(mark), None]);
-    assert!(views.has_clips() && !views.has_depth());
+    assert!(views.has_clips() && views.has_groups() && !views.has_depth());
     assert_eq!(views.clips(0).count(), 0);
     assert_eq!(views.clips(1).collect::<Vec<_>>(), [0]);
     assert_eq!(views.element(0), Some(Element::Quad([0, 1, 4, 3])));
@@ -94,10 +94,16 @@ fn accessors_give_what_was_written() {
             assert_eq!(views.is_visible(at, point), Some(view.visible[point]));
             assert_eq!(views.offset(at, point), Some(*offset));
         }
-        for (vertex, reference) in view.references.iter().enumerate() {
-            assert_eq!(views.reference(at, vertex), Some(*reference));
+        for (vertex, texel) in view.texels.iter().enumerate() {
+            assert_eq!(views.texel(at, vertex), Some(*texel));
         }
-        assert_eq!((views.reference(at, 10), views.is_visible(at, 9)), (None, None));
+        for (point, reference) in view.references.iter().enumerate() {
+            assert_eq!(views.reference(at, point), Some(*reference));
+        }
+        assert_eq!(
+            (views.texel(at, 10), views.reference(at, 9), views.is_visible(at, 9)),
+            (None, None, None)
+        );
         assert_eq!((views.offset(at, 9), views.view_texture(at, 2)), (None, None));
     }
     assert_eq!((views.view_name(3), views.reference(3, 0), views.ratio(3)), (None, None, None));
@@ -262,7 +268,7 @@ fn layers_have_the_elements_that_follow_each_other() {
     }
     let part = Some(2);
     assert_eq!(with(|content| content.layers[0].flags = Layer::DEPTH), Ok(()));
-    for flags in [2, 3, 1 << 31] {
+    for flags in [4, 5, 1 << 31] {
         let unknown = with(|content| content.layers[1].flags = flags);
         assert_eq!(unknown, Err(FileError { part, ..error(Kind::Invalid, section, 1) }));
     }
@@ -283,26 +289,40 @@ fn no_layer_clips_itself() {
     assert_eq!(with(|content| content.layers[0].clip = 1), at(0));
     assert_eq!(with(|content| content.layers[1].clip = NOTHING), Ok(()));
     // A chain that is clipped by the layer before, each.
-    let chain = |len: usize| {
-        let (mut content, mut map) =
-            (ViewsContent::sample(vec![0], false), KernelContent::map("walk", 51));
-        for clip in 1..len - 1 {
-            let (elements, neighbours) = (Vec::new(), Vec::new());
-            let (name, clip) = (clip.to_string(), clip as u32);
-            content.layers.push(LayerContent { name, elements, neighbours, clip, flags: 0 });
-            content.views.iter_mut().for_each(|view| view.textures.push(NOTHING));
-            for _ in 0..2 {
-                map.outputs.extend(map.outputs.last().cloned());
-                map.coefficients.extend(map.coefficients.last().cloned());
-            }
-        }
-        let mut pieces = Pieces::kernels(&[map]);
-        pieces.add_views(&content);
-        Model::from_bytes(pieces.bytes()).map(|_| ())
-    };
+    let chain = |len: usize| clipped(6, &(1..len as u32 - 1).collect::<Vec<_>>());
     assert_eq!(chain(CLIPS_MAX + 1), Ok(()));
     let longer = error(Kind::Invalid, section, CLIPS_MAX as u32 + 1);
     assert_eq!(chain(CLIPS_MAX + 2), Err(longer));
+}
+
+#[test]
+fn elements_that_clip_are_not_beyond_number() {
+    // The second layer, too, is clipped by the first.
+    let most = CLIP_ELEMENTS_MAX / 32;
+    assert_eq!(clipped(most, &[0; 31]), Ok(()));
+    let longer = error(Kind::Invalid, SectionKind::Layers, 32);
+    assert_eq!(clipped(most + 1, &[0; 31]), Err(longer));
+}
+
+/// Loads the sample with so many elements in the first layer, and with layers more that each of a list clips.
+fn clipped(element_len: usize, clips: &[u32]) -> Result<(), FileError> {
+    let (mut content, mut map) =
+        (ViewsContent::sample(vec![0], false), KernelContent::map("walk", 51));
+    content.layers[0].elements.resize(element_len, [0, 1, 4, NO_VERTEX]);
+    content.layers[0].neighbours.resize(element_len, [NO_VERTEX; 4]);
+    for (number, clip) in clips.iter().enumerate() {
+        let (elements, neighbours) = (Vec::new(), Vec::new());
+        let (name, clip) = (number.to_string(), *clip);
+        content.layers.push(LayerContent { name, elements, neighbours, clip, flags: 0 });
+        content.views.iter_mut().for_each(|view| view.textures.push(NOTHING));
+        for _ in 0..2 {
+            map.outputs.extend(map.outputs.last().cloned());
+            map.coefficients.extend(map.coefficients.last().cloned());
+        }
+    }
+    let mut pieces = Pieces::kernels(&[map]);
+    pieces.add_views(&content);
+    Model::from_bytes(pieces.bytes()).map(|_| ())
 }
 
 #[test]

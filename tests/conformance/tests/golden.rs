@@ -159,7 +159,7 @@ fn file_model(predictor: Predictor) -> FileModel {
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-7-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-8-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 

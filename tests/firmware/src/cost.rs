@@ -35,7 +35,7 @@ pub fn servo() -> bool {
 
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
-    let model = load("servo", include_bytes!("../../golden/kernel-7-servo.snw"))?;
+    let model = load("servo", include_bytes!("../../golden/kernel-8-servo.snw"))?;
     let kernel = model.kernel()?;
     let scratch = cut(&mut memory.scratch, kernel.counts().scratch_len());
     let mut rng = Rng(7);

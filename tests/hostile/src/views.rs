@@ -45,10 +45,11 @@ pub(crate) fn read_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>) {
     };
     assert!(l * n > COST || (0..n).all(|view| (0..l).all(|layer| is_textured(view, layer))));
     let finite = |place: Option<[f32; 2]>| place.is_some_and(|p| p.iter().all(|x| x.is_finite()));
-    let stands = |view, vertex| finite(views.reference(view, vertex));
+    let stands = |view, vertex| finite(views.texel(view, vertex));
     assert!(v * n > COST || (0..n).all(|view| (0..v).all(|vertex| stands(view, vertex))));
     let is_there = |view, point| {
         views.is_visible(view, point).is_some()
+            && finite(views.reference(view, point))
             && finite(views.offset(view, point)) == views.is_transferred()
     };
     assert!(k * n > COST || (0..n).all(|view| (0..k).all(|point| is_there(view, point))));
@@ -64,19 +65,24 @@ pub(crate) fn read_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>) {
 /// Reads the layers: each element is of one, and no chain of layers that clip comes round.
 fn read_layers(views: &Views<'_>) {
     let l = views.layer_len();
-    let (mut end, mut has_depth, mut has_clips) = (0, false, false);
+    let (mut end, mut has_depth, mut has_clips, mut has_groups) = (0, false, false, false);
     for number in 0..l {
         let layer = views.layer(number).expect("a layer by its number");
         assert!(views.layer_name(number).is_some());
         assert!(layer.first == end && layer.end >= end, "layer {number}: {layer:?}");
         assert!(layer.clip.is_none_or(|clip| clip < l && clip != number));
-        assert!(views.clips(number).take(CLIPS_MAX + 1).count() <= CLIPS_MAX);
+        assert!(
+            views.clips(number).count() < CLIPS_MAX
+                || views.clips(number).all(|clip| clip != number)
+        );
         end = layer.end;
         has_depth |= layer.has_depth;
         has_clips |= layer.clip.is_some();
+        has_groups |= layer.fades;
     }
     assert_eq!(end, views.element_len());
     assert_eq!((has_depth, has_clips), (views.has_depth(), views.has_clips()));
+    assert_eq!(has_groups || has_clips, views.has_groups());
     assert!(views.layer(l).is_none() && views.layer_name(l).is_none());
 }
 
@@ -177,12 +183,14 @@ fn picture(job: &RenderJob<'_>, (float, half, byte): (f32, u16, u8)) -> (Drawn, 
     let [width, height] = SIZE;
     let mut pixels = vec![[0; 4]; width * height];
     let len = |is_asked: bool| if is_asked { pixels.len() } else { 0 };
-    let (depth_len, clip_len) = (len(views.has_depth()), len(views.has_clips()));
+    let [depth_len, group_len, clip_len] =
+        [views.has_depth(), views.has_groups(), views.has_clips()].map(len);
     let scratch = RenderScratch {
         vertices: &mut vec![[float; 3]; views.vertex_len()],
         order: &mut vec![half; views.order_len()],
         depths: &mut vec![float; depth_len],
-        clips: &mut vec![[byte; 2]; clip_len],
+        group: &mut vec![[byte; 4]; group_len],
+        clips: &mut vec![byte; clip_len],
     };
     match job.run(scratch, &mut pixels) {
         Ok(drawn) => (drawn, pixels),

@@ -8,22 +8,22 @@ use std::path::{Path, PathBuf};
 
 /// Names of the golden files, one a predictor: rotational, kernel, hybrid.
 pub const GOLDEN_NAMES: [&str; 3] =
-    ["envelope-7-rotational.snw", "envelope-7-kernel.snw", "envelope-7-hybrid.snw"];
+    ["envelope-8-rotational.snw", "envelope-8-kernel.snw", "envelope-8-hybrid.snw"];
 
 /// The golden files, as [`GOLDEN_NAMES`].
 pub const GOLDEN: [&[u8]; 3] = [
-    include_bytes!("../../golden/envelope-7-rotational.snw"),
-    include_bytes!("../../golden/envelope-7-kernel.snw"),
-    include_bytes!("../../golden/envelope-7-hybrid.snw"),
+    include_bytes!("../../golden/envelope-8-rotational.snw"),
+    include_bytes!("../../golden/envelope-8-kernel.snw"),
+    include_bytes!("../../golden/envelope-8-hybrid.snw"),
 ];
 
 /// The golden files of skins with tangent coefficients, as [`Pieces::turned`] makes them.
-pub const TURNED_NAMES: [&str; 2] = ["skin-7-tangents.snw", "skin-7-normals.snw"];
+pub const TURNED_NAMES: [&str; 2] = ["skin-8-tangents.snw", "skin-8-normals.snw"];
 
 /// Those files: whose frames are of tangents, and of normals alone.
 pub const TURNED: [&[u8]; 2] = [
-    include_bytes!("../../golden/skin-7-tangents.snw"),
-    include_bytes!("../../golden/skin-7-normals.snw"),
+    include_bytes!("../../golden/skin-8-tangents.snw"),
+    include_bytes!("../../golden/skin-8-normals.snw"),
 ];
 
 impl Pieces {

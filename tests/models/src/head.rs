@@ -15,5 +15,5 @@ pub const SPACE: Range<usize> = 13..21;
 /// Bytes of the head.
 pub const BYTES: usize = 21;
 
-/// The head of version 7: no features, no checksum yet, axes and unit not told, right-handed.
-pub const SOUND: [u8; BYTES] = *b"SNEW\x07\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0";
+/// The head of version 8: no features, no checksum yet, axes and unit not told, right-handed.
+pub const SOUND: [u8; BYTES] = *b"SNEW\x08\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0";

@@ -74,7 +74,7 @@ impl PriorContent {
 }
 
 /// The golden file of a face, as [`Pieces::face`] makes it.
-pub const FACE_NAME: &str = "prior-7.snw";
+pub const FACE_NAME: &str = "prior-8.snw";
 
 impl Pieces {
     /// Appends a prior.

@@ -204,4 +204,4 @@ impl Pieces {
 
 /// The golden files of skins with shapes, as [`Pieces::shaped`] makes them.
 pub const SHAPED_NAMES: [&str; 4] =
-    ["shapes-7-f32.snw", "shapes-7-f16.snw", "shapes-7-i8.snw", "shapes-7-few.snw"];
+    ["shapes-8-f32.snw", "shapes-8-f16.snw", "shapes-8-i8.snw", "shapes-8-few.snw"];

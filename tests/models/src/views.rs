@@ -6,7 +6,7 @@ use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
-use sinew_runtime::views::{NO_VERTEX, NOTHING, VIEWS_SECTIONS};
+use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS};
 
 /// An object of key views in plain lists.
 #[derive(Clone)]
@@ -54,6 +54,8 @@ pub struct ViewContent {
     /// L textures; [`NOTHING`] for none.
     pub textures: Vec<u32>,
     /// V places in the textures.
+    pub texels: Vec<[f32; 2]>,
+    /// K places on the screen.
     pub references: Vec<[f32; 2]>,
     /// K.
     pub visible: Vec<bool>,
@@ -92,7 +94,7 @@ impl ViewsContent {
         let view = |(view, name): (usize, &str)| {
             let texture = view % 2;
             let [width, height] = sizes[texture].map(|x| x as f32);
-            let references = grid()
+            let texels = grid()
                 .chain([[1.5, 1.25]])
                 .map(|[x, y]| [width * (x + 0.25) / 2.5, height * (y + 0.25) / 2.5]);
             let hidden = [POINTS, 8, 0][view];
@@ -100,7 +102,8 @@ impl ViewsContent {
             ViewContent {
                 name: name.to_owned(),
                 textures: vec![texture as u32, if view == 1 { NOTHING } else { 1 }],
-                references: references.collect(),
+                texels: texels.collect(),
+                references: grid().map(|[x, y]| [12.0 * x + view as f32, 10.0 * y + 3.0]).collect(),
                 visible: (0..POINTS).map(|point| point != hidden).collect(),
                 deformation: is_transferred.then_some(([1.0, 1.25, 0.75][view], offsets)),
             }
@@ -125,7 +128,7 @@ impl ViewsContent {
             elements: vec![triangle(4, 5, 9)],
             neighbours: Vec::new(),
             clip: 0,
-            flags: 0,
+            flags: Layer::FADES,
         };
         let point = |point| ([0.0; 2], vec![(point, [1.0, 0.0])]);
         let mut out = Self {
@@ -262,6 +265,7 @@ impl ViewsContent {
             })
             .collect();
         let references: Vec<_> = views.iter().flat_map(|view| view.references.clone()).collect();
+        let vertex_texels: Vec<_> = views.iter().flat_map(|view| view.texels.clone()).collect();
         let view_textures: Vec<_> =
             views.iter().flat_map(|view| view.textures.iter().copied()).collect();
         let flat = |rows: Vec<[u16; 4]>| halves(rows.as_flattened());
@@ -275,6 +279,7 @@ impl ViewsContent {
             (SectionKind::Elements, Some(flat(elements.into_iter().copied().collect()))),
             (SectionKind::Neighbours, Some(flat(neighbours))),
             (SectionKind::ViewTextures, Some(words(&view_textures))),
+            (SectionKind::VertexTexels, Some(floats(vertex_texels.as_flattened()))),
             (SectionKind::References, Some(floats(references.as_flattened()))),
             (SectionKind::ViewMasks, Some(words(&masks))),
             (SectionKind::Textures, Some(words(&rows))),
@@ -360,7 +365,11 @@ impl Pieces {
                 maps.iter().zip(51..).map(|(name, seed)| KernelContent::map(name, seed)).collect();
             let mut pieces = Self::kernels(&kernels);
             let maps = (0..kernels.len() as u32).collect();
-            pieces.add_views(&ViewsContent::sample(maps, is_transferred));
+            let mut content = ViewsContent::sample(maps, is_transferred);
+            if is_transferred {
+                content.layers[0].flags = Layer::DEPTH;
+            }
+            pieces.add_views(&content);
             pieces
         })
     }

@@ -80,7 +80,12 @@ fn object(model: &ViewsModel) -> Result<Part, BakeError> {
         (SectionKind::Elements, true, corners(&elements)?),
         (SectionKind::Neighbours, true, neighbours(mesh)?),
         (SectionKind::ViewTextures, true, words(&view_textures)),
-        (SectionKind::References, true, references(model)),
+        (SectionKind::VertexTexels, true, vertex_texels(model)),
+        (
+            SectionKind::References,
+            true,
+            model.keys.iter().flat_map(|key| floats(key.points.as_flattened())).collect(),
+        ),
         (SectionKind::ViewMasks, true, words(&masks(&model.keys))),
         (SectionKind::Textures, true, words(&textures)),
         (
@@ -112,7 +117,8 @@ fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
     for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
         end += elements.len();
         let clip = layer.clip.map_or(Ok(NOTHING), |clip| narrow("layers", clip))?;
-        let flags = if layer.has_depth { Layer::DEPTH } else { 0 };
+        let flags = if layer.has_depth { Layer::DEPTH } else { 0 }
+            | if layer.fades { Layer::FADES } else { 0 };
         out.extend([narrow("elements", end)?, clip, flags]);
     }
     Ok(out)
@@ -166,7 +172,7 @@ fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Writes where each vertex is in its layer's picture of each key view: the origin where there is none.
-fn references(model: &ViewsModel) -> Vec<u8> {
+fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
     // The layer of each vertex.
     let mut owners = vec![0; model.mesh.vertices.len()];
     for (layer, elements) in model.mesh.layers.iter().enumerate() {

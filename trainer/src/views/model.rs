@@ -36,6 +36,8 @@ pub struct LayerModel {
     pub clip: Option<usize>,
     /// Whether its elements hide each other by depth.
     pub has_depth: bool,
+    /// Whether its opacity is other than 1 in an example.
+    pub fades: bool,
 }
 
 /// A key view.

@@ -197,7 +197,8 @@ impl<'a> Player<'a> {
             vertices: &mut vec![[0.0; 3]; self.views.vertex_len()],
             order: &mut vec![0; self.views.order_len()],
             depths: &mut vec![0.0; if self.views.has_depth() { pixels.len() } else { 0 }],
-            clips: &mut vec![[0; 2]; if self.views.has_clips() { pixels.len() } else { 0 }],
+            group: &mut vec![[0; 4]; if self.views.has_groups() { pixels.len() } else { 0 }],
+            clips: &mut vec![0; if self.views.has_clips() { pixels.len() } else { 0 }],
         };
         let drawn = job.run(scratch, &mut pixels).map_err(PlayError::Call)?;
         let size = Resolution { width, height };

@@ -55,17 +55,23 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         let predicted = maps[map].shown(&examples.train[view].values).map_err(wrong)?.points;
         pictures.push(key_view(set, &examples.train[view], &predicted)?);
     }
-    let layer = |layer: &Layer| LayerModel {
+    let views = || set.maps.iter().flat_map(|map| &map.train);
+    let fades = |number: usize| {
+        let mut opacities = views().filter_map(|view| view.layers.get(number)?.opacity);
+        opacities.any(|opacity| opacity != 1.0)
+    };
+    let layer = |(number, layer): (usize, &Layer)| LayerModel {
         name: layer.name.clone(),
         clip: layer.clip,
         has_depth: set.has_depth(),
+        fades: fades(number),
     };
     let model = ViewsModel {
         name: set.name.clone(),
         size: set.size,
         point_len: set.point_len(),
         mesh: mesh(set, &keys, &pictures)?,
-        layers: set.layers.iter().map(layer).collect(),
+        layers: set.layers.iter().enumerate().map(layer).collect(),
         keys: pictures,
         fit: reached(set, &maps),
         maps: maps.iter().map(|map| map.model.clone()).collect(),

@@ -85,7 +85,7 @@ pub fn transfer(
     let layer = |number| {
         let layer = object.layer(number)?;
         let name = object.layer_name(number).unwrap_or_default().to_owned();
-        Some(LayerModel { name, clip: layer.clip, has_depth: layer.has_depth })
+        Some(LayerModel { name, clip: layer.clip, has_depth: layer.has_depth, fades: layer.fades })
     };
     let fit = object.fit();
     Ok(ViewsModel {

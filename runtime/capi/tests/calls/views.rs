@@ -44,7 +44,7 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
     };
     assert_eq!(name(info.name, info.name_len), "object");
     assert_eq!((info.part, info.is_transferred, info.map_len), (2, 0, 2));
-    assert_eq!((info.has_depth, info.has_clips), (0, 1));
+    assert_eq!((info.has_depth, info.has_groups, info.has_clips), (0, 1, 1));
     assert_eq!((info.point_len, info.vertex_len, info.view_len), (9, 10, 3));
     assert_eq!((info.element_len, info.layer_len, info.order_len), (7, 2, 9));
     assert_eq!((info.width, info.height), (48, 40));
@@ -115,7 +115,7 @@ fn layers_of_depth_are_drawn_with_the_bits_of_the_runtime() {
     let mut memory = [0; SINEW_VIEWS_WORDS];
     let handle = opened(&loaded, &mut memory);
     let info = described(handle);
-    assert_eq!((info.has_depth, info.has_clips), (1, 1));
+    assert_eq!((info.has_depth, info.has_groups, info.has_clips), (1, 1, 1));
     let mut frame = Given::default();
     let map = model.map_of(&views, 0).unwrap();
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
@@ -144,12 +144,14 @@ fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
     let Given { points, visibility, scores, layers } = frame;
     let run = RenderJob { views: *views, points, visibility, scores, layers, width: 48 };
     let mut own = vec![[9; 4]; PIXELS];
-    let (mut own_depths, mut own_clips) = (vec![0.0; PIXELS], vec![[0; 2]; PIXELS]);
+    let (mut own_depths, mut own_clips) = (vec![0.0; PIXELS], vec![0; PIXELS]);
+    let mut own_group = vec![[0; 4]; PIXELS];
     let expected = run.run(
         RenderScratch {
             vertices: &mut [[0.0; 3]; 10],
             order: &mut [0; 9],
             depths: &mut own_depths,
+            group: &mut own_group,
             clips: &mut own_clips,
         },
         &mut own,
@@ -157,11 +159,12 @@ fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
     let expected = expected.unwrap();
     assert!(expected.element_len > 0 && own.iter().any(|pixel| *pixel != [9; 4]));
     let least = |has: bool| if has { PIXELS } else { 0 };
-    let needed = [least(views.has_depth()), least(views.has_clips())];
-    for [depths_len, clips_len] in [[PIXELS; 2], needed] {
+    let needed = [views.has_depth(), views.has_groups(), views.has_clips()].map(least);
+    for [depths_len, group_len, clips_len] in [[PIXELS; 3], needed] {
         let mut pixels = vec![[9; 4]; PIXELS];
         let (mut vertices, mut order) = ([[f32::NAN; 3]; 10], [u16::MAX; 9]);
-        let (mut depths, mut clips) = (vec![f32::NAN; depths_len], vec![[7; 2]; clips_len]);
+        let (mut depths, mut clips) = (vec![f32::NAN; depths_len], vec![7; clips_len]);
+        let mut group = vec![[7; 4]; group_len];
         let given = |len: usize| len > 0;
         let job = sinew_render_job {
             views: handle,
@@ -182,6 +185,8 @@ fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
             order_len: 9,
             depths: if given(depths_len) { depths.as_mut_ptr() } else { null_mut() },
             depths_len,
+            group: if given(group_len) { group.as_mut_ptr() } else { null_mut() },
+            group_len,
             clips: if given(clips_len) { clips.as_mut_ptr() } else { null_mut() },
             clips_len,
         };
@@ -239,6 +244,13 @@ fn refused(job: &sinew_render_job, views: &Views<'_>) {
             Status::Overlap,
             Argument::Clips,
         ),
+        (
+            refused(&|job| {
+                (job.group, job.group_len) = (job.layers.cast_mut().cast(), 1);
+            }),
+            Status::Overlap,
+            Argument::Group,
+        ),
     ] {
         assert_eq!(found, (status, argument));
     }
@@ -246,6 +258,7 @@ fn refused(job: &sinew_render_job, views: &Views<'_>) {
         let found = refused(&|job| job.depths_len = PIXELS - 1);
         assert_eq!(found, (Status::TooShort, Argument::Depths));
     }
-    assert!(views.has_clips());
+    assert!(views.has_clips() && views.has_groups());
+    assert_eq!(refused(&|job| job.group_len = PIXELS - 1), (Status::TooShort, Argument::Group));
     assert_eq!(refused(&|job| job.clips_len = PIXELS - 1), (Status::TooShort, Argument::Clips));
 }

@@ -14,7 +14,7 @@ fn cpp_has_the_bits_of_faces_views_and_filters() {
     let library = static_library();
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, "tests/native/parts.cpp", "parts", &flags);
-    let paths = [FACE_NAME, VIEWED_NAMES[1], "filter-7.snw"].map(golden_path);
+    let paths = [FACE_NAME, VIEWED_NAMES[1], "filter-8.snw"].map(golden_path);
     let found = output(Command::new(program).args(&paths), GCC);
     let [face_file, views_file, filter_file] = paths.map(|path| std::fs::read(path).unwrap());
     assert_eq!(found, face(&face_file) + &views(&views_file) + &filter(&filter_file));
@@ -99,7 +99,8 @@ fn views(file: &[u8]) -> String {
         vertices: &mut vec![[0.0; 3]; views.vertex_len()],
         order: &mut vec![0; views.order_len()],
         depths: &mut vec![0.0; width * height],
-        clips: &mut vec![[0; 2]; width * height],
+        group: &mut vec![[0; 4]; width * height],
+        clips: &mut vec![0; width * height],
     };
     let drawn = job.run(scratch, &mut pixels).unwrap();
     assert!(drawn.element_len > 0);

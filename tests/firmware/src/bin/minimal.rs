@@ -8,7 +8,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read where it lies, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/envelope-7-rotational.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/envelope-8-rotational.snw");
 
 /// Joints, transforms and vertices that this firmware has room for. A model with kernel maps has more
 /// transforms, the joints' among them, and its scratch is the last argument of `scratch_len`.

@@ -8,7 +8,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read where it lies, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/filter-7.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/filter-8.snw");
 
 /// Samples of a block, and how many times as fine they become.
 const BLOCK: usize = 16;

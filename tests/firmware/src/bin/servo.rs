@@ -8,7 +8,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read where it lies, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/kernel-7-servo.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/kernel-8-servo.snw");
 
 /// The largest kernel that this firmware has room for.
 const ROOM: KernelCounts = KernelCounts {

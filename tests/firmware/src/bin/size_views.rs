@@ -30,6 +30,7 @@ fn picture(model: &Model<&[u8]>) -> Option<()> {
         vertices: black_box(&mut []),
         order: black_box(&mut []),
         depths: black_box(&mut []),
+        group: black_box(&mut []),
         clips: black_box(&mut []),
     };
     black_box(job.run(scratch, black_box::<&mut [[u8; 4]]>(&mut [])).ok()?);

@@ -15,6 +15,7 @@ pub(super) struct Viewed {
     pub(super) vertex_len: usize,
     pub(super) order_len: usize,
     pub(super) has_depth: bool,
+    pub(super) has_groups: bool,
     pub(super) has_clips: bool,
     /// A frame of the first map, of zeros where the runtime refuses one.
     pub(super) points: Vec<[f32; 3]>,
@@ -66,6 +67,7 @@ impl Viewed {
             vertex_len: views.vertex_len(),
             order_len: views.order_len(),
             has_depth: views.has_depth(),
+            has_groups: views.has_groups(),
             has_clips: views.has_clips(),
             points: vec![[0.0; 3]; views.point_len()],
             visibility: vec![0.0; views.point_len()],
@@ -144,7 +146,8 @@ impl AskedPicture {
             vertices: &mut vec![[f32::NAN; 3]; *vertex_len],
             order: &mut vec![0; *order_len],
             depths: &mut vec![f32::NAN; pixels.len()],
-            clips: &mut vec![[0; 2]; pixels.len()],
+            group: &mut vec![[0; 4]; pixels.len()],
+            clips: &mut vec![0; pixels.len()],
         };
         job.run(scratch, pixels).map(Some)
     }

@@ -147,6 +147,8 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (order, order_len) = call.output_exact(order_len, order_len, Argument::Scratch)?;
     let has_depth = own(call, |views| views.has_depth.into()) > 0;
     let (depths, depths_len) = by_pixel(call, has_depth, len, pixels_len, Argument::Depths)?;
+    let has_groups = own(call, |views| views.has_groups.into()) > 0;
+    let (group, group_len) = by_pixel(call, has_groups, len, pixels_len, Argument::Group)?;
     let has_clips = own(call, |views| views.has_clips.into()) > 0;
     let (clips, clips_len) = by_pixel(call, has_clips, len, pixels_len, Argument::Clips)?;
     let place = call.arena.argument.start;
@@ -172,6 +174,8 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             order_len,
             depths,
             depths_len,
+            group,
+            group_len,
             clips,
             clips_len,
         });
