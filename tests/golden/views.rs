@@ -10,7 +10,7 @@ pub(crate) const VIEWS: [&[u8]; 2] =
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.
-pub(crate) const BITS: [u64; 2] = [0xbcd3_30dd_c7bb_1a7d, 0x70d1_cd74_d577_3088];
+pub(crate) const BITS: [u64; 2] = [0x0640_1675_fc78_f32e, 0x8901_e173_6b40_d39b];
 
 /// Frames of a hash.
 const FRAMES: usize = 64;

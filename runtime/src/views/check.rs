@@ -85,7 +85,7 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let mut before = 0;
     for (index, row) in views.layers().iter().enumerate() {
         let [end, clip, flags] = row.map(u32::from_le_bytes);
-        if end < before || flags & !(Layer::DEPTH | Layer::FADES) != 0 {
+        if end < before || flags & !Layer::FLAGS != 0 {
             return loading.invalid(section, index);
         }
         before = end;

@@ -37,6 +37,8 @@ pub(super) struct Screen<'a> {
     pub(super) depths: Option<&'a mut [f32]>,
     /// Of what is drawn, from 0 to 1.
     pub(super) opacity: f32,
+    /// Whether it holds one layer alone: no pixel is more opaque than the most opaque element there.
+    pub(super) is_group: bool,
 }
 
 impl Screen<'_> {
@@ -60,7 +62,8 @@ impl Screen<'_> {
             *nearest = depth;
         }
         if let Some(pixel) = self.pixels.get_mut(at) {
-            *pixel = over(colour * self.opacity, *pixel);
+            let put = if self.is_group { joined } else { over };
+            *pixel = put(colour * self.opacity, *pixel);
         }
     }
 }
@@ -280,6 +283,16 @@ pub(super) fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
     rounded(colour * (1.0 / 255.0) + below * (1.0 - colour.w * (1.0 / ALPHA_MAX)))
 }
 
+/// Returns a colour over another of the same layer: of alpha the greater one, so that to lie on itself changes nothing.
+#[inline(always)]
+fn joined(colour: Colour, below: [u8; 4]) -> [u8; 4] {
+    let own = colour * (1.0 / 255.0);
+    let [r, g, b, a] = below.map(f32::from);
+    let above = own + Vec4::new(r, g, b, a) * (1.0 - own.w * (1.0 / 255.0));
+    let scale = if above.w > 0.0 { greater(own.w, a) / above.w } else { 0.0 };
+    rounded(above * scale)
+}
+
 /// Rounds numbers in [0, 255]; what is greater becomes 255.
 #[inline(always)]
 fn rounded(colour: Colour) -> [u8; 4] {
@@ -351,7 +364,7 @@ mod tests {
     }
 
     fn blended(width: usize, pixels: &mut [[u8; 4]]) -> Screen<'_> {
-        Screen { width, pixels, depths: None, opacity: 1.0 }
+        Screen { width, pixels, depths: None, opacity: 1.0, is_group: false }
     }
 
     fn random(seed: &mut u64) -> f32 {

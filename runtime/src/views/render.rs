@@ -34,14 +34,11 @@ pub struct RenderScratch<'o> {
     pub order: &'o mut [u16],
     /// A float a pixel, if a layer has depth: [`Views::has_depth`].
     pub depths: &'o mut [f32],
-    /// A colour a pixel, if a layer is clipped or fades: [`Views::has_groups`].
+    /// A colour a pixel, if a layer is clipped or a group: [`Views::has_groups`].
     pub group: &'o mut [[u8; 4]],
     /// A byte a pixel, if a layer is clipped: [`Views::has_clips`].
     pub clips: &'o mut [u8],
 }
-
-/// Opacity from which on a layer is opaque: beyond it no byte changes.
-const OPAQUE: f32 = 1.0 - 1.0 / 512.0;
 
 /// What a [`RenderJob`] drew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,8 +53,8 @@ impl RenderJob<'_> {
     /// Draws the layers over what the picture holds, those of a greater order over those of a lesser one, equal ones as
     /// they come in the file.
     ///
-    /// A layer that fades, or is clipped, is drawn by itself first. Where elements of another one overlap, those below
-    /// show through at an opacity below 1.
+    /// A layer that is a group, or is clipped, is drawn by itself first. Where elements of another one overlap, those below
+    /// show through what is translucent.
     ///
     /// Points more than 2^20 pixels out are drawn as if they were there.
     ///
@@ -90,7 +87,7 @@ impl RenderJob<'_> {
                 picture.clip(number, group, clips);
                 clipped = layer.clip;
             }
-            let is_group = layer.clip.is_some() || layer.fades && opacity < OPAQUE;
+            let is_group = layer.clip.is_some() || layer.is_group;
             let order = elements.get_mut(layer.first..layer.end).unwrap_or_default();
             order.iter_mut().zip(layer.first as u16..).for_each(|(out, element)| *out = element);
             if layer.has_depth {
@@ -103,7 +100,7 @@ impl RenderJob<'_> {
             }
             let (pixels, own) = if is_group { (&mut *group, 1.0) } else { (&mut *out, opacity) };
             let depths = layer.has_depth.then_some(&mut *depths);
-            let mut screen = Screen { width: self.width, pixels, depths, opacity: own };
+            let mut screen = Screen { width: self.width, pixels, depths, opacity: own, is_group };
             for element in order {
                 picture.draw(number, &layer, (*element).into(), &mut screen, &mut drawn);
             }
@@ -154,8 +151,13 @@ impl Picture<'_> {
         for number in self.job.views.clips(layer) {
             let Some(layer) = self.job.views.layer(number) else { continue };
             group.fill([0; 4]);
-            let mut screen =
-                Screen { width: self.job.width, pixels: group, depths: None, opacity: 1.0 };
+            let mut screen = Screen {
+                width: self.job.width,
+                pixels: group,
+                depths: None,
+                opacity: 1.0,
+                is_group: true,
+            };
             for element in layer.first..layer.end {
                 self.draw(number, &layer, element, &mut screen, &mut Drawn::default());
             }
@@ -175,6 +177,9 @@ impl Picture<'_> {
         let views = &self.job.views;
         let Some(element) = views.element(at) else { return };
         let vertices = element.vertices();
+        if layer.is_one_sided && self.area(vertices) < 0.0 {
+            return;
+        }
         let Some(blend) = self.blend(number, layer, vertices) else { return };
         let mut sources = [Source::default(); SOURCES];
         let mut len = 0;

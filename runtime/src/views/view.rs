@@ -95,8 +95,10 @@ pub struct Layer {
     pub clip: Option<usize>,
     /// Whether its elements hide each other by depth, and not by their order.
     pub has_depth: bool,
-    /// Whether it is drawn by itself before it is blended, for its opacity is other than 1 somewhere.
-    pub fades: bool,
+    /// Whether it is drawn by itself before it is blended, so that it may lie on itself where it is translucent.
+    pub is_group: bool,
+    /// Whether elements are not drawn that turn anticlockwise on the screen.
+    pub is_one_sided: bool,
 }
 
 impl Layer {
@@ -104,8 +106,12 @@ impl Layer {
     pub const BYTES: usize = 12;
     /// The bit of its flags that says it has depth.
     pub const DEPTH: u32 = 1;
-    /// The bit that says it fades.
-    pub const FADES: u32 = 2;
+    /// The bit that says it is a group.
+    pub const GROUP: u32 = 2;
+    /// The bit that says it is one-sided.
+    pub const ONE_SIDED: u32 = 4;
+    /// All bits.
+    pub(super) const FLAGS: u32 = Self::DEPTH | Self::GROUP | Self::ONE_SIDED;
 }
 
 /// An object of K control points in L layers, as N key views show it; borrowed from a loaded model.
@@ -176,7 +182,8 @@ impl<'a> Views<'a> {
             end: end as usize,
             clip: (clip != NOTHING).then_some(clip as usize),
             has_depth: flags & Layer::DEPTH != 0,
-            fades: flags & Layer::FADES != 0,
+            is_group: flags & Layer::GROUP != 0,
+            is_one_sided: flags & Layer::ONE_SIDED != 0,
         })
     }
 
@@ -190,10 +197,10 @@ impl<'a> Views<'a> {
         (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.clip.is_some())
     }
 
-    /// Whether a layer is drawn by itself before it is blended: one that is clipped, or fades.
+    /// Whether a layer is drawn by itself before it is blended: one that is clipped, or a group.
     pub fn has_groups(&self) -> bool {
         let mut layers = (0..).map_while(|layer| self.layer(layer));
-        layers.any(|layer| layer.fades || layer.clip.is_some())
+        layers.any(|layer| layer.is_group || layer.clip.is_some())
     }
 
     /// Returns E + L, the numbers that [`super::RenderJob::run`] sorts.

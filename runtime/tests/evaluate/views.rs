@@ -368,16 +368,43 @@ fn layers_are_as_opaque_as_they_are_asked_to_be() {
 }
 
 #[test]
-fn a_layer_that_fades_is_blended_once_where_it_lies_on_itself() {
+fn a_group_is_blended_once_where_it_lies_on_itself() {
     let mut content = board(&[(WHOLE, [0; 3])], plain(&[[200, 100, 0]]));
     let twice = content.layers[0].elements.clone();
     content.layers[0].elements.extend(twice);
     content.meet();
     let asked = Asked::new([1.0, 0.0, 0.0], &[[0.5, 0.0]]);
-    for (flags, expected) in [(Layer::FADES, [100, 50, 0, 128]), (0, [150, 75, 0, 192])] {
+    for (flags, expected) in [(Layer::GROUP, [100, 50, 0, 128]), (0, [150, 75, 0, 192])] {
         content.layers[0].flags = flags;
         let (_, pixels) = asked.painted(&loaded(&content));
         assert_eq!(pixels, [expected; SIDE * SIDE], "{flags}");
+    }
+    // Likewise where its texture is translucent.
+    content.textures[0].texels[0][3] = 128;
+    let asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]]);
+    for (flags, expected) in [(Layer::GROUP, [100, 50, 0, 128]), (0, [150, 75, 0, 192])] {
+        content.layers[0].flags = flags;
+        let (_, pixels) = asked.painted(&loaded(&content));
+        assert_eq!(pixels, [expected; SIDE * SIDE], "{flags}");
+    }
+}
+
+#[test]
+fn elements_of_one_sided_layers_are_drawn_one_way_round() {
+    let mut content = board(&[(WHOLE, [0; 3])], plain(&[[200, 100, 0]]));
+    let element_len = content.layers[0].elements.len();
+    let mut asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]]);
+    for (flags, is_mirrored, expected) in [
+        (0, false, element_len),
+        (0, true, element_len),
+        (Layer::ONE_SIDED, false, element_len),
+        (Layer::ONE_SIDED, true, 0),
+    ] {
+        content.layers[0].flags = flags;
+        asked.points = PLACES.map(|[x, y]| [if is_mirrored { SIDE as f32 - x } else { x }, y, 0.0]);
+        let (drawn, pixels) = asked.painted(&loaded(&content));
+        assert_eq!(drawn.element_len, expected, "{flags} {is_mirrored}");
+        assert_eq!(pixels.iter().any(|pixel| pixel[3] > 0), expected > 0);
     }
 }
 

@@ -63,10 +63,24 @@ fn accessors_give_what_was_written() {
     assert_eq!(views.size(), [48, 40]);
     let names = [views.layer_name(0), views.layer_name(1), views.layer_name(2)];
     assert_eq!(names, [Some("body"), Some("mark"), None]);
-    let body = Layer { first: 0, end: 6, clip: None, has_depth: false, fades: false };
-    let mark = Layer { first: 6, end: 7, clip: Some(0), has_depth: false, fades: true };
+    let body = Layer {
+        first: 0,
+        end: 6,
+        clip: None,
+        has_depth: true,
+        is_group: false,
+        is_one_sided: true,
+    };
+    let mark = Layer {
+        first: 6,
+        end: 7,
+        clip: Some(0),
+        has_depth: false,
+        is_group: true,
+        is_one_sided: false,
+    };
     assert_eq!([0, 1, 2].map(|layer| views.layer(layer)), [Some(body), Some(mark), None]);
-    assert!(views.has_clips() && views.has_groups() && !views.has_depth());
+    assert!(views.has_clips() && views.has_groups() && views.has_depth());
     assert_eq!(views.clips(0).count(), 0);
     assert_eq!(views.clips(1).collect::<Vec<_>>(), [0]);
     assert_eq!(views.element(0), Some(Element::Quad([0, 1, 4, 3])));
@@ -137,7 +151,7 @@ fn each_count_is_checked() {
     limit(8, u32::MAX / 4);
     let counts = [9, 10, 12, 7, 2, 3, 1, 2, 183, 48, 40];
     for (at, section, [expected, found]) in [
-        (0, SectionKind::Deformations, [252, 228]),
+        (0, SectionKind::References, [240, 216]),
         (1, SectionKind::Vertices, [132, 120]),
         (2, SectionKind::VertexWeights, [156, 144]),
         (3, SectionKind::Elements, [64, 56]),
@@ -268,7 +282,7 @@ fn layers_have_the_elements_that_follow_each_other() {
     }
     let part = Some(2);
     assert_eq!(with(|content| content.layers[0].flags = Layer::DEPTH), Ok(()));
-    for flags in [4, 5, 1 << 31] {
+    for flags in [8, 9, 1 << 31] {
         let unknown = with(|content| content.layers[1].flags = flags);
         assert_eq!(unknown, Err(FileError { part, ..error(Kind::Invalid, section, 1) }));
     }

@@ -78,7 +78,7 @@ fn read_layers(views: &Views<'_>) {
         end = layer.end;
         has_depth |= layer.has_depth;
         has_clips |= layer.clip.is_some();
-        has_groups |= layer.fades;
+        has_groups |= layer.is_group;
     }
     assert_eq!(end, views.element_len());
     assert_eq!((has_depth, has_clips), (views.has_depth(), views.has_clips()));

@@ -128,7 +128,7 @@ impl ViewsContent {
             elements: vec![triangle(4, 5, 9)],
             neighbours: Vec::new(),
             clip: 0,
-            flags: Layer::FADES,
+            flags: Layer::GROUP,
         };
         let point = |point| ([0.0; 2], vec![(point, [1.0, 0.0])]);
         let mut out = Self {
@@ -367,7 +367,7 @@ impl Pieces {
             let maps = (0..kernels.len() as u32).collect();
             let mut content = ViewsContent::sample(maps, is_transferred);
             if is_transferred {
-                content.layers[0].flags = Layer::DEPTH;
+                content.layers[0].flags = Layer::DEPTH | Layer::ONE_SIDED;
             }
             pieces.add_views(&content);
             pieces

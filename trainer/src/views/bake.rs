@@ -117,8 +117,12 @@ fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
     for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
         end += elements.len();
         let clip = layer.clip.map_or(Ok(NOTHING), |clip| narrow("layers", clip))?;
-        let flags = if layer.has_depth { Layer::DEPTH } else { 0 }
-            | if layer.fades { Layer::FADES } else { 0 };
+        let flags = [
+            (layer.has_depth, Layer::DEPTH),
+            (layer.is_group, Layer::GROUP),
+            (layer.is_one_sided, Layer::ONE_SIDED),
+        ];
+        let flags: u32 = flags.iter().filter(|(is_set, _)| *is_set).map(|(_, bit)| bit).sum();
         out.extend([narrow("elements", end)?, clip, flags]);
     }
     Ok(out)

@@ -36,8 +36,10 @@ pub struct LayerModel {
     pub clip: Option<usize>,
     /// Whether its elements hide each other by depth.
     pub has_depth: bool,
-    /// Whether its opacity is other than 1 in an example.
-    pub fades: bool,
+    /// Whether it is drawn by itself before it is blended: elements may lie on each other where it is translucent.
+    pub is_group: bool,
+    /// Whether elements that turn over are not drawn.
+    pub is_one_sided: bool,
 }
 
 /// A key view.

@@ -60,11 +60,15 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         let mut opacities = views().filter_map(|view| view.layers.get(number)?.opacity);
         opacities.any(|opacity| opacity != 1.0)
     };
+    let is_whole = keys.iter().all(|&(map, view)| set.maps[map].train[view].layers.is_empty());
     let layer = |(number, layer): (usize, &Layer)| LayerModel {
         name: layer.name.clone(),
         clip: layer.clip,
         has_depth: set.has_depth(),
-        fades: fades(number),
+        // Elements between points lie on each other wherever points are hidden.
+        is_group: is_whole || !layer.elements.is_empty() || fades(number),
+        // Around them the frame stays: where elements turn over, others that do not cover the same place.
+        is_one_sided: is_whole && layer.elements.is_empty() && !set.has_depth(),
     };
     let model = ViewsModel {
         name: set.name.clone(),

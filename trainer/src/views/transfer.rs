@@ -85,7 +85,13 @@ pub fn transfer(
     let layer = |number| {
         let layer = object.layer(number)?;
         let name = object.layer_name(number).unwrap_or_default().to_owned();
-        Some(LayerModel { name, clip: layer.clip, has_depth: layer.has_depth, fades: layer.fades })
+        Some(LayerModel {
+            name,
+            clip: layer.clip,
+            has_depth: layer.has_depth,
+            is_group: layer.is_group,
+            is_one_sided: layer.is_one_sided,
+        })
     };
     let fit = object.fit();
     Ok(ViewsModel {
