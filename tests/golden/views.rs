@@ -10,7 +10,7 @@ pub(crate) const VIEWS: [&[u8]; 2] =
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.
-pub(crate) const BITS: [u64; 2] = [0x0640_1675_fc78_f32e, 0x8901_e173_6b40_d39b];
+pub(crate) const BITS: [u64; 2] = [0x881d_e8f3_30b1_11e9, 0x6d89_79b0_2944_33e4];
 
 /// Frames of a hash.
 const FRAMES: usize = 64;

@@ -27,15 +27,16 @@ pub(super) const fn area([ax, ay]: Step, [bx, by]: Step, [cx, cy]: Step) -> i64 
 /// Hands over the pixels of a convex clockwise ring, row by row from the top, each with its edge functions, of edge i,
 /// from corner i to the next, twice the area of its triangle with the centre, and with the share that is covered.
 ///
-/// A pixel is inside if its centre is, and on an edge if that is a left one or a horizontal top one. Along a soft edge it is
-/// covered by how far its centre is inside, from half a pixel outside, where that is nothing, to half a pixel inside.
+/// A pixel is inside if its centre is, and on an edge if that is a left one or a horizontal top one. Across a soft edge
+/// coverage grows from nothing to all over as many pixels as it is wide, half of them outside.
 pub(super) fn cover<const N: usize>(
     ring: &[Step; N],
-    soft: [bool; N],
+    soft: [f32; N],
     [width, height]: [usize; 2],
     mut each: impl FnMut([usize; 2], [i64; N], f32),
 ) {
-    let beside = if soft.contains(&true) { PIXEL / 2 } else { 0 };
+    let is_soft = soft.iter().any(|width| *width > 0.0);
+    let beside = if is_soft { PIXEL / 2 } else { 0 };
     let (left, right) = span(ring.map(|[x, _]| x), beside, width);
     let (top, bottom) = span(ring.map(|[_, y]| y), beside, height);
     let mut edges = [Edge::default(); N];
@@ -51,7 +52,7 @@ pub(super) fn cover<const N: usize>(
             if values.iter().zip(&edges).all(|(value, edge)| *value >= edge.least) {
                 has_begun = true;
                 let mut covered = 1.0;
-                if beside > 0 {
+                if is_soft {
                     let shares = values.iter().zip(&edges).map(|(value, edge)| edge.share(*value));
                     covered = shares.product();
                 }
@@ -72,20 +73,22 @@ struct Edge {
     to: Step,
     /// Its change from a pixel to the next on the right.
     across: i64,
-    /// Its least value inside: of a soft edge half a pixel outside; else 0 of one that owns the centres on it, or 1.
+    /// Its least value inside: of a soft edge half its width outside; else 0 of one that owns the centres on it, or 1.
     least: i64,
-    /// Of a soft edge pixels of a step of its value; else 0.
+    /// Of a soft edge widths of a step of its value; else 0.
     scale: f32,
 }
 
 impl Edge {
-    fn new(from: Step, to: Step, soft: bool) -> Self {
+    fn new(from: Step, to: Step, soft: f32) -> Self {
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let across = -dy * PIXEL;
         let length = sqrt(dx as f32 * dx as f32 + dy as f32 * dy as f32);
-        if soft && length > 0.0 {
-            let least = -((PIXEL / 2) as f32 * length) as i64;
-            return Self { from, to, across, least, scale: 1.0 / (PIXEL as f32 * length) };
+        // In steps of its value.
+        let width = soft * PIXEL as f32 * length;
+        if width > 0.0 {
+            let least = -(0.5 * width) as i64;
+            return Self { from, to, across, least, scale: 1.0 / width };
         }
         let owns = dy < 0 || dy == 0 && dx > 0;
         Self { from, to, across, least: i64::from(!owns), scale: 0.0 }
@@ -130,7 +133,7 @@ mod tests {
     fn counted<const N: usize>(rings: &[[Step; N]], size: [usize; 2]) -> Vec<u32> {
         let mut counts = vec![0; size[0] * size[1]];
         for ring in rings {
-            cover(ring, [false; N], size, |[x, y], _, share| {
+            cover(ring, [0.0; N], size, |[x, y], _, share| {
                 assert_eq!(share, 1.0);
                 counts[y * size[0] + x] += 1;
             });
@@ -196,7 +199,7 @@ mod tests {
     #[test]
     fn edge_functions_are_those_of_each_pixel() {
         let ring = [[-700, -300], [2000, 100], [300, 1900]];
-        cover(&ring, [false; 3], [9, 9], |[x, y], values, _| {
+        cover(&ring, [0.0; 3], [9, 9], |[x, y], values, _| {
             let p = [centre(x), centre(y)];
             let [a, b, c] = ring;
             assert_eq!(values, [area(a, b, p), area(b, c, p), area(c, a, p)]);
@@ -211,7 +214,7 @@ mod tests {
         let [a, b, c, d] =
             [turned(-9.0, -9.0), turned(9.0, -9.0), turned(9.0, 9.0), turned(-9.0, 9.0)];
         let mut shares = vec![0.0f32; 1600];
-        for (ring, soft) in [([a, b, c], [true, true, false]), ([a, c, d], [false, true, true])] {
+        for (ring, soft) in [([a, b, c], [1.0, 1.0, 0.0]), ([a, c, d], [0.0, 1.0, 1.0])] {
             cover(&ring, soft, [40; 2], |[x, y], _, share| shares[40 * y + x] += share);
         }
         assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));

@@ -16,8 +16,8 @@ pub(super) struct Corner {
     pub(super) depth: f32,
     /// Which of the element's corners it is.
     pub(super) number: usize,
-    /// Whether the edge from here to the next corner is a border.
-    pub(super) is_border: bool,
+    /// Over how many pixels the edge from here to the next corner fades out: 1 of a border, 0 of an edge within.
+    pub(super) soft: f32,
 }
 
 /// What an element has its colours from: a texture, where the element's corners are in it, and its share of them.
@@ -53,17 +53,22 @@ impl Screen<'_> {
         self.depths.as_deref().is_none_or(is_nearest)
     }
 
-    /// Draws a colour at a pixel and a depth.
+    /// Draws a colour at a pixel and a depth, on a share of the pixel.
     #[inline(always)]
-    fn put(&mut self, at: usize, depth: f32, colour: Colour) {
+    fn put(&mut self, at: usize, depth: f32, colour: Colour, covered: f32) {
+        // What lies behind an edge that fades is seen beside it.
         if let Some(nearest) = self.depths.as_mut().and_then(|depths| depths.get_mut(at))
             && colour.w >= 0.5 * ALPHA_MAX
+            && covered == 1.0
         {
             *nearest = depth;
         }
         if let Some(pixel) = self.pixels.get_mut(at) {
-            let put = if self.is_group { joined } else { over };
-            *pixel = put(colour * self.opacity, *pixel);
+            *pixel = if self.is_group {
+                joined(colour, covered, *pixel)
+            } else {
+                over(colour * (self.opacity * covered), *pixel)
+            };
         }
     }
 }
@@ -98,7 +103,7 @@ pub(super) fn quad(screen: &mut Screen<'_>, corners: [Corner; 4], sources: &[Sou
     // Corners at which it turns against itself; a straight one turns either way.
     let reflex = turns.map(|turn| flips(turn, whole as f32));
     // The edge that cuts it in two is no border.
-    let inner = |corner: Corner| Corner { is_border: false, ..corner };
+    let inner = |corner: Corner| Corner { soft: 0.0, ..corner };
     match reflex {
         [false, false, false, false] => match whole {
             0 => {}
@@ -122,8 +127,8 @@ fn reversed<const N: usize>(corners: [Corner; N]) -> [Corner; N] {
     let mut out = corners;
     out.reverse();
     out.rotate_right(1);
-    let borders = corners.iter().rev().map(|corner| corner.is_border);
-    out.iter_mut().zip(borders).for_each(|(corner, border)| corner.is_border = border);
+    let edges = corners.iter().rev().map(|corner| corner.soft);
+    out.iter_mut().zip(edges).for_each(|(corner, soft)| corner.soft = soft);
     out
 }
 
@@ -136,7 +141,7 @@ fn clockwise_triangle(
     let [p, q, r] = ring;
     let share = 1.0 / area(p, q, r) as f32;
     let size = screen.size();
-    let soft = corners.map(|corner| corner.is_border);
+    let soft = corners.map(|corner| corner.soft);
     let (own, len) = prepared(&corners, sources);
     let depths = corners.map(|corner| corner.depth);
     let at = |[a, b, c]: [f32; 3], s: f32, t: f32| a + (b - a) * s + (c - a) * t;
@@ -148,7 +153,7 @@ fn clockwise_triangle(
             for (Source { texture, share, .. }, [xs, ys]) in sources.iter().zip(&own).take(len) {
                 colour += texture.colour([at(*xs, s, t), at(*ys, s, t)]) * *share;
             }
-            screen.put(pixel, depth, colour * covered);
+            screen.put(pixel, depth, colour, covered);
         }
     });
 }
@@ -180,7 +185,7 @@ fn clockwise_quad(
     let mut batch = Batch::default();
     let (own, sources_len) = prepared(&corners, sources);
     let depths = corners.map(|corner| corner.depth);
-    let soft = corners.map(|corner| corner.is_border);
+    let soft = corners.map(|corner| corner.soft);
     let bends = [e_g, g_f].map(|bend| bend as f32);
     let mut flush = |batch: &Batch, len: usize| {
         let shares = batch.shares(bends);
@@ -196,7 +201,7 @@ fn clockwise_quad(
         let pixels = batch.pixels.iter().zip(&batch.covered).zip(Eight::floats(&depths));
         for (((at, covered), depth), colour) in pixels.zip(colours).take(len) {
             if screen.shows(*at, *depth) {
-                screen.put(*at, *depth, colour * *covered);
+                screen.put(*at, *depth, colour, *covered);
             }
         }
     };
@@ -283,14 +288,15 @@ pub(super) fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
     rounded(colour * (1.0 / 255.0) + below * (1.0 - colour.w * (1.0 / ALPHA_MAX)))
 }
 
-/// Returns a colour over another of the same layer: of alpha the greater one, so that to lie on itself changes nothing.
+/// Returns a colour over another of the same layer, on a share of the pixel, rounded: alpha becomes the greater one, so
+/// that to lie on itself changes nothing.
 #[inline(always)]
-fn joined(colour: Colour, below: [u8; 4]) -> [u8; 4] {
+fn joined(colour: Colour, covered: f32, below: [u8; 4]) -> [u8; 4] {
     let own = colour * (1.0 / 255.0);
-    let [r, g, b, a] = below.map(f32::from);
-    let above = own + Vec4::new(r, g, b, a) * (1.0 - own.w * (1.0 / 255.0));
-    let scale = if above.w > 0.0 { greater(own.w, a) / above.w } else { 0.0 };
-    rounded(above * scale)
+    let below = Vec4::from(below.map(f32::from));
+    let both = own + below * (1.0 - own.w * (1.0 / 255.0));
+    let scale = if both.w > 0.0 { greater(own.w, below.w) / both.w } else { 0.0 };
+    rounded(below + (both * scale - below) * covered)
 }
 
 /// Rounds numbers in [0, 255]; what is greater becomes 255.
@@ -342,13 +348,13 @@ mod tests {
 
     /// Corners of an element without borders.
     fn corners<const N: usize>(places: [[f32; 2]; N], depth: f32) -> [Corner; N] {
-        let corner = |number| Corner { place: places[number], depth, number, is_border: false };
+        let corner = |number| Corner { place: places[number], depth, number, soft: 0.0 };
         core::array::from_fn(corner)
     }
 
     /// The same, all of whose edges are borders.
     fn bordered<const N: usize>(places: [[f32; 2]; N]) -> [Corner; N] {
-        corners(places, 0.0).map(|corner| Corner { is_border: true, ..corner })
+        corners(places, 0.0).map(|corner| Corner { soft: 1.0, ..corner })
     }
 
     /// The whole of a texture, in which corners lie at these places.
@@ -572,7 +578,7 @@ mod tests {
             _ => 1.0,
         };
         let white = [[255; 4]];
-        let inner = |corner: Corner| Corner { is_border: false, ..corner };
+        let inner = |corner: Corner| Corner { soft: 0.0, ..corner };
         for round in 0..8 {
             ring.rotate_left(1);
             if round == 4 {

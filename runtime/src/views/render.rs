@@ -6,7 +6,7 @@ use super::order::sort;
 use super::raster::{Corner, Screen, Source, quad, triangle};
 use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::numeric::{greater, lesser, smoothstep};
+use crate::numeric::{greater, lesser, smoothstep, sqrt};
 
 /// Draws an object into a picture of the caller's.
 #[derive(Clone, Copy, Debug)]
@@ -180,7 +180,7 @@ impl Picture<'_> {
         if layer.is_one_sided && self.area(vertices) < 0.0 {
             return;
         }
-        let Some(blend) = self.blend(number, layer, vertices) else { return };
+        let blend = self.blend(number, vertices);
         let mut sources = [Source::default(); SOURCES];
         let mut len = 0;
         for (view, share) in blend.views() {
@@ -200,16 +200,15 @@ impl Picture<'_> {
             return;
         }
         let neighbours = views.neighbours(at).unwrap_or_default();
-        let turned = self.area(vertices) > 0.0;
+        let area = self.area(vertices);
         let corner = |number: usize, vertex: usize| {
             let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
             let across = neighbours.get(number).copied().flatten();
-            // Where depths hide what is turned away, an element ends at such a neighbour.
-            let is_border = across.is_none_or(|other| {
-                let other = views.element(other).filter(|_| layer.has_depth);
-                other.is_some_and(|other| (self.area(other.vertices()) > 0.0) != turned)
+            let soft = across.map_or(1.0, |other| {
+                let next = vertices.get((number + 1) % vertices.len()).copied().unwrap_or(vertex);
+                self.outline(layer, area, other, [vertex, next])
             });
-            Corner { place: [x, y], depth, number, is_border }
+            Corner { place: [x, y], depth, number, soft }
         };
         let is_flipped = match element {
             Element::Triangle([a, b, c]) => {
@@ -225,8 +224,26 @@ impl Picture<'_> {
         drawn.flipped_len += usize::from(is_flipped);
     }
 
-    /// Weighs the key views by what they show of an element; none of one that is behind others.
-    fn blend(&self, number: usize, layer: &Layer, vertices: &[usize]) -> Option<Blend> {
+    /// Returns over how many pixels, one at most, an edge fades out whose element across is turned away, where depths hide
+    /// that one: as far as it reaches back over this one by more than a pixel, so that a fold that thin leaves no slit.
+    fn outline(&self, layer: &Layer, area: f32, across: usize, edge: [usize; 2]) -> f32 {
+        let Some(across) = self.job.views.element(across).filter(|_| layer.has_depth) else {
+            return 0.0;
+        };
+        let other = self.area(across.vertices());
+        if (other > 0.0) == (area > 0.0) {
+            return 0.0;
+        }
+        let [a, b] = edge.map(|vertex| self.vertices.get(vertex).copied().unwrap_or_default());
+        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        lesser(
+            1.0,
+            greater(0.0, other.abs() / greater(f32::MIN_POSITIVE, sqrt(dx * dx + dy * dy)) - 1.0),
+        )
+    }
+
+    /// Weighs the key views by what they show of an element.
+    fn blend(&self, number: usize, vertices: &[usize]) -> Blend {
         let job = self.job;
         // Of vertices that are no points nothing is hidden but the whole layer.
         let mut points = [None; 4];
@@ -248,15 +265,9 @@ impl Picture<'_> {
             let share = area(vertices, place) / own;
             if share > 0.0 { lesser(1.0, share) } else { 0.0 }
         };
-        if layer.has_depth {
-            // What is hidden in part is to be seen in part, and hidden by what is nearer.
-            let fits = |view: usize| if shows(view) { detail(view) } else { 0.0 };
-            let is_hidden = points.clone().next().is_some() && seen.fold(0.0, greater) <= 0.5;
-            return (!is_hidden).then(|| Blend::new(job.scores, fits));
-        }
         let whole = smoothstep(lesser(1.0, greater(0.0, seen.fold(1.0, lesser))));
         let fits = |view| detail(view) * if shows(view) { whole } else { 1.0 - whole };
-        Some(Blend::new(job.scores, fits))
+        Blend::new(job.scores, fits)
     }
 
     /// Returns twice the area of an element on the screen, positive where it turns clockwise.
