@@ -16,8 +16,8 @@ pub struct Measured {
     pub visibility: f64,
     /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none, or nothing is off.
     pub psnr: Option<f64>,
-    /// The same over the pixels that are covered in what is drawn.
-    pub psnr_covered: Option<f64>,
+    /// The same over the pixels that are opaque in what is drawn.
+    pub psnr_opaque: Option<f64>,
     /// Whether the views are those that the file was trained on: the set has no others.
     pub is_training: bool,
     /// Elements that were drawn turned over.
@@ -60,7 +60,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
-    // Squares and numbers, of all pixels and of those that are covered.
+    // Squares and numbers, of all pixels and of those that are opaque.
     let mut off = [(0.0, 0); 2];
     for examples in &set.maps {
         let wrong =
@@ -91,7 +91,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
                     let apart = own.iter().zip(found);
                     let square = apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
                     let square: f64 = square.sum();
-                    let covered = usize::from(found[3] > 0);
+                    let covered = usize::from(found[3] == 255);
                     for (squares, numbers) in &mut off[..=covered] {
                         (*squares, *numbers) = (*squares + square, *numbers + own.len());
                     }
@@ -103,13 +103,13 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
         let error = squares / numbers.max(1) as f64;
         (error > 0.0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
     };
-    let [psnr, psnr_covered] = off.map(psnr);
+    let [psnr, psnr_opaque] = off.map(psnr);
     Ok(Measured {
         rms: (squares / known.max(1) as f64).sqrt(),
         max: most.sqrt(),
         visibility: right as f64 / marks.max(1) as f64,
         psnr,
-        psnr_covered,
+        psnr_opaque,
         is_training: !is_tested,
         flipped,
         views: count,

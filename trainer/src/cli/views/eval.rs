@@ -30,7 +30,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     text += &line("points, most", found.max, " px");
     text += &line("visibility", found.visibility, "");
     let pictures =
-        [("PSNR, whole pictures", found.psnr), ("PSNR, where covered", found.psnr_covered)];
+        [("PSNR, whole pictures", found.psnr), ("PSNR, where opaque", found.psnr_opaque)];
     for (name, psnr) in pictures {
         text += &psnr.map_or_else(String::new, |psnr| line(name, psnr, " dB"));
     }
