@@ -1,0 +1,221 @@
+//! Pictures with a mesh, as tools of 2-D rigs draw them; and a set in layers that such tools are given.
+
+use super::common::Folder;
+use serde_json::{Value, json};
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+use sinew_trainer::bake::bake;
+use sinew_trainer::page::camera::Resolution;
+use sinew_trainer::page::picture::Picture;
+use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::fit::FitOptions;
+use sinew_trainer::views::model::ViewsModel;
+use sinew_trainer::views::player::Player;
+use sinew_trainer::views::set::{Values, read};
+use sinew_trainer::views::train::{Trained, train};
+use std::path::Path;
+
+/// A picture with a mesh at one moment.
+#[derive(Clone)]
+pub(crate) struct Sheet {
+    /// Where vertices are, in pixels of the screen, y down.
+    pub(crate) places: Vec<[f64; 2]>,
+    /// Where they are in the picture, in pixels.
+    pub(crate) texels: Vec<[f64; 2]>,
+    pub(crate) triangles: Vec<[usize; 3]>,
+    /// Of straight alpha.
+    pub(crate) picture: Picture,
+    pub(crate) opacity: f64,
+    /// Sheets that mask it: it is seen where one of them has an alpha above a half. Everywhere where there are none.
+    pub(crate) masks: Vec<usize>,
+}
+
+impl Sheet {
+    /// Returns its colour on the screen, times its alpha, without its opacity.
+    fn at(&self, place: [f64; 2]) -> [f64; 4] {
+        for corners in &self.triangles {
+            let [a, b, c] = corners.map(|at| self.places[at]);
+            let side = |a: [f64; 2], b: [f64; 2], p: [f64; 2]| {
+                (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+            };
+            let whole = side(a, b, c);
+            let shares = [side(b, c, place), side(c, a, place), side(a, b, place)];
+            let shares = shares.map(|share| share / whole);
+            if shares.iter().all(|share| *share >= -1e-9) {
+                let texel = |axis: usize| {
+                    let own = corners.iter().zip(shares);
+                    own.map(|(&at, share)| share * self.texels[at][axis]).sum::<f64>()
+                };
+                return sampled(&self.picture, [texel(0), texel(1)]);
+            }
+        }
+        [0.0; 4]
+    }
+}
+
+/// Returns a colour between the four nearest texels, times its alpha.
+fn sampled(picture: &Picture, place: [f64; 2]) -> [f64; 4] {
+    let Resolution { width, height } = picture.size;
+    let kept = |x: f64, len: usize| (x - 0.5).clamp(0.0, (len - 1) as f64);
+    let [x, y] = [kept(place[0], width), kept(place[1], height)];
+    let mut out = [0.0; 4];
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let share = (1.0 - (x.floor() + f64::from(dx) - x).abs())
+            * (1.0 - (y.floor() + f64::from(dy) - y).abs());
+        let column = (x as usize + dx as usize).min(width - 1);
+        let row = (y as usize + dy as usize).min(height - 1);
+        let texel = &picture.rgba[4 * (row * width + column)..][..4];
+        let alpha = f64::from(texel[3]) / 255.0;
+        for (out, x) in out.iter_mut().zip([texel[0], texel[1], texel[2], 255]) {
+            *out += share * alpha * f64::from(x);
+        }
+    }
+    out
+}
+
+/// Draws sheets one over the other; colours are times their alpha.
+///
+/// - `order`: their numbers, the hindmost first.
+pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize]) -> Picture {
+    let mut rgba = Vec::new();
+    for at in 0..width * height {
+        let place = [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5];
+        let mut pixel = [0.0; 4];
+        for &number in order {
+            let sheet = &sheets[number];
+            let masks = |&mask: &usize| sheets[mask].at(place)[3] > 127.5;
+            if sheet.opacity == 0.0 || !sheet.masks.is_empty() && !sheet.masks.iter().any(masks) {
+                continue;
+            }
+            let own = sheet.at(place).map(|x| x * sheet.opacity);
+            let left = 1.0 - own[3] / 255.0;
+            pixel.iter_mut().zip(own).for_each(|(below, own)| *below = *below * left + own);
+        }
+        rgba.extend(pixel.map(|x| x.round() as u8));
+    }
+    Picture { size: Resolution { width, height }, rgba }
+}
+
+/// Peak over RMS error of pictures whose colours are times their alpha, dB.
+pub(crate) fn psnr(a: &Picture, b: &Picture) -> f64 {
+    assert_eq!(a.size, b.size);
+    let apart = a.rgba.iter().zip(&b.rgba).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    10.0 * (255.0f64.powi(2) * a.rgba.len() as f64 / apart.sum::<f64>()).log10()
+}
+
+/// Returns what the model draws, by the runtime.
+pub(crate) fn drawn(file: &Model<Vec<u8>>, values: &Values) -> Picture {
+    let player = Player::new(file, None).unwrap();
+    player.draw(&player.play(values).unwrap()).unwrap().0
+}
+
+/// Returns the layer and the key view that have a picture, and numbers of the vertices that are at places in it.
+pub(crate) fn found(
+    model: &ViewsModel,
+    picture: &Picture,
+    texels: &[[f64; 2]],
+) -> (usize, usize, Vec<usize>) {
+    let keys = model.keys.iter().enumerate();
+    let all = keys.flat_map(|(view, key)| {
+        key.pictures.iter().enumerate().map(move |(layer, own)| (layer, view, own.as_ref()))
+    });
+    let own = |(_, _, own): &(usize, usize, Option<&(Picture, [usize; 2])>)| {
+        own.is_some_and(|(own, _)| own == picture)
+    };
+    let (layer, view, shown) = all.clone().find(own).unwrap();
+    assert_eq!(all.filter(own).count(), 1, "pictures differ");
+    let corner = shown.unwrap().1.map(|x| x as f64);
+    let places = |&vertex: &usize| model.mesh.vertices[vertex].at(&model.keys[view].points);
+    let mut vertices: Vec<usize> =
+        model.mesh.layers[layer].iter().flat_map(|own| own.points()).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let nearest = |texel: &[f64; 2]| {
+        let apart = |vertex: &usize| {
+            let place = places(vertex);
+            (place[0] - corner[0] - texel[0]).hypot(place[1] - corner[1] - texel[1])
+        };
+        let nearest = vertices.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+        assert!(apart(nearest) < 1e-2, "{}", apart(nearest));
+        *nearest
+    };
+    (layer, view, texels.iter().map(nearest).collect())
+}
+
+/// Names and colours of the layers of [`in_layers`] in both of its key views.
+const LAYERS: [(&str, [f64; 4], [[u8; 4]; 2]); 4] = [
+    ("back", [8.0, 8.0, 84.0, 84.0], [[200, 40, 40, 255], [40, 160, 80, 255]]),
+    ("face", [24.0, 24.0, 64.0, 64.0], [[240, 220, 200, 255], [220, 240, 160, 255]]),
+    ("eye", [54.0, 36.0, 78.0, 52.0], [[20, 30, 60, 255], [60, 30, 120, 255]]),
+    ("arm", [16.0, 52.0, 44.0, 80.0], [[250, 180, 20, 255], [20, 120, 250, 255]]),
+];
+/// How far each layer moves from the first view to the second.
+const MOVES: [[f64; 2]; 4] = [[4.0, 2.0], [8.0, 0.0], [8.0, 0.0], [4.0, -12.0]];
+
+/// Writes a set of four squares at x = 0 and x = 1. The face clips the eye, which stands out over its edge. The arm comes
+/// from behind the face to the front, and fades to a half.
+pub(crate) fn in_layers(folder: &Folder) -> std::path::PathBuf {
+    let side = 96;
+    let mut train = Vec::new();
+    for view in 0..2 {
+        let (mut layers, mut points) = (serde_json::Map::new(), Vec::new());
+        for ((name, [left, top, right, bottom], colours), [x, y]) in LAYERS.into_iter().zip(MOVES) {
+            let (dx, dy) = (x * view as f64, y * view as f64);
+            let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+            points.extend(corners.map(|[x, y]| [x + dx, y + dy]));
+            let mut picture = Picture {
+                size: Resolution { width: side, height: side },
+                rgba: vec![0; 4 * side * side],
+            };
+            for at in 0..side * side {
+                let place = [(at % side) as f64 - dx, (at / side) as f64 - dy];
+                let inside = (left..right).contains(&place[0]) && (top..bottom).contains(&place[1]);
+                if inside {
+                    picture.rgba[4 * at..][..4].copy_from_slice(&colours[view]);
+                }
+            }
+            let file = format!("{name}{view}.png");
+            std::fs::write(folder.path(&file), picture.png().unwrap()).unwrap();
+            let order = [0.5, 3.0][view];
+            let opacity = [1.0, 0.5][view];
+            layers.insert(
+                name.to_owned(),
+                if name == "arm" {
+                    json!({ "image": file, "order": order, "opacity": opacity })
+                } else {
+                    json!(file)
+                },
+            );
+        }
+        train.push(json!({ "x": view, "points": points, "layers": layers }));
+    }
+    let layer = |(number, (name, ..)): (usize, (&str, [f64; 4], [[u8; 4]; 2]))| {
+        let points: Vec<usize> = (4 * number..4 * number + 4).collect();
+        match name {
+            "eye" => json!({ "name": name, "points": points, "clip": "face" }),
+            _ => json!({ "name": name, "points": points }),
+        }
+    };
+    let layers: Vec<Value> = LAYERS.into_iter().enumerate().map(layer).collect();
+    let set = json!({ "image_size": [side, side], "layers": layers, "train": train });
+    let file = folder.path("views.json");
+    std::fs::write(&file, set.to_string()).unwrap();
+    file
+}
+
+/// Trains a set, and bakes it.
+pub(crate) fn made(file: &Path) -> (Trained, Model<Vec<u8>>) {
+    let set = read(file, None).unwrap();
+    let trained = train(&set, FitOptions::default()).unwrap();
+    let bytes = bake(Space::default(), &parts(&trained.model).unwrap()).unwrap();
+    (trained, Model::from_bytes(bytes).unwrap())
+}
+
+#[test]
+fn the_renderer_of_the_tests_finds_wrong_pictures() {
+    let folder = Folder::new("flat");
+    let (_, file) = made(&in_layers(&folder));
+    let at = |x: f64| drawn(&file, &[("x".to_owned(), x)].into());
+    assert!(psnr(&at(0.0), &at(0.0)).is_infinite());
+    assert!(psnr(&at(0.0), &at(0.25)) < 25.0);
+}
