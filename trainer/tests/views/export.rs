@@ -48,7 +48,7 @@ fn is_bent(
     assert_eq!(bend.interpolate_mode, Interpolation::Linear);
     let BindingValues::Deform(values) = &bend.values else { panic!("a mesh is bent") };
     let picture = picture(puppet, part);
-    let (_, view, numbers) = found(model, &picture, &texels(part, &picture));
+    let (_, view, numbers) = found(model, &node.name, &picture, &texels(part, &picture));
     for (i, j, shown) in nodes {
         assert!(bend.is_set[*i][*j]);
         for (k, &vertex) in numbers.iter().enumerate() {

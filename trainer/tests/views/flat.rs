@@ -31,25 +31,36 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// Returns its colour on the screen, times its alpha, without its opacity.
-    fn at(&self, place: [f64; 2]) -> [f64; 4] {
+    /// Draws it alone: the colour of each pixel's centre times its alpha, without its opacity.
+    fn pixels(&self, [width, height]: [usize; 2]) -> Vec<[f64; 4]> {
+        let mut out = vec![None; width * height];
         for corners in &self.triangles {
             let [a, b, c] = corners.map(|at| self.places[at]);
             let side = |a: [f64; 2], b: [f64; 2], p: [f64; 2]| {
                 (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
             };
             let whole = side(a, b, c);
-            let shares = [side(b, c, place), side(c, a, place), side(a, b, place)];
-            let shares = shares.map(|share| share / whole);
-            if shares.iter().all(|share| *share >= -1e-9) {
-                let texel = |axis: usize| {
-                    let own = corners.iter().zip(shares);
-                    own.map(|(&at, share)| share * self.texels[at][axis]).sum::<f64>()
-                };
-                return sampled(&self.picture, [texel(0), texel(1)]);
+            let range = |axis: usize, len: usize| {
+                let own = [a, b, c].map(|place| place[axis]);
+                let low = own.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
+                let high = own.into_iter().fold(0.0, f64::max).min(len as f64);
+                low as usize..high.ceil() as usize
+            };
+            for (y, x) in range(1, height).flat_map(|y| range(0, width).map(move |x| (y, x))) {
+                let place = [x as f64 + 0.5, y as f64 + 0.5];
+                let shares = [side(b, c, place), side(c, a, place), side(a, b, place)];
+                let shares = shares.map(|share| share / whole);
+                if shares.iter().all(|share| *share >= -1e-9) {
+                    let texel = |axis: usize| {
+                        let own = corners.iter().zip(shares);
+                        own.map(|(&at, share)| share * self.texels[at][axis]).sum::<f64>()
+                    };
+                    let own: &mut Option<[f64; 4]> = &mut out[y * width + x];
+                    own.get_or_insert_with(|| sampled(&self.picture, [texel(0), texel(1)]));
+                }
             }
         }
-        [0.0; 4]
+        out.into_iter().map(Option::unwrap_or_default).collect()
     }
 }
 
@@ -77,17 +88,18 @@ fn sampled(picture: &Picture, place: [f64; 2]) -> [f64; 4] {
 ///
 /// - `order`: their numbers, the hindmost first.
 pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize]) -> Picture {
+    let of = |sheet: &Sheet| sheet.pixels([width, height]);
+    let all: Vec<Vec<[f64; 4]>> = sheets.iter().map(of).collect();
     let mut rgba = Vec::new();
     for at in 0..width * height {
-        let place = [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5];
         let mut pixel = [0.0; 4];
         for &number in order {
             let sheet = &sheets[number];
-            let masks = |&mask: &usize| sheets[mask].at(place)[3] > 127.5;
+            let masks = |&mask: &usize| all[mask][at][3] > 127.5;
             if sheet.opacity == 0.0 || !sheet.masks.is_empty() && !sheet.masks.iter().any(masks) {
                 continue;
             }
-            let own = sheet.at(place).map(|x| x * sheet.opacity);
+            let own = all[number][at].map(|x| x * sheet.opacity);
             let left = 1.0 - own[3] / 255.0;
             pixel.iter_mut().zip(own).for_each(|(below, own)| *below = *below * left + own);
         }
@@ -109,22 +121,24 @@ pub(crate) fn drawn(file: &Model<Vec<u8>>, values: &Values) -> Picture {
     player.draw(&player.play(values).unwrap()).unwrap().0
 }
 
-/// Returns the layer and the key view that have a picture, and numbers of the vertices that are at places in it.
+/// Returns the layer and the key view that a sheet is named after, and numbers of the vertices at places in its picture.
 pub(crate) fn found(
     model: &ViewsModel,
+    name: &str,
     picture: &Picture,
     texels: &[[f64; 2]],
 ) -> (usize, usize, Vec<usize>) {
-    let keys = model.keys.iter().enumerate();
-    let all = keys.flat_map(|(view, key)| {
-        key.pictures.iter().enumerate().map(move |(layer, own)| (layer, view, own.as_ref()))
-    });
-    let own = |(_, _, own): &(usize, usize, Option<&(Picture, [usize; 2])>)| {
-        own.is_some_and(|(own, _)| own == picture)
+    let of = |layer: usize, view: usize| {
+        let (layer, key) = (&model.layers[layer].name, &model.keys[view].name);
+        let is_one = model.layers.len() == 1;
+        name.replace(' ', "-") == if is_one { key.clone() } else { format!("{layer}-{key}") }
     };
-    let (layer, view, shown) = all.clone().find(own).unwrap();
-    assert_eq!(all.filter(own).count(), 1, "pictures differ");
-    let corner = shown.unwrap().1.map(|x| x as f64);
+    let all = (0..model.layers.len())
+        .flat_map(|layer| (0..model.keys.len()).map(move |view| (layer, view)));
+    let (layer, view) = all.into_iter().find(|&(layer, view)| of(layer, view)).unwrap();
+    let (shown, corner) = model.keys[view].pictures[layer].as_ref().unwrap();
+    assert_eq!(shown, picture, "{name}");
+    let corner = corner.map(|x| x as f64);
     let places = |&vertex: &usize| model.mesh.vertices[vertex].at(&model.keys[view].points);
     let mut vertices: Vec<usize> =
         model.mesh.layers[layer].iter().flat_map(|own| own.points()).copied().collect();
