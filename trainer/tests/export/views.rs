@@ -31,7 +31,7 @@ fn shown(trained: &Trained, yaw: f64) -> Shown {
     trained.model.outputs().evaluate(&trained.model.maps[0], &values).unwrap()
 }
 
-/// A primitive: its key view, and of each vertex its place at rest, what targets add, and its place in the picture.
+/// A primitive: its key view, and by vertex places at rest, moves by targets, and places in the picture.
 struct Primitive {
     key: usize,
     name: String,
@@ -100,7 +100,7 @@ fn vertices(model: &ViewsModel, layer: usize, primitives: &[&Primitive]) -> Vec<
     (0..primitives[0].rest.len()).map(nearest).collect()
 }
 
-/// Holds every primitive, at rest and by each of its targets, against what the model shows in double precision.
+/// Holds every primitive, at rest and by each of its targets, against the model in double precision.
 fn shows(glb: &[u8], trained: &Trained, rest: f64, targets: &[f64]) {
     let model = &trained.model;
     let all = primitives(glb, model, |_| 0);

@@ -1,14 +1,15 @@
 //! Grids of parameters as other tools read them: an Inochi2D puppet, by its own parser.
 
 use super::common::Folder;
-use super::flat::{found, made as made_of};
-use super::puppets::{binding, number, picture, texels};
+use super::flat::{draw, drawn, found, made as made_of, psnr};
+use super::puppets::{binding, number, picture, posed, texels};
 use inochi2d_parser::prelude::{BindingValues, Interpolation, Node, ParamName, PartData, Puppet};
 use sinew_runtime::Model;
 use sinew_trainer::views::demo::write;
-use sinew_trainer::views::export::{Grid, GridError, Side, puppet};
+use sinew_trainer::views::export::{Grid, GridError, Node as GridNode, Side, puppet};
 use sinew_trainer::views::fit::Shown;
 use sinew_trainer::views::model::ViewsModel;
+use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, ViewSet, read};
 use sinew_trainer::views::train::Trained;
 
@@ -146,6 +147,30 @@ fn a_head_goes_all_the_way_round_in_a_puppet_of_one_parameter() {
         let part = node.type_node.as_part().unwrap();
         is_bent((node, part), &puppet, &trained.model, &nodes, [80.0, 96.0]);
     }
+    // The renderer of the tests has no half covered pixels, and the outline is most of the difference.
+    is_drawn("head", &file, &grid, &puppet, 28.0);
+}
+
+#[test]
+fn a_figure_of_one_picture_is_drawn_as_the_model_draws_it() {
+    let folder = Folder::new("figure-puppet");
+    let (_, _, file) = made(&folder, "figure");
+    let grid = Grid::of_sides(&file, None, &Values::new(), &[side("phase", None, 9)]).unwrap();
+    let puppet = Puppet::from_bytes(&puppet(&file, None, &grid).unwrap()).unwrap();
+    is_drawn("figure", &file, &grid, &puppet, 40.0);
+}
+
+/// Draws a puppet of one side at its nodes, and holds it against the model's pictures, dB.
+fn is_drawn(name: &str, file: &Model<Vec<u8>>, grid: &Grid, puppet: &Puppet, bar: f64) {
+    let screen = Player::new(file, None).unwrap().size();
+    let off = |(node, shown): (usize, &GridNode)| {
+        let pose = posed(puppet, screen, [node as f64, 0.0]);
+        psnr(&draw(screen, &pose.sheets, &pose.order), &drawn(file, &shown.values))
+    };
+    let all: Vec<f64> = grid.nodes.iter().enumerate().map(off).collect();
+    let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("puppet of the {name} over the model: worst {worst:.2} dB of {all:.1?}");
+    assert!(worst > bar, "{name}: {all:?}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use sinew_trainer::views::model::ViewsModel;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, read};
 use sinew_trainer::views::train::{Trained, train};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A picture with a mesh at one moment.
 #[derive(Clone)]
@@ -90,8 +90,7 @@ fn sampled(picture: &Picture, place: [f64; 2]) -> [f64; 4] {
 pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize]) -> Picture {
     let of = |sheet: &Sheet| sheet.pixels([width, height]);
     let all: Vec<Vec<[f64; 4]>> = sheets.iter().map(of).collect();
-    let mut rgba = Vec::new();
-    for at in 0..width * height {
+    let pixel = |at: usize| {
         let mut pixel = [0.0; 4];
         for &number in order {
             let sheet = &sheets[number];
@@ -103,8 +102,9 @@ pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize
             let left = 1.0 - own[3] / 255.0;
             pixel.iter_mut().zip(own).for_each(|(below, own)| *below = *below * left + own);
         }
-        rgba.extend(pixel.map(|x| x.round() as u8));
-    }
+        pixel.map(|x| x.round() as u8)
+    };
+    let rgba = (0..width * height).flat_map(pixel).collect();
     Picture { size: Resolution { width, height }, rgba }
 }
 
@@ -115,7 +115,7 @@ pub(crate) fn psnr(a: &Picture, b: &Picture) -> f64 {
     10.0 * (255.0f64.powi(2) * a.rgba.len() as f64 / apart.sum::<f64>()).log10()
 }
 
-/// Returns what the model draws, by the runtime.
+/// Returns the model's picture, by the runtime.
 pub(crate) fn drawn(file: &Model<Vec<u8>>, values: &Values) -> Picture {
     let player = Player::new(file, None).unwrap();
     player.draw(&player.play(values).unwrap()).unwrap().0
@@ -156,62 +156,100 @@ pub(crate) fn found(
     (layer, view, texels.iter().map(nearest).collect())
 }
 
-/// Names and colours of the layers of [`in_layers`] in both of its key views.
-const LAYERS: [(&str, [f64; 4], [[u8; 4]; 2]); 4] = [
-    ("back", [8.0, 8.0, 84.0, 84.0], [[200, 40, 40, 255], [40, 160, 80, 255]]),
-    ("face", [24.0, 24.0, 64.0, 64.0], [[240, 220, 200, 255], [220, 240, 160, 255]]),
-    ("eye", [54.0, 36.0, 78.0, 52.0], [[20, 30, 60, 255], [60, 30, 120, 255]]),
-    ("arm", [16.0, 52.0, 44.0, 80.0], [[250, 180, 20, 255], [20, 120, 250, 255]]),
+/// A square of [`in_layers`].
+struct Square {
+    name: &'static str,
+    /// Left, top, right and bottom in the first view.
+    sides: [f64; 4],
+    /// How far it moves to the second view.
+    moves: [f64; 2],
+    /// In both views.
+    colours: [[u8; 4]; 2],
+}
+
+const SQUARES: [Square; 4] = [
+    Square {
+        name: "back",
+        sides: [8.0, 8.0, 84.0, 84.0],
+        moves: [4.0, 2.0],
+        colours: [[200, 40, 40, 255], [40, 160, 80, 255]],
+    },
+    Square {
+        name: "face",
+        sides: [24.0, 24.0, 64.0, 64.0],
+        moves: [8.0, 0.0],
+        colours: [[240, 220, 200, 255], [220, 240, 160, 255]],
+    },
+    Square {
+        name: "eye",
+        sides: [54.0, 36.0, 78.0, 52.0],
+        moves: [8.0, 0.0],
+        colours: [[20, 30, 60, 255], [60, 30, 120, 255]],
+    },
+    Square {
+        name: "arm",
+        sides: [16.0, 52.0, 44.0, 80.0],
+        moves: [4.0, -12.0],
+        colours: [[250, 180, 20, 255], [20, 120, 250, 255]],
+    },
 ];
-/// How far each layer moves from the first view to the second.
-const MOVES: [[f64; 2]; 4] = [[4.0, 2.0], [8.0, 0.0], [8.0, 0.0], [4.0, -12.0]];
+
+/// Width and height of the screen of [`in_layers`].
+pub(crate) const SCREEN: [usize; 2] = [96, 96];
+
+impl Square {
+    /// Returns how far it has moved in a view.
+    fn moved(&self, view: usize) -> [f64; 2] {
+        self.moves.map(|by| by * view as f64)
+    }
+
+    fn corners(&self, view: usize) -> [[f64; 2]; 4] {
+        let ([left, top, right, bottom], [dx, dy]) = (self.sides, self.moved(view));
+        let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+        corners.map(|[x, y]| [x + dx, y + dy])
+    }
+
+    fn picture(&self, view: usize) -> Picture {
+        let ([left, top, right, bottom], [dx, dy]) = (self.sides, self.moved(view));
+        let [width, height] = SCREEN;
+        let pixel = |at: usize| {
+            let [x, y] = [(at % width) as f64 - dx, (at / width) as f64 - dy];
+            let is_inside = (left..right).contains(&x) && (top..bottom).contains(&y);
+            if is_inside { self.colours[view] } else { [0; 4] }
+        };
+        let rgba = (0..width * height).flat_map(pixel).collect();
+        Picture { size: Resolution { width, height }, rgba }
+    }
+}
 
 /// Writes a set of four squares at x = 0 and x = 1. The face clips the eye, which stands out over its edge. The arm comes
 /// from behind the face to the front, and fades to a half.
-pub(crate) fn in_layers(folder: &Folder) -> std::path::PathBuf {
-    let side = 96;
+pub(crate) fn in_layers(folder: &Folder) -> PathBuf {
     let mut train = Vec::new();
     for view in 0..2 {
-        let (mut layers, mut points) = (serde_json::Map::new(), Vec::new());
-        for ((name, [left, top, right, bottom], colours), [x, y]) in LAYERS.into_iter().zip(MOVES) {
-            let (dx, dy) = (x * view as f64, y * view as f64);
-            let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-            points.extend(corners.map(|[x, y]| [x + dx, y + dy]));
-            let mut picture = Picture {
-                size: Resolution { width: side, height: side },
-                rgba: vec![0; 4 * side * side],
+        let mut layers = serde_json::Map::new();
+        for square in &SQUARES {
+            let file = format!("{}{view}.png", square.name);
+            std::fs::write(folder.path(&file), square.picture(view).png().unwrap()).unwrap();
+            let (order, opacity) = ([0.5, 3.0][view], [1.0, 0.5][view]);
+            let own = match square.name {
+                "arm" => json!({ "image": file, "order": order, "opacity": opacity }),
+                _ => json!(file),
             };
-            for at in 0..side * side {
-                let place = [(at % side) as f64 - dx, (at / side) as f64 - dy];
-                let inside = (left..right).contains(&place[0]) && (top..bottom).contains(&place[1]);
-                if inside {
-                    picture.rgba[4 * at..][..4].copy_from_slice(&colours[view]);
-                }
-            }
-            let file = format!("{name}{view}.png");
-            std::fs::write(folder.path(&file), picture.png().unwrap()).unwrap();
-            let order = [0.5, 3.0][view];
-            let opacity = [1.0, 0.5][view];
-            layers.insert(
-                name.to_owned(),
-                if name == "arm" {
-                    json!({ "image": file, "order": order, "opacity": opacity })
-                } else {
-                    json!(file)
-                },
-            );
+            layers.insert(square.name.to_owned(), own);
         }
+        let points: Vec<[f64; 2]> = SQUARES.iter().flat_map(|own| own.corners(view)).collect();
         train.push(json!({ "x": view, "points": points, "layers": layers }));
     }
-    let layer = |(number, (name, ..)): (usize, (&str, [f64; 4], [[u8; 4]; 2]))| {
+    let layer = |(number, square): (usize, &Square)| {
         let points: Vec<usize> = (4 * number..4 * number + 4).collect();
-        match name {
-            "eye" => json!({ "name": name, "points": points, "clip": "face" }),
-            _ => json!({ "name": name, "points": points }),
+        match square.name {
+            "eye" => json!({ "name": square.name, "points": points, "clip": "face" }),
+            name => json!({ "name": name, "points": points }),
         }
     };
-    let layers: Vec<Value> = LAYERS.into_iter().enumerate().map(layer).collect();
-    let set = json!({ "image_size": [side, side], "layers": layers, "train": train });
+    let layers: Vec<Value> = SQUARES.iter().enumerate().map(layer).collect();
+    let set = json!({ "image_size": SCREEN, "layers": layers, "train": train });
     let file = folder.path("views.json");
     std::fs::write(&file, set.to_string()).unwrap();
     file

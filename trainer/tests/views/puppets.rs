@@ -1,4 +1,4 @@
-//! Reads puppets by the parser of another hand, and interpolates what they bind as Inochi2D does.
+//! Reads puppets by another project's parser, and interpolates their bindings as Inochi2D does.
 
 use super::flat::Sheet;
 use inochi2d_parser::prelude::{

@@ -1,7 +1,7 @@
 //! Spine JSON, read back by the format's public description ("JSON export format", esotericsoftware.com).
 
 use super::common::Folder;
-use super::flat::{Sheet, draw, drawn, found, in_layers, made, psnr};
+use super::flat::{SCREEN, Sheet, draw, drawn, found, in_layers, made, psnr};
 use super::puppets::decoded;
 use super::shared::shared;
 use serde_json::Value;
@@ -204,16 +204,16 @@ fn layers_are_slots_that_bend_fade_and_change_their_order() {
             let layers: Vec<&str> = names.map(|name| name.split('-').next().unwrap()).collect();
             assert_eq!([0, 2, 4, 6].map(|at| layers[at]), expected, "x = {x}");
             assert_eq!([1, 3, 5, 7].map(|at| layers[at]), expected, "x = {x}");
-            // What the model has clipped this format does not: the masks are put back to compare.
+            // The format has no masks. They are put back to compare.
             let names = &pose.names;
             let of = |layer: &str| {
                 let own = names.iter().enumerate().filter(|(_, name)| name.starts_with(layer));
                 own.map(|(at, _)| at).collect::<Vec<_>>()
             };
             let (eyes, faces) = (of("eye"), of("face"));
-            let bare = draw([96, 96], &pose.sheets, &pose.order);
+            let bare = draw(SCREEN, &pose.sheets, &pose.order);
             eyes.iter().for_each(|&at| pose.sheets[at].masks.clone_from(&faces));
-            let found = draw([96, 96], &pose.sheets, &pose.order);
+            let found = draw(SCREEN, &pose.sheets, &pose.order);
             let model = drawn(&file, values);
             let (bare, psnr) = (psnr(&bare, &model), psnr(&found, &model));
             println!("spine in layers, x = {x}: {psnr:.2} dB, without masks {bare:.2}");
@@ -246,15 +246,11 @@ fn a_character_walks_its_path_as_the_model_draws_it() {
         let pose = posed(&made, "turn", number as f64 * FRAME);
         let found = draw([320, 320], &pose.sheets, &pose.order);
         all.push(psnr(&found, &drawn(&file, values)));
-        if let Some(folder) = std::env::var_os("SINEW_PICTURES") {
-            let place = std::path::Path::new(&folder).join(format!("spine{number}.png"));
-            std::fs::write(place, found.png().unwrap()).unwrap();
-        }
     }
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
     println!("spine of the character over the model, 9 frames: {mean:.2} dB, worst {worst:.2}");
-    assert!(mean > 34.0 && worst > 30.0, "{all:?}");
+    assert!(mean > 36.0 && worst > 33.0, "{all:?}");
 }
 
 #[test]
@@ -269,7 +265,7 @@ fn a_head_with_depth_turns_in_slots_that_are_switched() {
     for (number, values) in frames.iter().enumerate() {
         let pose = posed(&made, "turn", number as f64 * FRAME);
         assert!(pose.sheets.iter().all(|sheet| [0.0, 1.0].contains(&sheet.opacity)));
-        // The foremost slot that is seen is that of a key view of the highest score, of which there are two halfway.
+        // The foremost slot that is seen is that of a key view of the highest score; halfway two views have it.
         let front = pose.order.iter().rev().find(|&&at| pose.sheets[at].opacity > 0.0).unwrap();
         let shown = trained.model.outputs().evaluate(&trained.model.maps[0], values).unwrap();
         let highest = shown.scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 /// Draws the object along a path of parameters
 ///
-/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, how many pictures there are from the first key to
-/// the last one, evenly spread; 24 where nothing is said.
+/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, the number of pictures. The first one shows the first
+/// key, the last one the last key, and the others are evenly spread. There are 24 if PATH names no number.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

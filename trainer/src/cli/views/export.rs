@@ -46,8 +46,8 @@ struct Format {
     /// Binary glTF with a morph target a node, or, without a grid, a key view
     #[arg(long, value_name = "GRID", value_parser = sides, num_args = 0..=1)]
     glb: Option<Option<Sides>>,
-    /// Spine JSON with an animation for each path, as `animate` takes them, named after its file; pictures go into a
-    /// folder beside it that has its name
+    /// Spine JSON with an animation for each path of `animate`, named after its file. Pictures go to the folder of the
+    /// same name
     #[arg(long, value_name = "PATH", num_args = 1..)]
     spine: Vec<PathBuf>,
 }

@@ -17,7 +17,7 @@ const fn frames() -> usize {
     24
 }
 
-/// Lists the parameters of all frames of a path: the first key is the first frame, the last key the last one.
+/// Lists the parameters of all frames of a path. The first frame is the first key, the last frame the last key.
 ///
 /// - `frames`: how many, in place of the path's own number.
 ///

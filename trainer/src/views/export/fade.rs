@@ -6,7 +6,7 @@
 /// Opacity that is left to lower pictures below which none of them is seen.
 const HIDDEN: f64 = 1e-6;
 
-/// Lists key views that count at a node, the undermost first: that which counts most in all nodes.
+/// Lists the key views that count at a node, the undermost first: that of the greatest share in all nodes.
 ///
 /// - `shares`: by node, of N views.
 pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
@@ -19,8 +19,8 @@ pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
 
 /// Returns the opacities of pictures at a node. Opaque pictures then mix by their shares.
 ///
-/// A picture that is wholly covered is opaque where it counts beside the node: as long as tools go from node to node along
-/// lines, nothing is seen through both.
+/// A picture that is wholly covered is opaque if it counts beside the node. Tools go from node to node along lines, and the
+/// background stays hidden on the way.
 ///
 /// - `order`: views, the undermost first.
 /// - `shares`: of N views, 1 in sum or less.

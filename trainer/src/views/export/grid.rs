@@ -104,7 +104,7 @@ impl Grid {
     /// Shows a map at the frames of a path.
     ///
     /// # Errors
-    /// What the runtime refuses.
+    /// [`GridError::Play`].
     pub fn of_frames(
         model: &Model<Vec<u8>>,
         map: Option<&str>,

@@ -22,7 +22,7 @@ pub(super) fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
             let Some(found) = border.iter().position(|edge| edge.contains(&at)) else { break };
             let [a, b] = border.swap_remove(found);
             at = if a == at { b } else { a };
-            // A vertex at which two borders meet closes a loop of its own.
+            // Two borders may meet at a vertex: the loop between is a border by itself.
             if let Some(first) = way.iter().position(|&vertex| vertex == at).filter(|&at| at > 0) {
                 let own = way.split_off(first);
                 longest = longer(longest, own);

@@ -1,5 +1,6 @@
-//! What a model shows at a grid of parameters, or along a path, for other tools: an Inochi2D puppet, Spine JSON, and binary
-//! glTF with morph targets (METHOD §6.8).
+//! Models for other tools (METHOD §6.8).
+//!
+//! A grid of parameters becomes an Inochi2D puppet, or binary glTF with morph targets. Paths become Spine JSON.
 
 mod error;
 mod fade;

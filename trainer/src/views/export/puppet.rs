@@ -1,8 +1,7 @@
 //! A grid of one or two parameters as an Inochi2D puppet: a part a layer and key view, bent at the grid's nodes.
 //!
-//! Between nodes Inochi2D goes along lines. The part of the greatest `zSort` is the hindmost. A part is masked by the parts
-//! of the layer that clips its own: they mask by the alpha of their pictures, whatever their opacity, and are not masked
-//! themselves.
+//! Inochi2D interpolates linearly between nodes. The part of the greatest `zSort` is the hindmost. The parts of a layer that
+//! clips another mask its parts, by the alpha of their pictures. Inochi2D ignores the opacity and the masks of a mask.
 
 use super::error::GridError;
 use super::grid::{Grid, Side};
@@ -23,8 +22,8 @@ const FIRST_PART: u32 = 3;
 
 /// Writes a puppet with one parameter, of one number or two.
 ///
-/// A part's vertices stand where its picture has them, less the picture's middle; its mesh is bent so that they come to
-/// stand where the model has them at each node, less the screen's middle. Quads are cut in two.
+/// A part's vertices are at their places in its picture, less the picture's middle. At each node its mesh is bent to the
+/// places in the model, less the screen's middle. Quads are cut in two.
 ///
 /// - `grid`: of `model`, of one or two sides.
 ///
@@ -115,8 +114,7 @@ fn part(views: &Views<'_>, sheets: &[Sheet], number: usize) -> Value {
     })
 }
 
-/// Lists what the parameter does to a part: it bends the mesh along lines, and moves the part to its place in the stack of
-/// the nearest node.
+/// Lists the bindings of a part. Its mesh bends along lines. Its place in the stack is that of the nearest node.
 ///
 /// - `places`: of the part's vertices, by node.
 fn bindings_of(

@@ -2,13 +2,13 @@
 
 use super::error::GridError;
 use super::grid::Grid;
-use super::shown::{Shown, elements, name, texel, triangles};
+use super::shown::{Shown, elements, name, numbered, triangles, uvs};
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use serde_json::{Map, Value, json};
 use sinew_runtime::Model;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// What the file says of itself.
 const NOTE: &str = "An object of views: each morph target is what it is at the parameters of its name. The screen is one \
@@ -20,9 +20,9 @@ const STEP: f64 = 1e-3;
 
 /// Writes a scene: at rest the object stands as at the node in the middle.
 ///
-/// An element has its texture from the key view that counts most at rest: for each element where it has depth, else for its
-/// whole layer. Elements of one layer and view are a primitive. Layers without depth stand a little one before the other, in
-/// their order at rest. Quads are cut in two; layers that are not seen at rest are left out.
+/// The key view of the greatest share at rest textures a layer. With depth it textures each element. Elements of one layer
+/// and view are a primitive. Layers without depth are a small step one before the other, in their order at rest. Quads are
+/// cut in two. Layers that are not seen at rest are left out.
 ///
 /// # Errors
 /// [`GridError::Nothing`], and those of writing.
@@ -42,31 +42,22 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
         if by_view.is_empty() || opacity <= 0.0 {
             continue;
         }
-        let (mut vertices, mut places) = (Vec::new(), HashMap::new());
-        for &vertex in by_view.values().flatten().flatten() {
-            places.entry(vertex).or_insert_with(|| {
-                vertices.push(vertex);
-                vertices.len() - 1
-            });
-        }
+        let all: Vec<[usize; 3]> = by_view.values().flatten().copied().collect();
+        let (vertices, all) = numbered(&all);
+        let mut left = all.as_slice();
         let before = if has_depth { 0.0 } else { STEP * step as f64 };
         let (positions, targets) =
             shapes(&mut document, &shown, rest, &vertices, player.size(), before);
-        for (view, triangles) in by_view {
+        for (view, own) in by_view {
+            let (triangles, others) = left.split_at(own.len());
+            left = others;
             let Some(picture) = player.key_picture(view, layer) else { continue };
-            let size = [picture.size.width, picture.size.height].map(|side| side as f32);
-            let uv = |&vertex: &usize| {
-                let place = texel(views, view, vertex);
-                [place[0] / size[0], place[1] / size[1]]
-            };
-            let uvs: Vec<[f32; 2]> = vertices.iter().map(uv).collect();
+            let uvs = uvs(views, view, &vertices, picture.size);
             let uvs = document.floats(ArrayKind::vertices(F32, "VEC2"), &uvs);
-            let triangles: Vec<[usize; 3]> =
-                triangles.iter().map(|corners| corners.map(|at| places[&at])).collect();
             let look = Look { name: name(views, layer, view), picture, opacity, has_depth };
             primitives.push(json!({
                 "attributes": { "POSITION": positions, "TEXCOORD_0": uvs },
-                "indices": document.indices(&triangles, vertices.len()),
+                "indices": document.indices(triangles, vertices.len()),
                 "mode": 4,
                 "targets": targets,
                 "material": looks.add(&mut document, &look)?,
@@ -160,7 +151,7 @@ struct Look {
     has_depth: bool,
 }
 
-/// Materials, and what they are made of.
+/// Materials, their textures and images.
 #[derive(Default)]
 struct Looks {
     materials: Vec<Value>,

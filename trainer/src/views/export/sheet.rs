@@ -1,15 +1,13 @@
 //! Pictures with a mesh, as tools of 2-D rigs have them: one a layer and key view.
 //!
-//! A layer without depth is drawn of all its key views, by their shares. Where elements hide each other by depth, which such
-//! tools do not know, each is textured by one view: the sheet of the view of the highest score is the foremost, and those
-//! behind it are seen where they show more.
+//! A layer without depth is a blend of its key views by their shares. Such tools have no depth, so an element with depth is
+//! textured by one view. The view of the highest score is in front. Views behind it show the elements that it does not.
 
 use super::fade::{opacities, order};
-use super::shown::{Shown, elements, name, texel, triangles};
+use super::shown::{Shown, elements, name, numbered, texel, triangles, uvs};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use sinew_runtime::views::{Element, Views};
-use std::collections::HashMap;
 
 /// A layer's picture in a key view, and what becomes of it.
 pub(super) struct Sheet {
@@ -17,7 +15,7 @@ pub(super) struct Sheet {
     pub(super) layer: usize,
     /// Its key view.
     view: usize,
-    /// What it is called: after its key view, and after its layer where there are several.
+    /// Its name: that of its key view, after that of its layer if there are several.
     pub(super) name: String,
     /// Its picture, of straight alpha.
     pub(super) picture: Picture,
@@ -41,9 +39,7 @@ impl Sheet {
 
     /// Returns the same in shares of its picture's width and height.
     pub(super) fn uvs(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
-        let size = [self.picture.size.width, self.picture.size.height].map(|side| side as f32);
-        let shares = |place: [f32; 2]| [place[0] / size[0], place[1] / size[1]];
-        self.texels(views).into_iter().map(shares).collect()
+        uvs(views, self.view, &self.vertices, self.picture.size)
     }
 
     /// Returns where its vertices are on the screen, from its middle.
@@ -54,7 +50,7 @@ impl Sheet {
     }
 }
 
-/// Makes the sheets of all layers, those of a layer together: layers as they come in the file, sheets from the undermost on.
+/// Makes the sheets of all layers, in the order of the file. Sheets of a layer come from the undermost on.
 ///
 /// - `beside`: lists the nodes that a tool goes to from a node.
 pub(super) fn sheets(
@@ -100,13 +96,13 @@ fn faded(
         out
     };
     let shares: Vec<Vec<f64>> = shown.iter().map(shares).collect();
+    let elements: Vec<Element> = elements(views, layer).collect();
     let order = order(&shares);
     let at = |node: usize| {
         let counts = |view: usize| beside(node).iter().any(|&other| shares[other][view] > 0.0);
         opacities(&order, &shares[node], shown[node].opacity(layer), counts)
     };
     let by_node: Vec<Vec<f64>> = (0..shown.len()).map(at).collect();
-    let elements: Vec<Element> = elements(views, layer).collect();
     let sheet = |(place, &view): (usize, &usize)| {
         let opacities = by_node.iter().map(|own| own[place]).collect();
         of_elements(player, layer, view, &elements, opacities)
@@ -127,7 +123,7 @@ fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet
     };
     let sources: Vec<Vec<Option<usize>>> = shown.iter().map(sources).collect();
     let of_view = |view: usize| {
-        // As far as elements are on average where the view textures them.
+        // Elements with their mean depth at the nodes where the view textures them.
         let mut own = Vec::new();
         for (number, element) in elements.iter().enumerate() {
             let nodes = shown.iter().zip(&sources).filter(|(_, all)| all[number] == Some(view));
@@ -160,15 +156,8 @@ fn of_elements(
 ) -> Option<Sheet> {
     let views = player.views();
     let picture = player.key_picture(view, layer)?;
-    let (mut vertices, mut places) = (Vec::new(), HashMap::new());
-    let mut place = |vertex: usize| {
-        *places.entry(vertex).or_insert_with(|| {
-            vertices.push(vertex);
-            vertices.len() - 1
-        })
-    };
-    let triangles = elements.iter().flat_map(triangles);
-    let triangles = triangles.map(|corners| corners.map(&mut place)).collect();
+    let triangles: Vec<[usize; 3]> = elements.iter().flat_map(triangles).collect();
+    let (vertices, triangles) = numbered(&triangles);
     let name = name(views, layer, view);
     let is_switched = views.layer(layer).is_some_and(|layer| layer.has_depth);
     let behind = Vec::new();

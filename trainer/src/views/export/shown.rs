@@ -1,12 +1,15 @@
-//! What an object shows at a node, as the runtime has it: places, the order of layers, and which key views count.
+//! An object at a node, as the runtime draws it: places, the order of layers, and the shares of key views.
 
+use crate::page::camera::Resolution;
 use crate::views::player::{Played, Player};
 use sinew_runtime::views::{Element, Views};
+use std::collections::HashMap;
 
-/// Share of the greatest count below which a key view is left out, the count of a view without a score, and that of a view
-/// that does not fit: those of the runtime's blend.
+/// Share of the greatest count below which a key view is left out. This and the next three are those of the runtime's blend.
 const LEAST: f64 = 0.2;
+/// Count of a view without a score.
 const FAR: f64 = 1e-3;
+/// Count of a view that does not fit.
 const UNFIT: f64 = 1e-6;
 /// Key views that an element is mixed of at most.
 const SOURCES: usize = 8;
@@ -55,8 +58,8 @@ impl<'a> Shown<'a> {
         out
     }
 
-    /// Returns the key view that shows an element best: of those with a picture of its layer the first of a ranking that
-    /// shows all of it, else the first.
+    /// Returns the key view that textures an element: the first of a ranking that shows all of it, else the first. Views
+    /// without a picture of the layer are left out.
     pub(super) fn texture(
         &self,
         layer: usize,
@@ -76,8 +79,8 @@ impl<'a> Shown<'a> {
         points.is_empty() || points.iter().any(|&at| self.played.visibility[at] > 0.5)
     }
 
-    /// Returns how much each key view counts in a layer without depth: the mean over its elements by their area. Views
-    /// without a picture of the layer count, too, and show nothing.
+    /// Returns the share of each key view in a layer without depth: the mean over its elements by their area. A view
+    /// without a picture of the layer has a share, too, and shows nothing.
     pub(super) fn shares(&self, layer: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.views.view_len()];
         let mut whole = 0.0;
@@ -91,7 +94,7 @@ impl<'a> Shown<'a> {
         out
     }
 
-    /// Returns how much each key view counts in an element.
+    /// Returns the share of each key view in an element.
     fn blend(&self, layer: usize, element: &Element, own: f64) -> Vec<f64> {
         let points = points(self.views, element);
         let seen = points.iter().map(|&at| f64::from(self.played.visibility[at]));
@@ -113,8 +116,7 @@ impl<'a> Shown<'a> {
         left.iter().map(|count| count / sum).collect()
     }
 
-    /// Returns how large a key view shows an element, from 0 to 1: less than 1 where its picture is smaller than `own`, 0
-    /// where it is turned over.
+    /// Returns how well a key view resolves an element of area `own`, from 0 to 1. An element that is turned over gets 0.
     fn detail(&self, layer: usize, view: usize, element: &Element, own: f64) -> f64 {
         if self.views.view_texture(view, layer).is_none() {
             return 1.0;
@@ -135,6 +137,18 @@ impl<'a> Shown<'a> {
 /// Returns where a vertex is in its layer's picture of a key view, in pixels.
 pub(super) fn texel(views: &Views<'_>, view: usize, vertex: usize) -> [f32; 2] {
     views.reference(view, vertex).unwrap_or_default()
+}
+
+/// Returns where vertices are in a key view's picture, in shares of its width and height.
+pub(super) fn uvs(
+    views: &Views<'_>,
+    view: usize,
+    vertices: &[usize],
+    size: Resolution,
+) -> Vec<[f32; 2]> {
+    let sides = [size.width, size.height].map(|side| side as f32);
+    let places = vertices.iter().map(|&vertex| texel(views, view, vertex));
+    places.map(|place| [0, 1].map(|axis| place[axis] / sides[axis])).collect()
 }
 
 /// Names a picture after its key view, and its layer where there are several.
@@ -161,6 +175,20 @@ pub(super) fn triangles(element: &Element) -> Vec<[usize; 3]> {
         Element::Triangle(vertices) => vec![vertices],
         Element::Quad([a, b, c, d]) => vec![[a, b, c], [a, c, d]],
     }
+}
+
+/// Numbers the vertices of triangles by themselves. Returns their numbers in the object, and the triangles by places in that
+/// list.
+pub(super) fn numbered(triangles: &[[usize; 3]]) -> (Vec<usize>, Vec<[usize; 3]>) {
+    let (mut vertices, mut places) = (Vec::new(), HashMap::new());
+    let mut place = |vertex: usize| {
+        *places.entry(vertex).or_insert_with(|| {
+            vertices.push(vertex);
+            vertices.len() - 1
+        })
+    };
+    let triangles = triangles.iter().map(|corners| corners.map(&mut place)).collect();
+    (vertices, triangles)
 }
 
 /// Lists the points that are vertices of an element.

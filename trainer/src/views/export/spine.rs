@@ -32,7 +32,7 @@ pub struct Spine {
     pub unclipped: Vec<String>,
 }
 
-/// Writes a skeleton with one bone, at the screen's middle. It stands at rest as in the first frame.
+/// Writes a skeleton with one bone, at the screen's middle. Its setup pose is the first frame.
 ///
 /// - `folder`: of the pictures, beside the skeleton.
 /// - `animations`: names, and the frames of each.
@@ -239,10 +239,10 @@ fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
         let plain: String = name.chars().map(kept).collect();
         let plain = if plain.is_empty() { "slot".to_owned() } else { plain };
         let numbered = (2..).map(|number| format!("{plain}-{number}"));
-        let all = std::iter::once(plain.clone()).chain(numbered);
+        let mut all = std::iter::once(plain.clone()).chain(numbered);
         // Some file systems know no case.
-        let is_taken = |name: &String| out.iter().any(|own| own.eq_ignore_ascii_case(name));
-        out.extend(all.skip_while(is_taken).next());
+        let is_free = |name: &String| !out.iter().any(|own| own.eq_ignore_ascii_case(name));
+        out.extend(all.find(is_free));
     }
     out
 }
