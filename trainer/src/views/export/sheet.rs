@@ -69,10 +69,7 @@ pub(super) fn sheets(
     }
     // Without what clips it nothing of a layer is seen.
     let layers: Vec<usize> = out.iter().map(|sheet| sheet.layer).collect();
-    out.retain(|sheet| {
-        let clip = views.layer(sheet.layer).and_then(|layer| layer.clip);
-        clip.is_none_or(|clip| layers.contains(&clip))
-    });
+    out.retain(|sheet| views.clips(sheet.layer).all(|clip| layers.contains(&clip)));
     stack(&mut out, shown);
     out
 }
