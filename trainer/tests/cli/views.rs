@@ -2,6 +2,7 @@
 
 use super::common::{Folder, Run};
 use serde_json::json;
+use sinew_trainer::page::picture::Picture;
 use std::fs;
 
 /// A folder with the demo's sets and a model of one of them.
@@ -302,6 +303,44 @@ fn paths_are_animations_of_a_skeleton_beside_its_pictures() {
     let set = "--spine turned.json --set pitch=0 -o two.json --json";
     let told = folder.sinew(&format!("{export} {set}")).json();
     assert_eq!(told["frames"], json!({ "turned": 24 }));
+}
+
+#[test]
+fn clip_masks_that_a_format_has_not_are_warned_of() {
+    let folder = Folder::new("views-clipped");
+    for (name, colour) in [("back", [200, 40, 40]), ("front", [40, 40, 200])] {
+        let picture = Picture::filled(16, 16, colour).png().unwrap();
+        fs::write(folder.path(&format!("{name}.png")), picture).unwrap();
+    }
+    let view = |x: f64| {
+        json!({
+            "x": x,
+            "points": [[2.0 + x, 2], [14, 2], [14, 14], [4.0 + x, 4], [12, 4], [12, 12]],
+            "layers": { "back": "back.png", "front": "front.png" },
+        })
+    };
+    let layers = json!([
+        { "name": "back", "points": [0, 1, 2] },
+        { "name": "front", "points": [3, 4, 5], "clip": "back" },
+    ]);
+    let set = json!({ "image_size": [16, 16], "layers": layers, "train": [view(0.0), view(1.0)] });
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    folder.sinew("views train views.json -o clipped.sinew").done();
+    fs::write(folder.path("path.json"), "{\"keys\": [{\"x\": 0}, {\"x\": 1}]}").unwrap();
+    for (arguments, told) in [
+        ("--inp x:2 -o x.inp", ""),
+        (
+            "--spine path.json -o x.json",
+            "sinew: warning: clipped.sinew: clip masks are not written, Spine clips by polygons: front\n",
+        ),
+        (
+            "--glb x:2 -o x.glb",
+            "sinew: warning: clipped.sinew: clip masks are not written, glTF has none\n",
+        ),
+    ] {
+        let run = folder.sinew(&format!("views export clipped.sinew {arguments}"));
+        assert_eq!((run.code, run.err.as_str()), (Some(0), told));
+    }
 }
 
 #[test]

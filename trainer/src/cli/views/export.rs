@@ -108,6 +108,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 None => Grid::of_key_views(&model, map).with_context(about)?,
             };
             let bytes = glb(&model, map, &grid).with_context(about)?;
+            if model.views().is_some_and(|views| views.has_clips()) {
+                output.warn(about(), "clip masks are not written, glTF has none");
+            }
             (grid, bytes)
         }
     };
