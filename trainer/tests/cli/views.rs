@@ -2,6 +2,7 @@
 
 use super::common::{Folder, Run};
 use serde_json::json;
+use sinew_trainer::page::picture::Picture;
 use std::fs;
 
 /// A folder with the demo's sets and a model of one of them.
@@ -73,7 +74,7 @@ fn a_figure_walks_is_driven_lends_its_motion_and_is_dragged() {
     folder.sinew("views animate figure.sinew --map walk --path path.json -o walk").done();
     assert_eq!(folder.list().iter().filter(|name| *name == "walk").count(), 1);
     assert!(
-        folder.path("walk/frame0003.png").exists() && !folder.path("walk/frame0004.png").exists()
+        folder.path("walk/frame0002.png").exists() && !folder.path("walk/frame0003.png").exists()
     );
     let again = folder.sinew("views animate figure.sinew --map walk --path path.json -o walk");
     assert_eq!(again.failed(), "walk: it holds frames already");
@@ -152,9 +153,9 @@ fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
     let animate = "views animate figure.sinew --map walk --path path.json";
     folder.sinew(&format!("{animate} -o walk")).done();
     let told = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.12 --json")).json();
-    assert_eq!((told["frames"].as_u64(), told["frame_time"].as_f64()), (Some(4), Some(0.12)));
+    assert_eq!((told["frames"].as_u64(), told["frame_time"].as_f64()), (Some(3), Some(0.12)));
     let frames = gif(&folder, "walk.gif");
-    assert_eq!(frames.len(), 4);
+    assert_eq!(frames.len(), 3);
     for (number, (rgba, delay)) in frames.iter().enumerate() {
         assert_eq!(*delay, 12);
         let png = decoded(&folder, &format!("walk/frame{number:04}.png")).1;
@@ -169,6 +170,21 @@ fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
         let mean = apart.sum::<f64>() / (rgba.len() as f64 * 0.75);
         assert!(mean < 2.0, "frame {number}: {mean}");
     }
+    // As many as are asked for, from the first key to the last one.
+    for count in [1, 2, 5] {
+        let told =
+            folder.sinew(&format!("{animate} --frames {count} -o some{count} --json")).json();
+        assert_eq!(told["frames"], count);
+        assert_eq!(fs::read_dir(folder.path(&format!("some{count}"))).unwrap().count(), count);
+        folder.sinew(&format!("{animate} --frames {count} -o some.gif")).done();
+        assert_eq!(gif(&folder, "some.gif").len(), count);
+        let last = format!("some{count}/frame{:04}.png", count - 1);
+        let key = if count == 1 { "frame0000.png" } else { "frame0002.png" };
+        assert_eq!(folder.read(&last), folder.read(&format!("walk/{key}")));
+    }
+    assert_eq!(folder.read("some5/frame0002.png"), folder.read("walk/frame0001.png"));
+    let none = folder.sinew(&format!("{animate} --frames 0 -o none"));
+    assert!(misused(none).contains("0 is not in 1.."));
     let refused = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.01"));
     assert!(misused(refused).contains("expected 0.02 seconds or more, 655.35 at most"));
 
@@ -233,6 +249,98 @@ fn grids_are_written_for_other_tools_and_lent_motion_is_reported() {
     folder.sinew("views export sister.sinew --map walk --inp phase:9 -o sister.inp").done();
     let lent = folder.sinew("views export sister.sinew --map walk --glb -o x.glb").failed();
     assert_eq!(lent, "sister.sinew: its motion is lent: say a grid");
+}
+
+#[test]
+fn paths_are_animations_of_a_skeleton_beside_its_pictures() {
+    let folder = trained("views-spine", "panel");
+    let key = |yaw: f64, bend: f64| json!({ "yaw": yaw, "pitch": 5, "bend": bend });
+    let bent = json!({ "keys": [key(-30.0, 0.0), key(0.0, 1.0), key(30.0, 0.0)], "frames": 5 });
+    fs::write(folder.path("bent.json"), bent.to_string()).unwrap();
+    let turned = json!({ "keys": [{ "yaw": 0, "bend": 0 }, { "yaw": 20, "bend": 0 }] });
+    fs::write(folder.path("turned.json"), turned.to_string()).unwrap();
+    let export = "views export panel.sinew";
+    let told = folder.sinew(&format!("{export} --spine bent.json -o panel.json --json")).json();
+    assert_eq!(told["frames"], json!({ "bent": 5 }));
+    assert_eq!(told["unclipped"], json!([]));
+    let skeleton = folder.json("panel.json");
+    assert_eq!(skeleton["skeleton"]["images"], "./panel/");
+    for slot in skeleton["slots"].as_array().unwrap() {
+        let name = slot["name"].as_str().unwrap();
+        let (_, covered) = picture(&folder, &format!("panel/{name}.png"));
+        assert!(covered > 1000, "{name}");
+    }
+    // A frame is as far from the next as `animate` shows it.
+    let meshes = &skeleton["animations"]["bent"]["attachments"]["default"];
+    let times = |keys: &serde_json::Value| {
+        keys.as_array().unwrap().iter().map(|key| key["time"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let all: Vec<f64> = meshes
+        .as_object()
+        .unwrap()
+        .iter()
+        .flat_map(|(name, own)| times(&own[name]["deform"]))
+        .collect();
+    assert!(all.iter().all(|time| [0.0, 0.04, 0.08, 0.12, 0.16].contains(time)), "{all:?}");
+    for (arguments, told) in [
+        (
+            "--spine bent.json --set pitch=0 -o x.json",
+            "bent.json: parameter \"pitch\" is set, and in the path",
+        ),
+        ("--spine turned.json -o x.json", "turned.json: parameter \"pitch\" is missing"),
+        ("--spine bent.json -o x.glb", "x.glb: expected a file that ends in .json"),
+        ("--spine bent.json -o bent.json", "cannot write bent.json: it is an input"),
+        (
+            "--spine bent.json bent.json -o x.json",
+            "two paths are called \"bent\": animations have the names of their files",
+        ),
+    ] {
+        assert_eq!(folder.sinew(&format!("{export} {arguments}")).failed(), told);
+    }
+    let both = "--spine bent.json turned.json --set pitch=0 -o two.json";
+    let refused = folder.sinew(&format!("{export} {both}")).failed();
+    assert_eq!(refused, "bent.json: parameter \"pitch\" is set, and in the path");
+    let set = "--spine turned.json --set pitch=0 -o two.json --json";
+    let told = folder.sinew(&format!("{export} {set}")).json();
+    assert_eq!(told["frames"], json!({ "turned": 24 }));
+}
+
+#[test]
+fn clip_masks_that_a_format_has_not_are_warned_of() {
+    let folder = Folder::new("views-clipped");
+    for (name, colour) in [("back", [200, 40, 40]), ("front", [40, 40, 200])] {
+        let picture = Picture::filled(16, 16, colour).png().unwrap();
+        fs::write(folder.path(&format!("{name}.png")), picture).unwrap();
+    }
+    let view = |x: f64| {
+        json!({
+            "x": x,
+            "points": [[2.0 + x, 2], [14, 2], [14, 14], [4.0 + x, 4], [12, 4], [12, 12]],
+            "layers": { "back": "back.png", "front": "front.png" },
+        })
+    };
+    let layers = json!([
+        { "name": "back", "points": [0, 1, 2] },
+        { "name": "front", "points": [3, 4, 5], "clip": "back" },
+    ]);
+    let set = json!({ "image_size": [16, 16], "layers": layers, "train": [view(0.0), view(1.0)] });
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    folder.sinew("views train views.json -o clipped.sinew").done();
+    fs::write(folder.path("path.json"), "{\"keys\": [{\"x\": 0}, {\"x\": 1}]}").unwrap();
+    for (arguments, told) in [
+        ("--inp x:2 -o x.inp", ""),
+        (
+            "--spine path.json -o x.json",
+            "sinew: warning: clipped.sinew: clip masks are not written, Spine clips by polygons: front\n",
+        ),
+        (
+            "--glb x:2 -o x.glb",
+            "sinew: warning: clipped.sinew: clip masks are not written, glTF has none\n",
+        ),
+    ] {
+        let run = folder.sinew(&format!("views export clipped.sinew {arguments}"));
+        assert_eq!((run.code, run.err.as_str()), (Some(0), told));
+    }
 }
 
 #[test]

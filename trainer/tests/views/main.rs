@@ -7,9 +7,13 @@ mod deformation;
 mod demo;
 mod export;
 mod faults;
+mod flat;
+mod layered;
 mod left_out;
 mod pixels;
+mod puppets;
 #[path = "../shared/mod.rs"]
 mod shared;
+mod spine;
 mod tiger;
 mod turning;

@@ -2,17 +2,17 @@
 
 use super::frames::{Frames, FramesArguments};
 use super::input::load;
+use super::path::read;
 use crate::cli::Output;
-use anyhow::{Context, bail};
-use serde::Deserialize;
+use anyhow::Context;
 use serde_json::json;
 use sinew_trainer::views::player::Player;
-use sinew_trainer::views::set::Values;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Draws the object along a path of parameters
 ///
-/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, how many pictures lead from each key to the next.
+/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, the number of pictures. The first one shows the first
+/// key, the last one the last key, and the others are evenly spread. There are 24 if PATH names no number.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote
@@ -23,25 +23,16 @@ pub(in crate::cli) struct Arguments {
     /// The path
     #[arg(long, value_name = "PATH")]
     path: PathBuf,
+    /// How many pictures to write, in place of `frames` of PATH
+    #[arg(long = "frames", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    count: Option<u32>,
     #[command(flatten)]
     frames: FramesArguments,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Written {
-    keys: Vec<Values>,
-    #[serde(default = "frames")]
-    frames: usize,
-}
-
-const fn frames() -> usize {
-    12
-}
-
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
-    let path = read(&arguments.path)?;
+    let path = read(&arguments.path, arguments.count.map(|count| count as usize))?;
     let model = load(&arguments.model)?;
     let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let mut frames =
@@ -53,27 +44,4 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let count = frames.count();
     let (text, frame_time) = frames.finish()?;
     output.print(&json!({ "frames": count, "frame_time": frame_time }), &text)
-}
-
-/// Lists the parameters of all frames.
-fn read(file: &Path) -> anyhow::Result<Vec<Values>> {
-    let about = || file.display().to_string();
-    let text = std::fs::read(file).with_context(about)?;
-    let Written { keys, frames } = serde_json::from_slice(&text).with_context(about)?;
-    let (Some(last), true) = (keys.last(), frames > 0) else {
-        bail!("{}: expected `keys`, and `frames` above 0", about());
-    };
-    let mut out = Vec::new();
-    for pair in keys.windows(2) {
-        for frame in 0..frames {
-            let share = frame as f64 / frames as f64;
-            let between = |(name, from): (&String, &f64)| {
-                let to = pair[1].get(name).unwrap_or(from);
-                (name.clone(), from + share * (to - from))
-            };
-            out.push(pair[0].iter().map(between).collect());
-        }
-    }
-    out.push(last.clone());
-    Ok(out)
 }

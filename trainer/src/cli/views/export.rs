@@ -1,17 +1,21 @@
-//! `sinew views export`: a grid of parameters for tools that go by grids.
+//! `sinew views export`: a grid of parameters, or paths, for other tools.
 
 use super::input::load;
+use super::path::read;
 use super::values::{assignment, values};
-use crate::cli::files::{OutputFile, ending, write};
+use crate::cli::files::{OutputFile, ending, make_folder, write};
 use crate::cli::{Output, counted};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::views::export::{Grid, Side, glb, puppet};
+use sinew_runtime::Model;
+use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
+use sinew_trainer::views::set::Values;
 use std::path::PathBuf;
 
-/// Writes a grid of views as an Inochi2D puppet or as glTF
+/// Writes views as an Inochi2D puppet, as Spine JSON, or as glTF
 ///
-/// The grid has one or two parameters of MODEL. Binary glTF has them as morph targets.
+/// An Inochi2D puppet and binary glTF have a grid of one or two parameters of MODEL, glTF as morph targets. Spine has an
+/// animation for each path.
 ///
 /// GRID is `yaw,pitch:9x9`, or, from where to where, `yaw=-40..40,pitch=-20..20:9x9`. Without a range a number goes as far
 /// as the examples do, and an angle as far as they turn. All other parameters are set.
@@ -22,13 +26,13 @@ pub(in crate::cli) struct Arguments {
     /// Name of the map, where MODEL has several
     #[arg(long)]
     map: Option<String>,
-    /// A parameter that has no side of the grid, angles in degrees; once for each
+    /// A parameter that has no side of the grid, and is not in the paths, angles in degrees; once for each
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
     #[command(flatten)]
     format: Format,
     /// The file to write
-    #[arg(short, long, value_name = "INP|GLB")]
+    #[arg(short, long, value_name = "INP|JSON|GLB")]
     out: PathBuf,
 }
 
@@ -42,7 +46,14 @@ struct Format {
     /// Binary glTF with a morph target a node, or, without a grid, a key view
     #[arg(long, value_name = "GRID", value_parser = sides, num_args = 0..=1)]
     glb: Option<Option<Sides>>,
+    /// Spine JSON with an animation for each path of `animate`, named after its file. Pictures go to the folder of the
+    /// same name
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    spine: Vec<PathBuf>,
 }
+
+/// Seconds from frame to frame of an animation, those of `animate`.
+const FRAME_TIME: f64 = 0.04;
 
 /// Sides of a grid.
 #[derive(Clone)]
@@ -74,6 +85,9 @@ fn sides(text: &str) -> Result<Sides, String> {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
+    if !arguments.format.spine.is_empty() {
+        return run_spine(arguments, output);
+    }
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
     ending(&arguments.out, &[if arguments.format.inp.is_some() { "inp" } else { "glb" }])?;
     let model = load(&arguments.model)?;
@@ -94,6 +108,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 None => Grid::of_key_views(&model, map).with_context(about)?,
             };
             let bytes = glb(&model, map, &grid).with_context(about)?;
+            if model.views().is_some_and(|views| views.has_clips()) {
+                output.warn(about(), "clip masks are not written, glTF has none");
+            }
             (grid, bytes)
         }
     };
@@ -111,4 +128,77 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     let nodes: Vec<_> = grid.nodes.iter().map(|node| &node.name).collect();
     output.print(&json!({ "bytes": bytes.len(), "ranges": ranges, "nodes": nodes }), &text)
+}
+
+/// Writes an animation for each path.
+fn run_spine(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let about = || arguments.model.display().to_string();
+    let paths = &arguments.format.spine;
+    let taken: Vec<PathBuf> = paths.iter().chain([&arguments.model]).cloned().collect();
+    ending(&arguments.out, &["json"])?;
+    let target = OutputFile::new(&arguments.out, &taken)?;
+    let folder = arguments.out.with_extension("");
+    let set = values(&arguments.set)?;
+    let model = load(&arguments.model)?;
+    let mut animations = Vec::new();
+    for path in paths {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if animations.iter().any(|(other, _)| *other == name) {
+            bail!("two paths are called \"{name}\": animations have the names of their files");
+        }
+        let grid =
+            frames(&model, arguments, &set, path).with_context(|| path.display().to_string());
+        animations.push((name, grid?));
+    }
+    let named = folder.file_name().unwrap_or_default().to_string_lossy();
+    let map = arguments.map.as_deref();
+    let made = spine(&model, map, &named, &animations, FRAME_TIME).with_context(about)?;
+    if !made.unclipped.is_empty() {
+        let names = made.unclipped.join(", ");
+        output
+            .warn(about(), format!("clip masks are not written, Spine clips by polygons: {names}"));
+    }
+    make_folder(&folder)?;
+    let mut files = Vec::new();
+    for (name, bytes) in &made.pictures {
+        files.push((OutputFile::new(&folder.join(format!("{name}.png")), &taken)?, bytes));
+    }
+    files.push((target, &made.json));
+    let all: Vec<_> = files.iter().map(|(target, bytes)| (target, bytes.as_slice())).collect();
+    write(&all)?;
+    let text = format!(
+        "{}: {}, {}, {} bytes; pictures are in {}\n",
+        arguments.out.display(),
+        counted(animations.len(), "animation", "animations"),
+        counted(made.pictures.len(), "slot", "slots"),
+        made.json.len(),
+        folder.display(),
+    );
+    let frames = |(name, grid): &(String, Grid)| (name.clone(), json!(grid.nodes.len()));
+    let frames: serde_json::Map<_, _> = animations.iter().map(frames).collect();
+    let json = json!({
+        "bytes": made.json.len(),
+        "slots": made.pictures.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "frames": frames,
+        "unclipped": made.unclipped,
+    });
+    output.print(&json, &text)
+}
+
+/// Shows the object along a path.
+fn frames(
+    model: &Model<Vec<u8>>,
+    arguments: &Arguments,
+    set: &Values,
+    path: &std::path::Path,
+) -> anyhow::Result<Grid> {
+    let mut frames = read(path, None)?;
+    for values in &mut frames {
+        for (name, value) in set {
+            if values.insert(name.clone(), *value).is_some() {
+                bail!("parameter \"{name}\" is set, and in the path");
+            }
+        }
+    }
+    Ok(Grid::of_frames(model, arguments.map.as_deref(), &frames)?)
 }

@@ -9,6 +9,7 @@ mod eval;
 mod export;
 mod frames;
 mod input;
+mod path;
 mod pin;
 mod render;
 mod report;

@@ -22,7 +22,7 @@ pub struct Side {
 /// A model at the nodes of a grid.
 #[derive(Clone, Debug)]
 pub struct Grid {
-    /// Its sides, each with its range; none where nodes are key views.
+    /// Its sides, each with its range; none where nodes are key views or frames.
     pub sides: Vec<(Side, [f64; 2])>,
     /// Its nodes, those of the first side slowest.
     pub nodes: Vec<Node>,
@@ -101,6 +101,24 @@ impl Grid {
         Ok(Self { sides: ranged, nodes: all.into_iter().map(node).collect::<Result<_, _>>()? })
     }
 
+    /// Shows a map at the frames of a path.
+    ///
+    /// # Errors
+    /// [`GridError::Play`].
+    pub fn of_frames(
+        model: &Model<Vec<u8>>,
+        map: Option<&str>,
+        frames: &[Values],
+    ) -> Result<Self, GridError> {
+        let player = Player::new(model, map)?;
+        let node = |(number, values): (usize, &Values)| {
+            let played = player.play(values)?;
+            Ok(Node { name: format!("frame {number}"), values: values.clone(), played })
+        };
+        let nodes = frames.iter().enumerate().map(node).collect::<Result<_, GridError>>()?;
+        Ok(Self { sides: Vec::new(), nodes })
+    }
+
     /// Shows a map at the parameters of its key views, which are found of their points.
     ///
     /// # Errors
@@ -116,10 +134,14 @@ impl Grid {
         let starts = starts(&map_model);
         let mut nodes = Vec::new();
         for view in 0..views.view_len() {
-            let seen = |point| views.is_visible(view, point) == Some(true);
-            let place = |point| views.reference(view, point).map(|place| place.map(f64::from));
-            let points: Vec<_> =
-                (0..outputs.points).map(|point| place(point).filter(|_| seen(point))).collect();
+            let mut points = vec![None; outputs.points];
+            for (vertex, found) in (0..).map_while(|vertex| views.vertex(vertex)).enumerate() {
+                let seen = found.point().filter(|&at| views.is_visible(view, at) == Some(true));
+                let place = views.reference(view, vertex).map(|place| place.map(f64::from));
+                if let (Some(point), Some(place)) = (seen, place) {
+                    points[point] = Some(place);
+                }
+            }
             let found = find(&map_model, outputs, &points, &starts)?;
             if found.rms < OFF {
                 let name = views.view_name(view).unwrap_or_default().to_owned();
@@ -131,6 +153,16 @@ impl Grid {
         } else {
             Ok(Self { sides: Vec::new(), nodes })
         }
+    }
+
+    /// Lists the nodes of the cells that a node is a corner of; nodes without sides are a line.
+    pub(super) fn beside(&self, node: usize) -> Vec<usize> {
+        let rows = self.sides.get(1).map_or(1, |(side, _)| side.nodes);
+        let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
+        let columns = around(node / rows, self.nodes.len() / rows);
+        let of_column =
+            |column: usize| around(node % rows, rows).map(move |row| column * rows + row);
+        columns.flat_map(of_column).collect()
     }
 }
 
@@ -204,6 +236,27 @@ fn run(among: &[bool]) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nodes_of_a_cell_are_beside_each_other() {
+        let played = Played {
+            points: Vec::new(),
+            visibility: Vec::new(),
+            scores: Vec::new(),
+            layers: Vec::new(),
+            view: 0,
+            confidence: 1.0,
+        };
+        let node = Node { name: String::new(), values: Values::new(), played };
+        let side = |nodes| (Side { name: String::new(), range: None, nodes }, [0.0, 1.0]);
+        let grid = |sides, len| Grid { sides, nodes: vec![node.clone(); len] };
+        let line = grid(Vec::new(), 5);
+        assert_eq!((line.beside(0), line.beside(3)), (vec![0, 1], vec![2, 3, 4]));
+        let square = grid(vec![side(3), side(4)], 12);
+        assert_eq!(square.beside(0), [0, 1, 4, 5]);
+        assert_eq!(square.beside(6), [1, 2, 3, 5, 6, 7, 9, 10, 11]);
+        assert_eq!(square.beside(11), [6, 7, 10, 11]);
+    }
 
     #[test]
     fn the_longest_run_of_degrees_comes_round() {

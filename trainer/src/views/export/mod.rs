@@ -1,14 +1,20 @@
-//! What a model shows at a grid of parameters, for tools that go by grids: an Inochi2D puppet, and binary glTF with morph
-//! targets (METHOD §6.8).
+//! Models for other tools (METHOD §6.8).
+//!
+//! A grid of parameters becomes an Inochi2D puppet, or binary glTF with morph targets. Paths become Spine JSON.
 
 mod error;
+mod fade;
 mod grid;
+mod hull;
 mod inp;
 mod puppet;
 mod scene;
-mod sources;
+mod sheet;
+mod shown;
+mod spine;
 
 pub use error::GridError;
 pub use grid::{Grid, Node, Side};
 pub use puppet::puppet;
 pub use scene::glb;
+pub use spine::{Spine, spine};

@@ -1,18 +1,17 @@
-//! A grid of one or two parameters as an Inochi2D puppet: a part a key view, bent at the grid's nodes.
+//! A grid of one or two parameters as an Inochi2D puppet: a part a layer and key view, bent at the grid's nodes.
 //!
-//! Between nodes Inochi2D goes along lines. It knows no depth and draws parts one over the other: at each node that of
-//! the characteristic view is the foremost, behind it the others by their scores, so that each element shows the view
-//! that the runtime takes. Parts that no element is textured by at a node are not seen there.
+//! Inochi2D interpolates linearly between nodes. The part of the greatest `zSort` is the hindmost. The parts of a layer that
+//! clips another mask its parts, by the alpha of their pictures. Inochi2D ignores the opacity and the masks of a mask.
 
 use super::error::GridError;
 use super::grid::{Grid, Side};
 use super::inp::container;
-use super::sources::{is_drawn, ranking, source, triangles, uvs};
-use crate::page::camera::Resolution;
+use super::sheet::{Sheet, sheets};
+use super::shown::Shown;
 use crate::views::player::Player;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
-use sinew_runtime::views::{Element, Views};
+use sinew_runtime::views::Views;
 
 /// Stands for nothing where Inochi2D has a number.
 const NOTHING: u32 = u32::MAX;
@@ -23,9 +22,8 @@ const FIRST_PART: u32 = 3;
 
 /// Writes a puppet with one parameter, of one number or two.
 ///
-/// A part's vertices are the control points where its picture has them, less the picture's middle, and vertex k is point
-/// k; its mesh is bent so that they come to stand where the model has them at each node, less the screen's middle. Quads
-/// are cut in two.
+/// A part's vertices are at their places in its picture, less the picture's middle. At each node its mesh is bent to the
+/// places in the model, less the screen's middle. Quads are cut in two.
 ///
 /// - `grid`: of `model`, of one or two sides.
 ///
@@ -37,22 +35,19 @@ pub fn puppet(
     grid: &Grid,
 ) -> Result<Vec<u8>, GridError> {
     let player = Player::new(model, map)?;
-    let (views, screen) = (player.views(), player.size().map(|side| side as f32));
-    let shown = Shown::new(&player, grid);
-    let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
-    for view in 0..views.view_len() {
-        let own = shown.elements_of(view);
-        let Some(picture) = player.key_picture(view, 0).filter(|_| !own.is_empty()) else {
-            continue;
-        };
-        let uuid = FIRST_PART + parts.len() as u32;
-        let part = Part { view, uuid, texture: textures.len(), size: picture.size };
-        parts.push(part.node(views, &triangulated(&own)));
-        bindings.extend(part.bindings(views, &shown, screen));
-        textures.push(picture.png()?);
-    }
-    if parts.is_empty() {
+    let views = player.views();
+    let shown: Vec<Shown<'_>> =
+        grid.nodes.iter().map(|node| Shown::new(&player, &node.played)).collect();
+    let sheets = sheets(&player, &shown, |node| grid.beside(node));
+    if sheets.is_empty() {
         return Err(GridError::Nothing);
+    }
+    let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, sheet) in sheets.iter().enumerate() {
+        parts.push(part(views, &sheets, number));
+        let places: Vec<_> = shown.iter().map(|own| sheet.places(own, player.size())).collect();
+        bindings.extend(bindings_of(grid, views, &sheets, number, &places));
+        textures.push(sheet.picture.png()?);
     }
     let root = json!({
         "uuid": ROOT, "name": views.name(), "type": "Node", "enabled": true, "zsort": 0.0,
@@ -75,137 +70,88 @@ pub fn puppet(
     container(&whole, &textures)
 }
 
-/// What is drawn at each node.
-struct Shown<'a> {
-    grid: &'a Grid,
-    elements: Vec<Element>,
-    /// By node: the key views' order.
-    rankings: Vec<Vec<usize>>,
-    /// By node and element: the view that it is textured by, where it is drawn.
-    sources: Vec<Vec<Option<usize>>>,
+/// Returns the number of the part that a sheet is.
+fn uuid(number: usize) -> u32 {
+    FIRST_PART + number as u32
 }
 
-impl<'a> Shown<'a> {
-    fn new(player: &Player<'_>, grid: &'a Grid) -> Self {
-        let (views, elements) = (player.views(), player.elements());
-        let rankings: Vec<Vec<usize>> =
-            grid.nodes.iter().map(|node| ranking(&node.played)).collect();
-        let of = |(node, ranking): (&super::Node, &Vec<usize>)| {
-            let own = |element: &Element| match is_drawn(element, &node.played) {
-                true => source(views, element, ranking),
-                false => None,
-            };
-            elements.iter().map(own).collect()
+/// Returns where a sheet's vertices are at rest.
+fn rest(views: &Views<'_>, sheet: &Sheet) -> Vec<[f32; 2]> {
+    let middle =
+        [sheet.picture.size.width, sheet.picture.size.height].map(|side| 0.5 * side as f32);
+    let from_middle = |place: [f32; 2]| [place[0] - middle[0], place[1] - middle[1]];
+    sheet.texels(views).into_iter().map(from_middle).collect()
+}
+
+fn part(views: &Views<'_>, sheets: &[Sheet], number: usize) -> Value {
+    let sheet = &sheets[number];
+    let clip = views.layer(sheet.layer).and_then(|layer| layer.clip);
+    let masks = sheets.iter().enumerate().filter(|(_, other)| Some(other.layer) == clip);
+    let masks: Vec<Value> =
+        masks.map(|(other, _)| json!({ "source": uuid(other), "mode": "Mask" })).collect();
+    json!({
+        "uuid": uuid(number),
+        "name": sheet.name,
+        "type": "Part",
+        "enabled": true,
+        "zsort": 0.0,
+        "transform": at_parent(),
+        "lockToRoot": false,
+        "mesh": {
+            "verts": rest(views, sheet).as_flattened(),
+            "uvs": sheet.uvs(views).as_flattened(),
+            "indices": sheet.triangles.as_flattened(),
+            "origin": [0.0, 0.0],
+        },
+        "textures": [number, NOTHING, NOTHING],
+        "blend_mode": "Normal",
+        "tint": [1.0, 1.0, 1.0],
+        "screenTint": [0.0, 0.0, 0.0],
+        "emissionStrength": 1.0,
+        "masks": masks,
+        "mask_threshold": 0.5,
+        "opacity": 1.0,
+    })
+}
+
+/// Lists the bindings of a part. Its mesh bends along lines. Its place in the stack is that of the nearest node.
+///
+/// - `places`: of the part's vertices, by node.
+fn bindings_of(
+    grid: &Grid,
+    views: &Views<'_>,
+    sheets: &[Sheet],
+    number: usize,
+    places: &[Vec<[f64; 2]>],
+) -> [Value; 3] {
+    let sheet = &sheets[number];
+    let rest = rest(views, sheet);
+    let bent = |node: usize| -> Vec<Value> {
+        let apart = |(place, rest): (&[f64; 2], &[f32; 2])| {
+            [0, 1].map(|axis| place[axis] - f64::from(rest[axis]))
         };
-        let sources = grid.nodes.iter().zip(&rankings).map(of).collect();
-        Self { grid, elements, rankings, sources }
-    }
-
-    /// Lists the elements that are textured by a view at some node: the farthest first, as far as they are on average
-    /// where they are, else in their order.
-    fn elements_of(&self, view: usize) -> Vec<&Element> {
-        let mut out = Vec::new();
-        for (number, element) in self.elements.iter().enumerate() {
-            let nodes = self.grid.nodes.iter().zip(&self.sources);
-            let own = nodes.filter(|(_, sources)| sources[number] == Some(view));
-            let depths: Vec<f32> = own
-                .flat_map(|(node, _)| {
-                    element.vertices().iter().map(|&point| node.played.points[point][2])
-                })
-                .collect();
-            if !depths.is_empty() {
-                out.push((depths.iter().sum::<f32>() / depths.len() as f32, element));
-            }
-        }
-        out.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        out.into_iter().map(|(_, element)| element).collect()
-    }
-
-    /// Lists a number of each node, by the sides of the grid.
-    fn by_sides<T: Into<Value>>(&self, of: impl Fn(usize) -> T) -> Value {
-        let rows = self.grid.sides.get(1).map_or(1, |(side, _)| side.nodes);
-        let all: Vec<Value> = (0..self.grid.nodes.len()).map(|node| of(node).into()).collect();
-        all.chunks(rows).map(|row| Value::from(row.to_vec())).collect()
-    }
-}
-
-/// A part in the making.
-struct Part {
-    view: usize,
-    uuid: u32,
-    texture: usize,
-    size: Resolution,
-}
-
-impl Part {
-    /// Returns where points are at rest.
-    fn vertices(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
-        let middle = [self.size.width, self.size.height].map(|side| 0.5 * side as f32);
-        let place = |point| views.reference(self.view, point).unwrap_or_default();
-        let points = (0..views.point_len()).map(place);
-        points.map(|place| [0, 1].map(|axis| place[axis] - middle[axis])).collect()
-    }
-
-    fn node(&self, views: &Views<'_>, indices: &[usize]) -> Value {
+        places[node].iter().zip(&rest).map(|pair| json!(apart(pair))).collect()
+    };
+    let binding = |name: &str, mode: &str, values: Value| {
         json!({
-            "uuid": self.uuid,
-            "name": views.view_name(self.view).unwrap_or_default(),
-            "type": "Part",
-            "enabled": true,
-            "zsort": 0.0,
-            "transform": at_parent(),
-            "lockToRoot": false,
-            "mesh": {
-                "verts": self.vertices(views).as_flattened(),
-                "uvs": uvs(views, self.view, self.size).as_flattened(),
-                "indices": indices,
-                "origin": [0.0, 0.0],
-            },
-            "textures": [self.texture, NOTHING, NOTHING],
-            "blend_mode": "Normal",
-            "tint": [1.0, 1.0, 1.0],
-            "screenTint": [0.0, 0.0, 0.0],
-            "emissionStrength": 1.0,
-            "mask_threshold": 0.5,
-            "opacity": 1.0,
+            "node": uuid(number), "param_name": name, "values": values,
+            "isSet": by_sides(grid, |_| true), "interpolate_mode": mode,
         })
-    }
-
-    /// Lists what the parameter does to it: its mesh along lines, and at the nearest node what it hides and whether it
-    /// is seen.
-    fn bindings(&self, views: &Views<'_>, shown: &Shown<'_>, screen: [f32; 2]) -> [Value; 3] {
-        let rest = self.vertices(views);
-        let bent = |node: usize| -> Vec<Value> {
-            let points = shown.grid.nodes[node].played.points.iter().zip(&rest);
-            let apart = |([x, y, _], rest): (&[f32; 3], &[f32; 2])| {
-                [(*x, 0), (*y, 1)].map(|(at, axis)| {
-                    f64::from(at) - 0.5 * f64::from(screen[axis]) - f64::from(rest[axis])
-                })
-            };
-            points.map(|pair| json!(apart(pair))).collect()
-        };
-        let behind = |node: usize| {
-            let place = shown.rankings[node].iter().position(|&view| view == self.view);
-            place.unwrap_or_default() as f64
-        };
-        let opacity =
-            |node: usize| f64::from(u8::from(shown.sources[node].contains(&Some(self.view))));
-        let binding = |name: &str, mode: &str, values: Value| {
-            json!({
-                "node": self.uuid, "param_name": name, "values": values,
-                "isSet": shown.by_sides(|_| true), "interpolate_mode": mode,
-            })
-        };
-        [
-            binding("deform", "Linear", shown.by_sides(bent)),
-            binding("zSort", "Nearest", shown.by_sides(behind)),
-            binding("opacity", "Nearest", shown.by_sides(opacity)),
-        ]
-    }
+    };
+    let before = |node: usize| (sheets.len() - 1 - sheet.behind[node]) as f64;
+    let mode = if sheet.is_switched { "Nearest" } else { "Linear" };
+    [
+        binding("deform", "Linear", by_sides(grid, bent)),
+        binding("zSort", "Nearest", by_sides(grid, before)),
+        binding("opacity", mode, by_sides(grid, |node| sheet.opacities[node])),
+    ]
 }
 
-fn triangulated(elements: &[&Element]) -> Vec<usize> {
-    elements.iter().flat_map(|element| triangles(element).concat()).collect()
+/// Lists a number of each node, by the sides of the grid.
+fn by_sides<T: Into<Value>>(grid: &Grid, of: impl Fn(usize) -> T) -> Value {
+    let rows = grid.sides.get(1).map_or(1, |(side, _)| side.nodes);
+    let all: Vec<Value> = (0..grid.nodes.len()).map(|node| of(node).into()).collect();
+    all.chunks(rows).map(|row| Value::from(row.to_vec())).collect()
 }
 
 fn at_parent() -> Value {

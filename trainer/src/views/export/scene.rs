@@ -1,57 +1,68 @@
-//! A grid as binary glTF: the object as a flat mesh with its depth, a morph target a node, its pictures as textures.
+//! A grid as binary glTF: layers as flat meshes, a morph target a node, pictures as textures.
 
 use super::error::GridError;
-use super::grid::{Grid, Node};
-use super::sources::{ranking, source, triangles, uvs};
+use super::grid::Grid;
+use super::shown::{Shown, elements, name, numbered, triangles, uvs};
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use serde_json::{Map, Value, json};
 use sinew_runtime::Model;
-use sinew_runtime::views::Views;
+use std::collections::BTreeMap;
 
 /// What the file says of itself.
 const NOTE: &str = "An object of views: each morph target is what it is at the parameters of its name. The screen is one \
     unit high, its middle is the origin, y goes up and z to the viewer.";
 /// What every material is: a picture, lit already.
 const UNLIT: &str = "KHR_materials_unlit";
+/// How far each layer is before that behind it, in heights of the screen.
+const STEP: f64 = 1e-3;
 
 /// Writes a scene: at rest the object stands as at the node in the middle.
 ///
-/// Each element is textured by one key view, as it is at rest; elements of one view are a primitive, in which vertex k is
-/// point k. Quads are cut in two; elements that no key view shows are left out.
+/// The key view of the greatest share at rest textures a layer. With depth it textures each element. Elements of one layer
+/// and view are a primitive. Layers without depth are a small step one before the other, in their order at rest. Quads are
+/// cut in two. Layers that are not seen at rest are left out.
 ///
 /// # Errors
 /// [`GridError::Nothing`], and those of writing.
 pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec<u8>, GridError> {
     let player = Player::new(model, map)?;
-    let (views, screen) = (player.views(), player.size());
-    let rest = grid.nodes.get(grid.nodes.len() / 2).ok_or(GridError::Nothing)?;
-    let ranking = ranking(&rest.played);
-    let mut by_view = vec![Vec::new(); views.view_len()];
-    for element in player.elements() {
-        if let Some(view) = source(views, &element, &ranking) {
-            by_view[view].extend(triangles(&element));
-        }
-    }
-    let has_depth = grid.nodes.iter().any(|node| node.played.points.iter().any(|p| p[2] != 0.0));
+    let views = player.views();
+    let shown: Vec<Shown<'_>> =
+        grid.nodes.iter().map(|node| Shown::new(&player, &node.played)).collect();
+    let rest = shown.get(shown.len() / 2).ok_or(GridError::Nothing)?;
     let mut document = Document::new(NOTE);
-    let (positions, targets) = shapes(&mut document, grid, rest, screen);
     let mut looks = Looks::default();
     let mut primitives = Vec::new();
-    for (view, triangles) in by_view.iter().enumerate() {
-        let Some(picture) = player.key_picture(view, 0).filter(|_| !triangles.is_empty()) else {
+    for (step, layer) in rest.layers().into_iter().enumerate() {
+        let opacity = rest.opacity(layer);
+        let Some(has_depth) = views.layer(layer).map(|layer| layer.has_depth) else { continue };
+        let by_view = textured(&player, rest, layer, has_depth);
+        if by_view.is_empty() || opacity <= 0.0 {
             continue;
-        };
-        let uvs = uvs(views, view, picture.size);
-        let uvs = document.floats(ArrayKind::vertices(F32, "VEC2"), &uvs);
-        primitives.push(json!({
-            "attributes": { "POSITION": positions, "TEXCOORD_0": uvs },
-            "indices": document.indices(triangles, views.point_len()),
-            "mode": 4,
-            "targets": targets,
-            "material": looks.add(&mut document, views, view, &picture, has_depth)?,
-        }));
+        }
+        let all: Vec<[usize; 3]> = by_view.values().flatten().copied().collect();
+        let (vertices, all) = numbered(&all);
+        let mut left = all.as_slice();
+        let before = if has_depth { 0.0 } else { STEP * step as f64 };
+        let (positions, targets) =
+            shapes(&mut document, &shown, rest, &vertices, player.size(), before);
+        for (view, own) in by_view {
+            let (triangles, others) = left.split_at(own.len());
+            left = others;
+            let Some(picture) = player.key_picture(view, layer) else { continue };
+            let uvs = uvs(views, view, &vertices, picture.size);
+            let uvs = document.floats(ArrayKind::vertices(F32, "VEC2"), &uvs);
+            let look = Look { name: name(views, layer, view), picture, opacity, has_depth };
+            primitives.push(json!({
+                "attributes": { "POSITION": positions, "TEXCOORD_0": uvs },
+                "indices": document.indices(triangles, vertices.len()),
+                "mode": 4,
+                "targets": targets,
+                "material": looks.add(&mut document, &look)?,
+            }));
+        }
     }
     if primitives.is_empty() {
         return Err(GridError::Nothing);
@@ -67,36 +78,80 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     Ok(document.finish()?)
 }
 
-/// Adds positions at rest and, of each node, what is to be added to them.
-fn shapes(
-    document: &mut Document,
-    grid: &Grid,
-    rest: &Node,
-    [width, height]: [usize; 2],
-) -> (usize, Vec<Value>) {
-    let [width, height] = [width, height].map(|side| side as f32);
-    let place = |[x, y, depth]: &[f32; 3]| {
-        [(x - 0.5 * width) / height, (0.5 * height - y) / height, -depth / height]
+/// Lists the triangles of a layer by the key view that textures them, by numbers of vertices.
+fn textured(
+    player: &Player<'_>,
+    rest: &Shown<'_>,
+    layer: usize,
+    has_depth: bool,
+) -> BTreeMap<usize, Vec<[usize; 3]>> {
+    let views = player.views();
+    let ranking = match has_depth {
+        true => rest.ranking(),
+        false => {
+            let shares = rest.shares(layer);
+            let mut out: Vec<usize> = (0..shares.len()).collect();
+            out.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]));
+            out
+        }
     };
-    let rest: Vec<[f32; 3]> = rest.played.points.iter().map(place).collect();
-    let mut array = |rows: &[[f32; 3]]| {
-        let at = document.floats(ArrayKind::vertices(F32, "VEC3"), rows);
-        document.bound(at, rows);
-        at
-    };
-    let positions = array(&rest);
-    let target = |node: &Node| {
-        let apart = |(point, rest): (&[f32; 3], &[f32; 3])| {
-            let place = place(point);
-            [0, 1, 2].map(|axis| place[axis] - rest[axis])
-        };
-        let rows: Vec<[f32; 3]> = node.played.points.iter().zip(&rest).map(apart).collect();
-        json!({ "POSITION": array(&rows) })
-    };
-    (positions, grid.nodes.iter().map(target).collect())
+    let mut pictured = ranking.iter().filter(|&&view| views.view_texture(view, layer).is_some());
+    let most = pictured.next().copied();
+    let mut out: BTreeMap<usize, Vec<[usize; 3]>> = BTreeMap::new();
+    for element in elements(views, layer) {
+        let view = if has_depth { rest.texture(layer, &element, &ranking) } else { most };
+        if let Some(view) = view {
+            out.entry(view).or_default().extend(triangles(&element));
+        }
+    }
+    out
 }
 
-/// Materials, and what they are made of, by the key views that they show.
+/// Adds positions at rest and, of each node, what is to be added to them.
+///
+/// - `vertices`: numbers of them.
+/// - `before`: how far before their depth they stand, in heights of the screen.
+fn shapes(
+    document: &mut Document,
+    shown: &[Shown<'_>],
+    rest: &Shown<'_>,
+    vertices: &[usize],
+    [width, height]: [usize; 2],
+    before: f64,
+) -> (usize, Vec<Value>) {
+    let [width, height] = [width, height].map(|side| side as f64);
+    let placed = |shown: &Shown<'_>| -> Vec<[f64; 3]> {
+        let place = |&vertex: &usize| {
+            let [x, y, depth] = shown.places[vertex];
+            [(x - 0.5 * width) / height, (0.5 * height - y) / height, before - depth / height]
+        };
+        vertices.iter().map(place).collect()
+    };
+    let mut array = |rows: Vec<[f64; 3]>| {
+        let rows: Vec<[f32; 3]> = rows.into_iter().map(|row| row.map(|x| x as f32)).collect();
+        let at = document.floats(ArrayKind::vertices(F32, "VEC3"), &rows);
+        document.bound(at, &rows);
+        at
+    };
+    let rest = placed(rest);
+    let positions = array(rest.clone());
+    let target = |shown: &Shown<'_>| {
+        let apart = |(place, rest): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|k| place[k] - rest[k]);
+        let rows = placed(shown).iter().zip(&rest).map(apart).collect();
+        json!({ "POSITION": array(rows) })
+    };
+    (positions, shown.iter().map(target).collect())
+}
+
+/// A picture of a layer as a material.
+struct Look {
+    name: String,
+    picture: Picture,
+    opacity: f64,
+    has_depth: bool,
+}
+
+/// Materials, their textures and images.
 #[derive(Default)]
 struct Looks {
     materials: Vec<Value>,
@@ -105,23 +160,18 @@ struct Looks {
 }
 
 impl Looks {
-    fn add(
-        &mut self,
-        document: &mut Document,
-        views: &Views<'_>,
-        view: usize,
-        picture: &Picture,
-        has_depth: bool,
-    ) -> Result<usize, GridError> {
-        let (name, number) = (views.view_name(view).unwrap_or_default(), self.materials.len());
+    fn add(&mut self, document: &mut Document, look: &Look) -> Result<usize, GridError> {
+        let Look { name, picture, opacity, has_depth } = look;
+        let number = self.materials.len();
         let bytes = document.view(picture.png()?);
         self.images.push(json!({ "name": name, "bufferView": bytes, "mimeType": "image/png" }));
         self.textures.push(json!({ "source": number, "sampler": 0 }));
         // What has no depth is drawn in its order, which materials keep that hide nothing.
-        let alpha = if has_depth { "MASK" } else { "BLEND" };
+        let alpha = if *has_depth { "MASK" } else { "BLEND" };
         self.materials.push(json!({
             "name": name,
             "pbrMetallicRoughness": {
+                "baseColorFactor": [1.0, 1.0, 1.0, opacity],
                 "baseColorTexture": { "index": number }, "metallicFactor": 0.0,
             },
             "alphaMode": alpha,

@@ -1,0 +1,210 @@
+//! An object at a node, as the runtime draws it: places, the order of layers, and the shares of key views.
+
+use crate::page::camera::Resolution;
+use crate::views::player::{Played, Player};
+use sinew_runtime::views::{Element, Views};
+use std::collections::HashMap;
+
+/// Share of the greatest count below which a key view is left out. This and the next three are those of the runtime's blend.
+const LEAST: f64 = 0.2;
+/// Count of a view without a score.
+const FAR: f64 = 1e-3;
+/// Count of a view that does not fit.
+const UNFIT: f64 = 1e-6;
+/// Key views that an element is mixed of at most.
+const SOURCES: usize = 8;
+
+/// An object at a node.
+pub(super) struct Shown<'a> {
+    views: &'a Views<'a>,
+    played: &'a Played,
+    /// Places of V vertices on the screen, and their depths.
+    pub(super) places: Vec<[f64; 3]>,
+}
+
+impl<'a> Shown<'a> {
+    /// Places the vertices.
+    pub(super) fn new(player: &'a Player<'a>, played: &'a Played) -> Self {
+        let views = player.views();
+        let points: Vec<[f64; 2]> =
+            played.points.iter().map(|[x, y, _]| [*x, *y].map(f64::from)).collect();
+        let depth = |vertex: usize| {
+            let weights = views.vertex(vertex).into_iter().flat_map(|vertex| vertex.weights());
+            weights.map(|(point, [a, _])| f64::from(a * played.points[point][2])).sum()
+        };
+        let places = player.vertices(&points).into_iter().enumerate();
+        let places = places.map(|(vertex, [x, y])| [x, y, depth(vertex)]).collect();
+        Self { views, played, places }
+    }
+
+    /// Lists the layers, the hindmost first.
+    pub(super) fn layers(&self) -> Vec<usize> {
+        let layers = &self.played.layers;
+        let mut out: Vec<usize> = (0..layers.len()).collect();
+        out.sort_by(|&a, &b| layers[a][1].total_cmp(&layers[b][1]));
+        out
+    }
+
+    /// Returns how opaque a layer is.
+    pub(super) fn opacity(&self, layer: usize) -> f64 {
+        f64::from(self.played.layers[layer][0])
+    }
+
+    /// Lists the key views, that of the highest score first.
+    pub(super) fn ranking(&self) -> Vec<usize> {
+        let scores = &self.played.scores;
+        let mut out: Vec<usize> = (0..scores.len()).collect();
+        out.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
+        out
+    }
+
+    /// Returns the key view that textures an element: the first of a ranking that shows all of it, else the first. Views
+    /// without a picture of the layer are left out.
+    pub(super) fn texture(
+        &self,
+        layer: usize,
+        element: &Element,
+        ranking: &[usize],
+    ) -> Option<usize> {
+        let points = points(self.views, element);
+        let is_pictured = |view: &usize| self.views.view_texture(*view, layer).is_some();
+        let mut pictured = ranking.iter().copied().filter(is_pictured);
+        let first = pictured.clone().next();
+        pictured.find(|&view| shows(self.views, view, &points)).or(first)
+    }
+
+    /// Whether something of an element is to be seen.
+    pub(super) fn is_seen(&self, element: &Element) -> bool {
+        let points = points(self.views, element);
+        points.is_empty() || points.iter().any(|&at| self.played.visibility[at] > 0.5)
+    }
+
+    /// Returns the share of each key view in a layer without depth: the mean over its elements by their area. A view
+    /// without a picture of the layer has a share, too, and shows nothing.
+    pub(super) fn shares(&self, layer: usize) -> Vec<f64> {
+        let mut out = vec![0.0; self.views.view_len()];
+        let mut whole = 0.0;
+        for element in elements(self.views, layer) {
+            let area = self.area(&element);
+            let shares = self.blend(layer, &element, area);
+            whole += area.abs();
+            out.iter_mut().zip(shares).for_each(|(out, share)| *out += area.abs() * share);
+        }
+        out.iter_mut().for_each(|out| *out /= whole.max(f64::MIN_POSITIVE));
+        out
+    }
+
+    /// Returns the share of each key view in an element.
+    fn blend(&self, layer: usize, element: &Element, own: f64) -> Vec<f64> {
+        let points = points(self.views, element);
+        let seen = points.iter().map(|&at| f64::from(self.played.visibility[at]));
+        let seen = seen.fold(1.0, f64::min).max(0.0);
+        let whole = seen.powi(3) * (10.0 - 15.0 * seen + 6.0 * seen * seen);
+        let scores = || self.played.scores.iter().copied().map(f64::from);
+        let highest = scores().fold(f64::NEG_INFINITY, f64::max);
+        let count = |(view, score): (usize, f64)| {
+            let near = score.max(0.0) + FAR / (1.0 + (highest - score));
+            let share = if shows(self.views, view, &points) { whole } else { 1.0 - whole };
+            near * (share * self.detail(layer, view, element, own) + UNFIT)
+        };
+        let counts: Vec<f64> = scores().enumerate().map(count).collect();
+        let mut most = counts.clone();
+        most.sort_by(|a, b| b.total_cmp(a));
+        let least = (LEAST * most[0]).max(most.get(SOURCES).copied().unwrap_or_default());
+        let left: Vec<f64> = counts.iter().map(|count| (count - least).max(0.0)).collect();
+        let sum: f64 = left.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        left.iter().map(|count| count / sum).collect()
+    }
+
+    /// Returns how well a key view resolves an element of area `own`, from 0 to 1. An element that is turned over gets 0.
+    fn detail(&self, layer: usize, view: usize, element: &Element, own: f64) -> f64 {
+        if self.views.view_texture(view, layer).is_none() {
+            return 1.0;
+        }
+        let texels = element.vertices().iter().map(|&vertex| texel(self.views, view, vertex));
+        let share = area(texels.map(|place| place.map(f64::from))) / own;
+        if share > 0.0 { share.min(1.0) } else { 0.0 }
+    }
+
+    fn area(&self, element: &Element) -> f64 {
+        area(element.vertices().iter().map(|&vertex| {
+            let [x, y, _] = self.places[vertex];
+            [x, y]
+        }))
+    }
+}
+
+/// Returns where a vertex is in its layer's picture of a key view, in pixels.
+pub(super) fn texel(views: &Views<'_>, view: usize, vertex: usize) -> [f32; 2] {
+    views.reference(view, vertex).unwrap_or_default()
+}
+
+/// Returns where vertices are in a key view's picture, in shares of its width and height.
+pub(super) fn uvs(
+    views: &Views<'_>,
+    view: usize,
+    vertices: &[usize],
+    size: Resolution,
+) -> Vec<[f32; 2]> {
+    let sides = [size.width, size.height].map(|side| side as f32);
+    let places = vertices.iter().map(|&vertex| texel(views, view, vertex));
+    places.map(|place| [0, 1].map(|axis| place[axis] / sides[axis])).collect()
+}
+
+/// Names a picture after its key view, and its layer where there are several.
+pub(super) fn name(views: &Views<'_>, layer: usize, view: usize) -> String {
+    let key = views.view_name(view).unwrap_or_default();
+    match views.layer_name(layer) {
+        Some(layer) if views.layer_len() > 1 => format!("{layer} {key}"),
+        _ => key.to_owned(),
+    }
+}
+
+/// Lists the elements of a layer.
+pub(super) fn elements<'a>(
+    views: &'a Views<'a>,
+    layer: usize,
+) -> impl Iterator<Item = Element> + use<'a> {
+    let range = views.layer(layer).map_or(0..0, |layer| layer.first..layer.end);
+    range.filter_map(|element| views.element(element))
+}
+
+/// Cuts an element into triangles.
+pub(super) fn triangles(element: &Element) -> Vec<[usize; 3]> {
+    match *element {
+        Element::Triangle(vertices) => vec![vertices],
+        Element::Quad([a, b, c, d]) => vec![[a, b, c], [a, c, d]],
+    }
+}
+
+/// Numbers the vertices of triangles by themselves. Returns their numbers in the object, and the triangles by places in that
+/// list.
+pub(super) fn numbered(triangles: &[[usize; 3]]) -> (Vec<usize>, Vec<[usize; 3]>) {
+    let (mut vertices, mut places) = (Vec::new(), HashMap::new());
+    let mut place = |vertex: usize| {
+        *places.entry(vertex).or_insert_with(|| {
+            vertices.push(vertex);
+            vertices.len() - 1
+        })
+    };
+    let triangles = triangles.iter().map(|corners| corners.map(&mut place)).collect();
+    (vertices, triangles)
+}
+
+/// Lists the points that are vertices of an element.
+fn points(views: &Views<'_>, element: &Element) -> Vec<usize> {
+    let vertices = element.vertices().iter();
+    vertices.filter_map(|&vertex| views.vertex(vertex)?.point()).collect()
+}
+
+/// Whether a key view shows all of some points.
+fn shows(views: &Views<'_>, view: usize, points: &[usize]) -> bool {
+    points.iter().all(|&point| views.is_visible(view, point) == Some(true))
+}
+
+/// Returns twice the area of a polygon, positive where it turns clockwise.
+fn area(corners: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let corners: Vec<[f64; 2]> = corners.collect();
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum()
+}
