@@ -11,9 +11,9 @@ const UNFIT: f32 = 1e-6;
 /// Share of the greatest count from which on a view is part of the picture; it starts there from nothing.
 const LEAST: f32 = 0.2;
 
-/// Key views with their shares, which sum to 1; the greatest first.
+/// Key views with their shares, which sum to 1; the greatest first. [`super::RenderJob::blend`] makes them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blend {
+pub struct Blend {
     views: [(usize, f32); SOURCES],
     len: usize,
 }
@@ -53,8 +53,8 @@ impl Blend {
         out
     }
 
-    /// Lists the views and their shares.
-    pub(super) fn views(&self) -> &[(usize, f32)] {
+    /// Lists the views by number, each with its share.
+    pub fn views(&self) -> &[(usize, f32)] {
         self.views.get(..self.len).unwrap_or_default()
     }
 }

@@ -16,6 +16,7 @@ mod render;
 mod texture;
 mod view;
 
+pub use blend::Blend;
 pub(crate) use counts::RULES;
 pub use counts::{
     CLIP_ELEMENTS_MAX, CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, ViewsFit,

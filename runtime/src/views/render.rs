@@ -131,6 +131,46 @@ impl RenderJob<'_> {
         }
     }
 
+    /// Returns the key views that an element of a layer has its colours from.
+    pub fn blend(&self, layer: usize, element: usize) -> Option<Blend> {
+        let element = self.views.element(element)?;
+        let vertices = element.vertices();
+        let place = |vertex: usize| {
+            let vertex = self.views.vertex(vertex);
+            vertex.map_or([0.0; 2], |vertex| flat(vertex.at(self.points)))
+        };
+        Some(self.weighed(layer, vertices, area(vertices, place)))
+    }
+
+    /// Weighs the key views by what they show of an element.
+    ///
+    /// - `layer`: the element's.
+    /// - `own`: its area on the screen.
+    fn weighed(&self, layer: usize, vertices: &[usize], own: f32) -> Blend {
+        // Of vertices that are no points nothing is hidden but the whole layer.
+        let mut points = [None; 4];
+        for (out, vertex) in points.iter_mut().zip(vertices) {
+            *out = self.views.vertex(*vertex).and_then(|vertex| vertex.point());
+        }
+        let points = points.iter().flatten();
+        let seen = points.clone().filter_map(|point| self.visibility.get(*point).copied());
+        let shows = |view: usize| {
+            !points.clone().any(|point| self.views.is_visible(view, *point) == Some(false))
+        };
+        // A view that shows it smaller has fewer texels for it, and one that shows it turned over another side.
+        let detail = |view: usize| {
+            if self.views.view_texture(view, layer).is_none() {
+                return 1.0;
+            }
+            let place = |vertex: usize| self.views.texel(view, vertex).unwrap_or_default();
+            let share = area(vertices, place) / own;
+            if share > 0.0 { lesser(1.0, share) } else { 0.0 }
+        };
+        let whole = smoothstep(lesser(1.0, greater(0.0, seen.fold(1.0, lesser))));
+        let fits = |view| detail(view) * if shows(view) { whole } else { 1.0 - whole };
+        Blend::new(self.scores, fits)
+    }
+
     /// Returns opacity, from 0 to 1, and order of a layer.
     fn layer_numbers(&self, layer: usize) -> [f32; 2] {
         let [opacity, order] = self.layers.get(layer).copied().unwrap_or_default();
@@ -177,10 +217,11 @@ impl Picture<'_> {
         let views = &self.job.views;
         let Some(element) = views.element(at) else { return };
         let vertices = element.vertices();
-        if layer.is_one_sided && self.area(vertices) < 0.0 {
+        let area = self.area(vertices);
+        if layer.is_one_sided && area < 0.0 {
             return;
         }
-        let blend = self.blend(number, vertices);
+        let blend = self.job.weighed(number, vertices, area);
         let mut sources = [Source::default(); SOURCES];
         let mut len = 0;
         for (view, share) in blend.views() {
@@ -200,7 +241,6 @@ impl Picture<'_> {
             return;
         }
         let neighbours = views.neighbours(at).unwrap_or_default();
-        let area = self.area(vertices);
         let corner = |number: usize, vertex: usize| {
             let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
             let across = neighbours.get(number).copied().flatten();
@@ -242,40 +282,9 @@ impl Picture<'_> {
         )
     }
 
-    /// Weighs the key views by what they show of an element.
-    fn blend(&self, number: usize, vertices: &[usize]) -> Blend {
-        let job = self.job;
-        // Of vertices that are no points nothing is hidden but the whole layer.
-        let mut points = [None; 4];
-        for (out, vertex) in points.iter_mut().zip(vertices) {
-            *out = job.views.vertex(*vertex).and_then(|vertex| vertex.point());
-        }
-        let points = points.iter().flatten();
-        let seen = points.clone().filter_map(|point| job.visibility.get(*point).copied());
-        let shows = |view: usize| {
-            !points.clone().any(|point| job.views.is_visible(view, *point) == Some(false))
-        };
-        let own = self.area(vertices);
-        // A view that shows it smaller has fewer texels for it, and one that shows it turned over another side.
-        let detail = |view: usize| {
-            if job.views.view_texture(view, number).is_none() {
-                return 1.0;
-            }
-            let place = |vertex: usize| job.views.texel(view, vertex).unwrap_or_default();
-            let share = area(vertices, place) / own;
-            if share > 0.0 { lesser(1.0, share) } else { 0.0 }
-        };
-        let whole = smoothstep(lesser(1.0, greater(0.0, seen.fold(1.0, lesser))));
-        let fits = |view| detail(view) * if shows(view) { whole } else { 1.0 - whole };
-        Blend::new(job.scores, fits)
-    }
-
     /// Returns twice the area of an element on the screen, positive where it turns clockwise.
     fn area(&self, vertices: &[usize]) -> f32 {
-        area(vertices, |vertex| {
-            let [x, y, _] = self.vertices.get(vertex).copied().unwrap_or_default();
-            [x, y]
-        })
+        area(vertices, |vertex| flat(self.vertices.get(vertex).copied().unwrap_or_default()))
     }
 
     fn mean_depth(&self, element: usize) -> f32 {
@@ -284,6 +293,11 @@ impl Picture<'_> {
         let depths = vertices.iter().filter_map(|vertex| self.vertices.get(*vertex));
         depths.map(|[_, _, depth]| depth).sum::<f32>() / vertices.len() as f32
     }
+}
+
+/// Returns a place without its depth.
+const fn flat([x, y, _]: [f32; 3]) -> [f32; 2] {
+    [x, y]
 }
 
 /// Returns twice the area of a triangle or a quad, positive where it turns clockwise.

@@ -71,8 +71,8 @@ impl<'a> Vertex<'a> {
         (self.place == [0.0; 2] && weight == [1.0, 0.0]).then_some(point)
     }
 
-    /// Returns where it is, and how far away.
-    pub(super) fn at(&self, points: &[[f32; 3]]) -> [f32; 3] {
+    /// Returns where it is, and how far away, by K points and their depths.
+    pub fn at(&self, points: &[[f32; 3]]) -> [f32; 3] {
         let [mut x, mut y] = self.place;
         let mut depth = 0.0;
         for (point, [a, b]) in self.weights() {

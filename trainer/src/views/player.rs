@@ -59,6 +59,14 @@ pub enum PlayError {
     Call(CallError),
 }
 
+impl Played {
+    /// Returns a job that draws it, of no width yet.
+    pub(super) fn job<'a>(&'a self, views: Views<'a>) -> RenderJob<'a> {
+        let Self { points, visibility, scores, layers, .. } = self;
+        RenderJob { views, points, visibility, scores, layers, width: 0 }
+    }
+}
+
 impl<'a> Player<'a> {
     /// Opens a map of a file's first object; the first where none is named.
     ///
@@ -185,14 +193,7 @@ impl<'a> Player<'a> {
     pub fn draw(&self, played: &Played) -> Result<(Picture, Drawn), PlayError> {
         let [width, height] = self.size();
         let mut pixels = vec![[0; 4]; width * height];
-        let job = RenderJob {
-            views: self.views,
-            points: &played.points,
-            visibility: &played.visibility,
-            scores: &played.scores,
-            layers: &played.layers,
-            width,
-        };
+        let job = RenderJob { width, ..played.job(self.views) };
         let scratch = RenderScratch {
             vertices: &mut vec![[0.0; 3]; self.views.vertex_len()],
             order: &mut vec![0; self.views.order_len()],

@@ -134,14 +134,11 @@ impl Grid {
         let starts = starts(&map_model);
         let mut nodes = Vec::new();
         for view in 0..views.view_len() {
-            let mut points = vec![None; outputs.points];
-            for (vertex, found) in (0..).map_while(|vertex| views.vertex(vertex)).enumerate() {
-                let seen = found.point().filter(|&at| views.is_visible(view, at) == Some(true));
-                let place = views.reference(view, vertex).map(|place| place.map(f64::from));
-                if let (Some(point), Some(place)) = (seen, place) {
-                    points[point] = Some(place);
-                }
-            }
+            let place = |point: usize| {
+                let seen = views.is_visible(view, point).filter(|is_seen| *is_seen);
+                seen.and_then(|_| Some(views.reference(view, point)?.map(f64::from)))
+            };
+            let points: Vec<_> = (0..outputs.points).map(place).collect();
             let found = find(&map_model, outputs, &points, &starts)?;
             if found.rms < OFF {
                 let name = views.view_name(view).unwrap_or_default().to_owned();

@@ -98,7 +98,7 @@ fn textured(
     let mut pictured = ranking.iter().filter(|&&view| views.view_texture(view, layer).is_some());
     let most = pictured.next().copied();
     let mut out: BTreeMap<usize, Vec<[usize; 3]>> = BTreeMap::new();
-    for element in elements(views, layer) {
+    for (_, element) in elements(views, layer) {
         let view = if has_depth { rest.texture(layer, &element, &ranking) } else { most };
         if let Some(view) = view {
             out.entry(view).or_default().extend(triangles(&element));

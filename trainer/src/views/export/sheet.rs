@@ -93,7 +93,7 @@ fn faded(
         out
     };
     let shares: Vec<Vec<f64>> = shown.iter().map(shares).collect();
-    let elements: Vec<Element> = elements(views, layer).collect();
+    let elements: Vec<Element> = elements(views, layer).map(|(_, element)| element).collect();
     let order = order(&shares);
     let at = |node: usize| {
         let counts = |view: usize| beside(node).iter().any(|&other| shares[other][view] > 0.0);
@@ -110,7 +110,7 @@ fn faded(
 /// Makes the sheets of a layer whose elements hide each other by depth.
 fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet> {
     let views = player.views();
-    let elements: Vec<Element> = elements(views, layer).collect();
+    let elements: Vec<Element> = elements(views, layer).map(|(_, element)| element).collect();
     let sources = |shown: &Shown<'_>| -> Vec<Option<usize>> {
         let ranking = shown.ranking();
         let source = |element: &Element| {

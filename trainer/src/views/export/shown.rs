@@ -5,15 +5,6 @@ use crate::views::player::{Played, Player};
 use sinew_runtime::views::{Element, Views};
 use std::collections::HashMap;
 
-/// Share of the greatest count below which a key view is left out. This and the next three are those of the runtime's blend.
-const LEAST: f64 = 0.2;
-/// Count of a view without a score.
-const FAR: f64 = 1e-3;
-/// Count of a view that does not fit.
-const UNFIT: f64 = 1e-6;
-/// Key views that an element is mixed of at most.
-const SOURCES: usize = 8;
-
 /// An object at a node.
 pub(super) struct Shown<'a> {
     views: &'a Views<'a>,
@@ -26,14 +17,8 @@ impl<'a> Shown<'a> {
     /// Places the vertices.
     pub(super) fn new(player: &'a Player<'a>, played: &'a Played) -> Self {
         let views = player.views();
-        let points: Vec<[f64; 2]> =
-            played.points.iter().map(|[x, y, _]| [*x, *y].map(f64::from)).collect();
-        let depth = |vertex: usize| {
-            let weights = views.vertex(vertex).into_iter().flat_map(|vertex| vertex.weights());
-            weights.map(|(point, [a, _])| f64::from(a * played.points[point][2])).sum()
-        };
-        let places = player.vertices(&points).into_iter().enumerate();
-        let places = places.map(|(vertex, [x, y])| [x, y, depth(vertex)]).collect();
+        let vertices = (0..).map_while(|vertex| views.vertex(vertex));
+        let places = vertices.map(|vertex| vertex.at(&played.points).map(f64::from)).collect();
         Self { views, played, places }
     }
 
@@ -84,59 +69,28 @@ impl<'a> Shown<'a> {
     pub(super) fn shares(&self, layer: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.views.view_len()];
         let mut whole = 0.0;
-        for element in elements(self.views, layer) {
-            let area = self.area(&element);
-            let shares = self.blend(layer, &element, area);
-            whole += area.abs();
-            out.iter_mut().zip(shares).for_each(|(out, share)| *out += area.abs() * share);
+        let job = self.played.job(*self.views);
+        for (number, element) in elements(self.views, layer) {
+            let Some(blend) = job.blend(layer, number) else { continue };
+            let area = self.area(&element).abs();
+            whole += area;
+            blend.views().iter().for_each(|(view, share)| out[*view] += area * f64::from(*share));
         }
         out.iter_mut().for_each(|out| *out /= whole.max(f64::MIN_POSITIVE));
         out
     }
 
-    /// Returns the share of each key view in an element.
-    fn blend(&self, layer: usize, element: &Element, own: f64) -> Vec<f64> {
-        let points = points(self.views, element);
-        let seen = points.iter().map(|&at| f64::from(self.played.visibility[at]));
-        let seen = seen.fold(1.0, f64::min).max(0.0);
-        let whole = seen.powi(3) * (10.0 - 15.0 * seen + 6.0 * seen * seen);
-        let scores = || self.played.scores.iter().copied().map(f64::from);
-        let highest = scores().fold(f64::NEG_INFINITY, f64::max);
-        let count = |(view, score): (usize, f64)| {
-            let near = score.max(0.0) + FAR / (1.0 + (highest - score));
-            let share = if shows(self.views, view, &points) { whole } else { 1.0 - whole };
-            near * (share * self.detail(layer, view, element, own) + UNFIT)
-        };
-        let counts: Vec<f64> = scores().enumerate().map(count).collect();
-        let mut most = counts.clone();
-        most.sort_by(|a, b| b.total_cmp(a));
-        let least = (LEAST * most[0]).max(most.get(SOURCES).copied().unwrap_or_default());
-        let left: Vec<f64> = counts.iter().map(|count| (count - least).max(0.0)).collect();
-        let sum: f64 = left.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        left.iter().map(|count| count / sum).collect()
-    }
-
-    /// Returns how well a key view resolves an element of area `own`, from 0 to 1. An element that is turned over gets 0.
-    fn detail(&self, layer: usize, view: usize, element: &Element, own: f64) -> f64 {
-        if self.views.view_texture(view, layer).is_none() {
-            return 1.0;
-        }
-        let texels = element.vertices().iter().map(|&vertex| texel(self.views, view, vertex));
-        let share = area(texels.map(|place| place.map(f64::from))) / own;
-        if share > 0.0 { share.min(1.0) } else { 0.0 }
-    }
-
     fn area(&self, element: &Element) -> f64 {
-        area(element.vertices().iter().map(|&vertex| {
-            let [x, y, _] = self.places[vertex];
-            [x, y]
-        }))
+        let corners: Vec<[f64; 3]> =
+            element.vertices().iter().map(|&vertex| self.places[vertex]).collect();
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).map(|([ax, ay, _], [bx, by, _])| ax * by - bx * ay).sum()
     }
 }
 
 /// Returns where a vertex is in its layer's picture of a key view, in pixels.
 pub(super) fn texel(views: &Views<'_>, view: usize, vertex: usize) -> [f32; 2] {
-    views.reference(view, vertex).unwrap_or_default()
+    views.texel(view, vertex).unwrap_or_default()
 }
 
 /// Returns where vertices are in a key view's picture, in shares of its width and height.
@@ -160,13 +114,13 @@ pub(super) fn name(views: &Views<'_>, layer: usize, view: usize) -> String {
     }
 }
 
-/// Lists the elements of a layer.
+/// Lists the elements of a layer, each with its number.
 pub(super) fn elements<'a>(
     views: &'a Views<'a>,
     layer: usize,
-) -> impl Iterator<Item = Element> + use<'a> {
+) -> impl Iterator<Item = (usize, Element)> + use<'a> {
     let range = views.layer(layer).map_or(0..0, |layer| layer.first..layer.end);
-    range.filter_map(|element| views.element(element))
+    range.filter_map(|number| Some((number, views.element(number)?)))
 }
 
 /// Cuts an element into triangles.
@@ -200,11 +154,4 @@ fn points(views: &Views<'_>, element: &Element) -> Vec<usize> {
 /// Whether a key view shows all of some points.
 fn shows(views: &Views<'_>, view: usize, points: &[usize]) -> bool {
     points.iter().all(|&point| views.is_visible(view, point) == Some(true))
-}
-
-/// Returns twice the area of a polygon, positive where it turns clockwise.
-fn area(corners: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let corners: Vec<[f64; 2]> = corners.collect();
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum()
 }
