@@ -28,7 +28,11 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
     let text = std::fs::read_to_string(description).map_err(FormatError::Read)?;
     let rest = joints(&text)?;
     let folder = description.parent().unwrap_or(Path::new(""));
-    let image = Image { file: folder.join("texture.png"), mask: Some(folder.join("mask.png")) };
+    let image = Image {
+        file: folder.join("texture.png"),
+        mask: Some(folder.join("mask.png")),
+        layer: None,
+    };
     let size = size(&image.file)?;
     let mesh = Mesh::new(&image.load(size)?, &rest)?;
     let view = |pose: Pose, name: &str, value: f64, image: Option<Image>| {

@@ -1,6 +1,6 @@
 //! Why views cannot be taken.
 
-use crate::formats::FormatError;
+use crate::formats::{FileError, FormatError};
 use std::path::PathBuf;
 
 /// Views that cannot be taken; views, points and elements count from 0.
@@ -9,6 +9,9 @@ pub enum SetError {
     /// The file cannot be read.
     #[error(transparent)]
     Format(#[from] FormatError),
+    /// A picture in layers cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// It is no JSON of this shape.
     #[error("{0}")]
     Json(#[from] serde_json::Error),

@@ -219,6 +219,7 @@ fn view(
         image: image.map(|file| Image {
             file: folder.join(file),
             mask: mask.map(|mask| folder.join(mask)),
+            layer: None,
         }),
         layers: layer_views(own_layers, layers, folder, named)?,
     };

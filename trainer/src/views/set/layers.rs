@@ -41,7 +41,7 @@ pub(super) fn layer_views(
         let what = format!("{named} has a picture of it, and the set no such layer");
         return Err(SetError::Layer { layer: unknown.clone(), what });
     }
-    let image = |file: String| Image { file: folder.join(file), mask: None };
+    let image = |file: String| Image::of_file(folder.join(file));
     let mut written = written;
     let own = |name: &&str| match written.remove(*name) {
         None => LayerView::default(),
