@@ -82,6 +82,18 @@ pub enum SetError {
         /// What is wrong.
         what: String,
     },
+    /// A picture in layers is in a set that says nothing of layers.
+    #[error(
+        "{} has layers: write \"points\": \"auto\", or name the layers with their points under \"layers\"",
+        file.display()
+    )]
+    Unnamed {
+        /// The picture.
+        file: PathBuf,
+    },
+    /// Points are to be proposed in a set with depths.
+    #[error("proposed points have no depth: leave \"depth\" and the mesh out")]
+    Depths,
     /// A point is of no layer.
     #[error("point {point} is in no layer")]
     NoLayer {

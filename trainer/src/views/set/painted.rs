@@ -1,0 +1,97 @@
+//! Layers of a set as its pictures in layers have them.
+
+use super::data::LayerView;
+use super::error::SetError;
+use super::image::Image;
+use super::layers::WrittenLayer;
+use crate::formats::layered::LayeredPicture;
+use crate::formats::{FileError, LayeredError};
+use std::path::Path;
+
+/// Makes the layers of a set that names none: those of its pictures, which must agree, each with points to propose.
+///
+/// # Errors
+/// [`SetError::File`] of a picture, and [`SetError::Layer`] of one that is not in all pictures.
+pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
+    let mut first: Option<(&Path, LayeredPicture)> = None;
+    for file in files {
+        let own = LayeredPicture::open(file)?;
+        let Some((other, known)) = &first else {
+            first = Some((file, own));
+            continue;
+        };
+        let paths = |picture: &LayeredPicture| -> Vec<String> {
+            picture.layers.iter().map(|layer| layer.path.clone()).collect()
+        };
+        let (known, own) = (paths(known), paths(&own));
+        let [other, file] = [*other, *file].map(|file| file.display().to_string());
+        for (has, lacks, has_name, lacks_name) in
+            [(&known, &own, &other, &file), (&own, &known, &file, &other)]
+        {
+            if let Some(layer) = has.iter().find(|layer| !lacks.contains(layer)) {
+                let what = format!(
+                    "it is in {has_name}, and not in {lacks_name}: add it there, empty if it is not seen"
+                );
+                return Err(SetError::Layer { layer: layer.clone(), what });
+            }
+        }
+        if let Some(at) = (0..own.len()).find(|&at| own[at] != known[at]) {
+            let what = format!("it has another place in {file} than in {other}: order them alike");
+            return Err(SetError::Layer { layer: own[at].clone(), what });
+        }
+    }
+    let Some((_, picture)) = first else { return Ok(Vec::new()) };
+    let layers = &picture.layers;
+    let name = |at: usize| {
+        let is_only = layers.iter().filter(|other| other.name == layers[at].name).count() == 1;
+        if is_only { layers[at].name.clone() } else { layers[at].path.clone() }
+    };
+    Ok((0..layers.len()).map(|at| WrittenLayer::proposed(name(at))).collect())
+}
+
+/// Adds the layers of a view's picture to those of which the view itself says nothing.
+///
+/// # Errors
+/// [`SetError::File`].
+pub(super) fn add(file: &Path, names: &[&str], views: &mut [LayerView]) -> Result<(), SetError> {
+    let picture = LayeredPicture::open(file)?;
+    for (name, own) in names.iter().zip(views) {
+        if own.image.is_some() {
+            continue;
+        }
+        let found = picture.find(name).map_err(|error| named(file, error))?;
+        let layer = Some((*name).to_owned());
+        own.image = Some(Image { layer, ..Image::of_file(file.to_owned()) });
+        let opacity = picture.layers[found].opacity;
+        if own.opacity.is_none() && opacity < 1.0 {
+            own.opacity = Some(opacity);
+        }
+    }
+    Ok(())
+}
+
+/// Clips layers as the first picture does, unless the set says so itself.
+///
+/// # Errors
+/// [`SetError::File`], and [`SetError::Layer`] of one that is clipped to a layer that the set does not name.
+pub(super) fn clip(file: &Path, layers: &mut [WrittenLayer]) -> Result<(), SetError> {
+    let picture = LayeredPicture::open(file)?;
+    let find = |name: &str| picture.find(name).map_err(|error| named(file, error));
+    let places: Vec<usize> = layers.iter().map(|own| find(&own.name)).collect::<Result<_, _>>()?;
+    let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
+    for (own, &place) in layers.iter_mut().zip(&places) {
+        let (None, Some(base)) = (&own.clip, picture.layers[place].clip) else { continue };
+        let found = places.iter().position(|other| *other == base);
+        let unknown = || {
+            let base = &picture.layers[base].path;
+            let what = format!("{} clips it to \"{base}\", no layer of the set", file.display());
+            SetError::Layer { layer: own.name.clone(), what }
+        };
+        own.clip = Some(names[found.ok_or_else(unknown)?].clone());
+    }
+    Ok(())
+}
+
+fn named(file: &Path, error: LayeredError) -> SetError {
+    FileError { file: file.to_owned(), error: error.into() }.into()
+}
