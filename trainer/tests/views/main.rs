@@ -8,7 +8,9 @@ mod demo;
 mod export;
 mod faults;
 mod left_out;
+mod painted;
 mod pixels;
+mod proposed;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod tiger;

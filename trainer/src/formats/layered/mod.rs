@@ -3,6 +3,8 @@
 mod error;
 mod ora;
 mod psd;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 pub use error::LayeredError;

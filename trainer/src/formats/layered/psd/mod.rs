@@ -84,18 +84,17 @@ impl Document {
             return Ok((Pixels::empty([0, 0]), own.area.corner));
         }
         check_size(size)?;
-        let mut pixels = Pixels::empty(size);
-        let colours: [i16; 4] = if self.is_grey { [0, 0, 0, -1] } else { [0, 1, 2, -1] };
-        for (place, channel) in colours.into_iter().enumerate() {
-            let found = match own.channel(channel) {
-                Some(range) => channel::decoded(&self.bytes[range.clone()], size, self.sample)?,
-                None if channel == -1 => vec![0xff; size[0] * size[1]],
-                None => return Err(format!("it has no channel {channel}")),
-            };
-            let pixels = pixels.rgba.chunks_mut(4);
-            pixels.zip(found).for_each(|(pixel, byte)| pixel[place] = byte);
-        }
-        Ok((pixels, own.area.corner))
+        let channel = |id: i16| match own.channel(id) {
+            Some(range) => channel::decoded(&self.bytes[range.clone()], size, self.sample),
+            None if id == -1 => Ok(vec![0xff; size[0] * size[1]]),
+            None => Err(format!("it has no channel {id}")),
+        };
+        let colours = if self.is_grey { [0, 0, 0] } else { [0, 1, 2] };
+        let [r, g, b] = [channel(colours[0])?, channel(colours[1])?, channel(colours[2])?];
+        let alpha = channel(-1)?;
+        let pixels = r.into_iter().zip(g).zip(b.into_iter().zip(alpha));
+        let rgba = pixels.flat_map(|((r, g), (b, a))| [r, g, b, a]).collect();
+        Ok((Pixels { size, rgba }, own.area.corner))
     }
 
     /// Multiplies the coverage of a whole picture with the mask of a layer or group, if it has one.
