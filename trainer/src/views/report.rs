@@ -207,7 +207,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
     Ok(side_by_side(figures.len().min(MOST_ACROSS), &figures))
 }
 
-/// Tells of each layer its points, its elements, the key views that show it, and the layer that clips it.
+/// Makes a table of the layers: points, elements, key views with a picture, and the layer that clips.
 fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
     let Some(views) = model.views() else { return String::new() };
     let keys = views.view_len();

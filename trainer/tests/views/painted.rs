@@ -182,5 +182,21 @@ fn pictures_that_contradict_a_set_are_refused() {
     assert!(refused(read(&path, None)).starts_with("b.ora: expected an OpenRaster file"));
     let wrong = written(&folder, json!({ "points": "automatic" }));
     let text = read(&wrong, None).unwrap_err().to_string();
-    assert!(text.starts_with("expected \"auto\" or names of points"), "{text}");
+    assert_eq!(
+        text,
+        "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found \"automatic\""
+    );
+    let wrong = written(&folder, json!({ "layers": [{ "name": "back", "points": "all" }] }));
+    let text = read(&wrong, None).unwrap_err().to_string();
+    assert!(text.starts_with("expected \"auto\" or a list of numbers of points"), "{text}");
+    let view = json!({ "image": "a.ora", "x": 0, "points": [[2, 8]], "depth": [1.0] });
+    let deep = json!({
+        "points": "auto",
+        "layers": [{ "name": "back", "points": [0] }, { "name": "front" }],
+        "train": [view],
+    });
+    assert_eq!(
+        refused(read(&written(&folder, deep), None)),
+        "proposed points have no depth: leave \"depth\" and the mesh out"
+    );
 }

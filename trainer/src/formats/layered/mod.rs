@@ -15,7 +15,7 @@ use super::pixels::Pixels;
 use std::fs::File;
 use std::path::Path;
 
-/// A picture in layers, opened; pictures of layers are decoded one by one.
+/// A picture in layers, opened; pictures of layers are decoded on demand.
 pub(crate) struct LayeredPicture {
     /// Width and height.
     pub(crate) size: [usize; 2],

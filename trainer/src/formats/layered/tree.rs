@@ -67,7 +67,7 @@ pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>
     }
 }
 
-/// What a clipped layer is clipped to.
+/// The node that clipped layers show within.
 enum Base {
     Nothing,
     Layer(usize),

@@ -91,6 +91,14 @@ pub enum SetError {
         /// The picture.
         file: PathBuf,
     },
+    /// The set's points are neither names nor to be proposed.
+    #[error(
+        "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found {found}"
+    )]
+    Points {
+        /// The value that is there.
+        found: String,
+    },
     /// Points are to be proposed in a set with depths.
     #[error("proposed points have no depth: leave \"depth\" and the mesh out")]
     Depths,

@@ -4,12 +4,11 @@ use super::data::{Examples, Layer, Parameter, Values, View, ViewSet};
 use super::depth::depths;
 use super::error::SetError;
 use super::image::Image;
-use super::layers::{Auto, WrittenLayer, WrittenLayerView, checked, layer_views, layered};
+use super::layers::{WrittenLayer, WrittenLayerView, checked, layer_views, layered};
 use super::{painted, proposed};
 use crate::formats::layered::is_layered;
 use crate::formats::{FormatError, obj};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use serde_json::Value;
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
@@ -17,6 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// What the name of an angle ends with where nothing declares it.
 const DEGREES: &str = "_deg";
+/// The word by which points are proposed.
+const AUTO: &str = "auto";
 /// Angles that make one rotation where nothing declares it: about x, y and z.
 const HEAD: [&str; 3] = ["pitch", "yaw", "roll"];
 
@@ -27,20 +28,13 @@ struct Written {
     #[serde(default)]
     elements: Vec<Vec<usize>>,
     layers: Option<Vec<WrittenLayer>>,
-    points: Option<Points>,
+    /// Names of points, which nobody reads, or the word by which all points are proposed.
+    points: Option<Value>,
     mesh_vertex_index: Option<Vec<usize>>,
     #[serde(default)]
     maps: Vec<WrittenMap>,
     #[serde(flatten)]
     own: WrittenMap,
-}
-
-/// Names of points, which nobody reads, or that all points are to be proposed.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected \"auto\" or names of points")]
-enum Points {
-    Auto(Auto),
-    Names(IgnoredAny),
 }
 
 #[derive(Deserialize)]
@@ -108,7 +102,11 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         maps,
         own,
     } = written;
-    let is_auto = matches!(points, Some(Points::Auto(Auto::Auto)));
+    let is_auto = match points {
+        None | Some(Value::Array(_)) => false,
+        Some(Value::String(word)) if word == AUTO => true,
+        Some(found) => return Err(SetError::Points { found: found.to_string() }),
+    };
     let all: Vec<WrittenMap> =
         std::iter::once(own).chain(maps).filter(|map| !map.train.is_empty()).collect();
     let painted = painted_files(&all, folder);

@@ -30,7 +30,7 @@ enum WrittenPoints {
 /// The word by which points are proposed.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Auto {
+enum Auto {
     Auto,
 }
 

@@ -8,10 +8,10 @@ use crate::formats::layered::LayeredPicture;
 use crate::formats::{FileError, LayeredError};
 use std::path::Path;
 
-/// Makes the layers of a set that names none: those of its pictures, which must agree, each with points to propose.
+/// Makes the layers of a set that names none. All its pictures must have the same layers; points are proposed.
 ///
 /// # Errors
-/// [`SetError::File`] of a picture, and [`SetError::Layer`] of one that is not in all pictures.
+/// [`SetError::File`] of a picture, and [`SetError::Layer`] of a layer that some picture lacks.
 pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
     let mut first: Option<(&Path, LayeredPicture)> = None;
     for file in files {
@@ -49,7 +49,7 @@ pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
     Ok((0..layers.len()).map(|at| WrittenLayer::proposed(name(at))).collect())
 }
 
-/// Adds the layers of a view's picture to those of which the view itself says nothing.
+/// Adds the layers of a view's picture, unless the view itself has a picture of them.
 ///
 /// # Errors
 /// [`SetError::File`].
@@ -73,7 +73,7 @@ pub(super) fn add(file: &Path, names: &[&str], views: &mut [LayerView]) -> Resul
 /// Clips layers as the first picture does, unless the set says so itself.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`] of one that is clipped to a layer that the set does not name.
+/// [`SetError::File`], and [`SetError::Layer`]: the set does not name the layer that another is clipped to.
 pub(super) fn clip(file: &Path, layers: &mut [WrittenLayer]) -> Result<(), SetError> {
     let picture = LayeredPicture::open(file)?;
     let find = |name: &str| picture.find(name).map_err(|error| named(file, error));

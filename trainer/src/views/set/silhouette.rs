@@ -1,4 +1,4 @@
-//! Triangles over what a picture covers.
+//! Triangles over the covered pixels of a picture.
 
 use super::error::SetError;
 use crate::page::picture::Picture;
@@ -16,13 +16,13 @@ pub(super) struct Silhouette {
 }
 
 impl Silhouette {
-    /// Triangulates what a picture covers.
+    /// Triangulates the covered pixels of a picture.
     ///
     /// - `across`: triangles' sides along the longer side of the picture.
-    /// - `margin`: pixels around the coverage that are covered as well.
+    /// - `margin`: pixels around the coverage that triangles cover too.
     ///
     /// # Errors
-    /// [`SetError::Empty`]: it covers nothing.
+    /// [`SetError::Empty`]: the picture covers nothing.
     pub(super) fn of(picture: &Picture, across: f64, margin: usize) -> Result<Self, SetError> {
         let [width, height] = [picture.size.width, picture.size.height];
         let step = width.max(height) as f64 / across;

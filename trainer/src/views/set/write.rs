@@ -70,7 +70,7 @@ fn name(path: &Path, folder: &Path) -> Value {
     json!(path.strip_prefix(folder).unwrap_or(path).to_string_lossy())
 }
 
-/// Writes what a view says of a layer; nothing of a layer that the view's picture has.
+/// Writes a layer of a view, without the picture if the view's picture in layers has it.
 fn layer_view(own: &LayerView, whole: Option<&Image>, folder: &Path) -> Value {
     let mut out = Map::new();
     let is_implied = |image: &Image| {

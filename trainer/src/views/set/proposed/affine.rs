@@ -1,7 +1,7 @@
 //! The affine map between two pictures of a layer.
 
 use super::field::{Field, Moments};
-use libm::{cos, sin};
+use libm::{cos, log, sin};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Angles that are tried.
@@ -10,14 +10,14 @@ const ANGLES: usize = 16;
 const WEIGHTS: [f64; 4] = [0.0625, 0.0625, 0.0625, 1.0];
 /// Rise of the error of a half turn. A turn must pay, since round shapes look the same from all sides.
 const TURN: f64 = 4.0;
+/// Rise of the error by the squared logarithm of the longest over the shortest stretch.
+const STRETCH: f64 = 4.0;
 /// Error below which all maps are equally good, of 1.
-const EQUAL: f64 = 0.005;
-/// Blurs, as parts of the radius, from the start to the end.
-const BLURS: [f64; 3] = [6.0, 12.0, 24.0];
-/// Least blur, pixels.
-pub(super) const LEAST_BLUR: f64 = 0.7;
-/// Steps at the start, and after.
-const STEPS: [usize; 2] = [12, 30];
+const EQUAL: f64 = 0.001;
+/// Radii over the blur.
+const BLUR: f64 = 6.0;
+/// Steps from each first map.
+const STEPS: usize = 12;
 /// Least area over the area before.
 const LEAST_AREA: f64 = 0.01;
 /// Share of the error by which a step must improve.
@@ -26,11 +26,11 @@ pub(super) const ENOUGH: f64 = 1e-4;
 /// An affine map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Affine {
-    /// Where it starts from.
+    /// The place that distances are measured from.
     pub(super) from: Vector2<f64>,
     /// Where `from` comes to be.
     pub(super) to: Vector2<f64>,
-    /// What distances from there are multiplied by.
+    /// Factor of the distance from there.
     pub(super) by: Matrix2<f64>,
 }
 
@@ -46,30 +46,24 @@ impl Affine {
     }
 }
 
-/// Finds the affine map from a picture to another: from their moments, at all angles, then by the difference of the
-/// pictures, coarse to fine.
+/// Finds the affine map from a picture to another. Moments give first maps at all angles; then the difference of the
+/// blurred pictures is minimised.
 pub(super) fn affine(rest: &Field, other: &Field) -> Affine {
     let [own, target] = [rest.moments(), other.moments()];
-    let blur = |by: f64| (own.radius() / by).max(LEAST_BLUR);
-    let pair = |sigma: f64| [rest, other].map(|field| field.blurred(sigma));
-    // At the start shapes may be apart as far as the larger one is.
-    let sigma = (own.radius().max(target.radius()) / BLURS[0]).max(1.0);
-    let fields = pair(sigma);
+    // Shapes may be apart as far as the larger one is.
+    let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
+    let fields = [rest, other].map(|field| field.blurred(sigma));
     let mut best: Option<(f64, Affine)> = None;
     for by in starts(&own, &target) {
         let start = Affine { from: own.mean, to: target.mean, by };
-        let (found, error) = fitted(&fields, start, sigma, STEPS[0]);
-        let cost = (error + EQUAL) * (1.0 + 0.5 * TURN * (1.0 - cosine(&found.by)));
+        let (found, error) = fitted(&fields, start, sigma);
+        let cost = (error + EQUAL) * (1.0 + distortion(&found.by));
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, found));
         }
     }
     let start = Affine { from: own.mean, to: target.mean, by: Matrix2::identity() };
-    let mut found = best.map_or(start, |(_, found)| found);
-    for by in &BLURS[1..] {
-        found = fitted(&pair(blur(*by)), found, blur(*by), STEPS[1]).0;
-    }
-    found
+    best.map_or(start, |(_, found)| found)
 }
 
 /// Lists first maps: turns of the whole, and turns between maps that make both pictures round.
@@ -91,10 +85,14 @@ fn starts(own: &Moments, target: &Moments) -> Vec<Matrix2<f64>> {
     turns().map(|turn| turn * scale).chain(turns().map(|turn| to * turn * back)).collect()
 }
 
-/// Returns the cosine of the angle by which a map turns: of the rotation nearest to it.
-fn cosine(by: &Matrix2<f64>) -> f64 {
+/// Returns how far a map turns and stretches unevenly; 0 for scales.
+fn distortion(by: &Matrix2<f64>) -> f64 {
+    // The cosine of the rotation nearest to the map.
     let (along, across) = (by.m11 + by.m22, by.m21 - by.m12);
-    along / along.hypot(across).max(f64::MIN_POSITIVE)
+    let cosine = along / along.hypot(across).max(f64::MIN_POSITIVE);
+    let stretches = by.singular_values();
+    let uneven = log(stretches.max() / stretches.min().max(f64::MIN_POSITIVE));
+    0.5 * TURN * (1.0 - cosine) + STRETCH * uneven * uneven
 }
 
 /// A map with its error, and the normal equations of the next step.
@@ -105,7 +103,7 @@ struct Tried {
 }
 
 /// Improves a map by damped steps of Gauss and Newton; returns its error over that of two pictures apart.
-fn fitted(fields: &[Field; 2], start: Affine, sigma: f64, steps: usize) -> (Affine, f64) {
+fn fitted(fields: &[Field; 2], start: Affine, sigma: f64) -> (Affine, f64) {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
     let square = |rgba: &[f64; 4]| (0..4).map(|k| WEIGHTS[k] * rgba[k].powi(2)).sum::<f64>();
@@ -125,7 +123,7 @@ fn fitted(fields: &[Field; 2], start: Affine, sigma: f64, steps: usize) -> (Affi
         out
     };
     let (mut map, mut now, mut damping) = (start, tried(&start), 1e-3);
-    'steps: for _ in 0..steps {
+    'steps: for _ in 0..STEPS {
         let floor = 1e-9 * now.matrix.trace() + 1e-12;
         loop {
             let mut matrix = now.matrix;

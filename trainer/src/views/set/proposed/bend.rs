@@ -1,6 +1,6 @@
 //! The smooth map between two pictures of a layer, with the least difference of the pictures in both directions.
 
-use super::affine::{Affine, ENOUGH, LEAST_BLUR};
+use super::affine::{Affine, ENOUGH};
 use super::field::Field;
 use super::lattice::{Bent, Lattice};
 use faer::linalg::solvers::Solve;
@@ -9,6 +9,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// Cells along the longer side of the shape, and the blur as a part of its radius: coarse to fine.
 const LEVELS: [(f64, f64); 4] = [(2.0, 12.0), (4.0, 24.0), (8.0, 48.0), (8.0, f64::INFINITY)];
+/// Least blur, pixels.
+const LEAST_BLUR: f64 = 0.7;
 /// Room around the shape, of its longer side.
 const ROOM: f64 = 0.25;
 /// Weight of bending against the difference of two pictures apart.
@@ -19,7 +21,7 @@ const STEPS: usize = 20;
 const EXACT: f64 = 1e-7;
 /// Least area over the area before.
 const LEAST_AREA: f64 = 0.05;
-/// How near a place must come to what it is moved to, pixels.
+/// Largest distance of a place from its target, pixels.
 const NEAR: f64 = 0.5;
 
 /// Finds the smooth map from a picture to another.

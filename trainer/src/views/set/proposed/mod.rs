@@ -72,7 +72,7 @@ struct Proposed {
     triangles: Vec<[usize; 3]>,
 }
 
-/// A picture of a layer, cut to what it covers.
+/// A picture of a layer, cut to its covered pixels.
 struct Shown {
     key: usize,
     picture: Picture,
@@ -122,7 +122,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     Ok(Proposed { points, triangles: faces })
 }
 
-/// Cuts a picture to what it covers; `None` if it covers nothing.
+/// Cuts a picture to its covered pixels; `None` if there are none.
 fn cropped(whole: &Picture) -> Option<(Picture, [usize; 2])> {
     let [width, height] = [whole.size.width, whole.size.height];
     let covered = (0..width * height).filter(|at| whole.rgba[4 * at + 3] > 0);
