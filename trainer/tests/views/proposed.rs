@@ -213,7 +213,7 @@ fn points_are_the_same_for_any_number_of_threads() {
     assert_eq!(points[0], points[1]);
 }
 
-/// The drawn character in layers, of whose points nothing is told.
+/// The drawn character in layers, without its points.
 #[test]
 fn a_character_without_points_looks_as_it_should_between_its_views() {
     let Some(path) = shared("character-2d/character.json") else { return };

@@ -59,7 +59,7 @@ pub enum LayeredError {
         /// What is below it.
         base: String,
     },
-    /// A layer is blended in another way than over what is below.
+    /// A layer has a blend mode that is not read.
     #[error("layer \"{layer}\" has the blend mode {mode}, expected normal: merge it down")]
     Blend {
         /// The layer.

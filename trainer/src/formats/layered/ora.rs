@@ -17,7 +17,7 @@ const NODES: u32 = 1 << 18;
 const PICTURE: u64 = 1 << 29;
 /// Blend mode of layers that lie over the others.
 const NORMAL: &str = "svg:src-over";
-/// Blend mode of layers that show only where what is below shows.
+/// Blend mode of layers that show only within the layers below.
 const CLIPPED: &str = "svg:src-atop";
 
 /// An open archive.

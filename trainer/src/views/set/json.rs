@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// What the name of an angle ends with where nothing declares it.
 const DEGREES: &str = "_deg";
-/// The word by which points are proposed.
+/// In place of points: propose them.
 const AUTO: &str = "auto";
 /// Angles that make one rotation where nothing declares it: about x, y and z.
 const HEAD: [&str; 3] = ["pitch", "yaw", "roll"];
@@ -28,7 +28,7 @@ struct Written {
     #[serde(default)]
     elements: Vec<Vec<usize>>,
     layers: Option<Vec<WrittenLayer>>,
-    /// Names of points, which nobody reads, or the word by which all points are proposed.
+    /// Names of points, which nobody reads, or [`AUTO`].
     points: Option<Value>,
     mesh_vertex_index: Option<Vec<usize>>,
     #[serde(default)]

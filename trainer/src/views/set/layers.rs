@@ -27,7 +27,7 @@ enum WrittenPoints {
     Given(Vec<usize>),
 }
 
-/// The word by which points are proposed.
+/// The word in place of points that are to be proposed.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Auto {

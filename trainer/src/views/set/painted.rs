@@ -76,12 +76,14 @@ pub(super) fn add(file: &Path, names: &[&str], views: &mut [LayerView]) -> Resul
 /// [`SetError::File`], and [`SetError::Layer`]: the set does not name the layer that another is clipped to.
 pub(super) fn clip(file: &Path, layers: &mut [WrittenLayer]) -> Result<(), SetError> {
     let picture = LayeredPicture::open(file)?;
-    let find = |name: &str| picture.find(name).map_err(|error| named(file, error));
-    let places: Vec<usize> = layers.iter().map(|own| find(&own.name)).collect::<Result<_, _>>()?;
+    // A layer that is not in the file has pictures of its own, or is reported with its view.
+    let places: Vec<Option<usize>> =
+        layers.iter().map(|own| picture.find(&own.name).ok()).collect();
     let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
     for (own, &place) in layers.iter_mut().zip(&places) {
-        let (None, Some(base)) = (&own.clip, picture.layers[place].clip) else { continue };
-        let found = places.iter().position(|other| *other == base);
+        let base = place.and_then(|place| picture.layers[place].clip);
+        let (None, Some(base)) = (&own.clip, base) else { continue };
+        let found = places.iter().position(|other| *other == Some(base));
         let unknown = || {
             let base = &picture.layers[base].path;
             let what = format!("{} clips it to \"{base}\", no layer of the set", file.display());

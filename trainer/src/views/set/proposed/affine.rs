@@ -20,7 +20,7 @@ const BLUR: f64 = 6.0;
 const STEPS: usize = 12;
 /// Least area over the area before.
 const LEAST_AREA: f64 = 0.01;
-/// Share of the error by which a step must improve.
+/// Least improvement of a step, as a share of the error.
 pub(super) const ENOUGH: f64 = 1e-4;
 
 /// An affine map.
