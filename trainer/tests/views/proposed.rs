@@ -103,7 +103,7 @@ fn points_follow_shapes_that_turn_shrink_and_move() {
         let set = proposed(&Folder::new(name), &pictures);
         let [rms, most] = off(&set, &forth);
         println!("{name}: {rms:.3} px, at most {most:.3}");
-        assert!(rms < 0.3 && most < 1.5, "{name}: {rms} px, at most {most}");
+        assert!(rms < 0.6 && most < 1.5, "{name}: {rms} px, at most {most}");
     }
 }
 
