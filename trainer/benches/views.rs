@@ -46,7 +46,7 @@ fn psnr(found: &Picture, truth: &Picture, counts: impl Fn(usize) -> bool) -> f64
     20.0 * 255.0f64.log10() - 10.0 * (squares / f64::from(len)).log10()
 }
 
-/// Reads the character without what is known of its points.
+/// Reads the character without its points.
 fn without_points() -> Outcome<ViewSet> {
     let file = data("character-2d/character.json");
     let mut set: Value = serde_json::from_slice(&std::fs::read(&file)?)?;

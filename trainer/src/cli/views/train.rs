@@ -44,9 +44,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let Trained { model, choices } =
         train(&set, options).with_context(|| file.display().to_string())?;
     let bytes = bake(Space::default(), &parts(&model)?)?;
-    let json = as_json(&set, folder(file)).to_string();
+    let points = points.map(|points| (points, as_json(&set, folder(file)).to_string()));
     let mut files: Vec<(&OutputFile, &[u8])> = vec![(&target, &bytes)];
-    files.extend(points.as_ref().map(|points| (points, json.as_bytes())));
+    files.extend(points.as_ref().map(|(points, json)| (points, json.as_bytes())));
     write(&files)?;
     let mut text = format!(
         "{}: {}, {}, {}\n",
@@ -60,11 +60,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     text += &format!("{:<36}{:>12.3e}\n", "points at the views, RMS pixels", model.fit.rms);
     text += &format!("{}: {} bytes\n", target.named().display(), bytes.len());
-    if let Some(points) = &points {
+    if let Some((points, json)) = &points {
         text += &format!("{}: {} bytes\n", points.named().display(), json.len());
     }
     let maps: Vec<_> = model.maps.iter().map(|map| &map.name).zip(&choices).collect();
-    let said = json!({
+    let json = json!({
         "bytes": bytes.len(),
         "points": model.point_len,
         "elements": model.mesh.element_len(),
@@ -72,7 +72,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "rms": model.fit.rms,
         "maps": maps.iter().map(|(name, choice)| json!({ "name": name, "choice": choice })).collect::<Vec<_>>(),
     });
-    output.print(&said, &text)
+    output.print(&json, &text)
 }
 
 /// Checks the place for the set with its points, whose pictures are named from the folder of the views.

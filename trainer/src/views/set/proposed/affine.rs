@@ -50,7 +50,7 @@ impl Affine {
 /// blurred pictures is minimised.
 pub(super) fn affine(rest: &Field, other: &Field) -> Affine {
     let [own, target] = [rest.moments(), other.moments()];
-    // Shapes may be apart as far as the larger one is.
+    // The blur reaches across the larger shape.
     let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
     let fields = [rest, other].map(|field| field.blurred(sigma));
     let mut best: Option<(f64, Affine)> = None;
