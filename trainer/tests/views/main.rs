@@ -10,7 +10,9 @@ mod faults;
 mod flat;
 mod layered;
 mod left_out;
+mod painted;
 mod pixels;
+mod proposed;
 mod puppets;
 #[path = "../shared/mod.rs"]
 mod shared;
