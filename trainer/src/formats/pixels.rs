@@ -87,6 +87,11 @@ pub(crate) fn read_png(bytes: impl BufRead + Seek) -> Result<Pixels, String> {
     Ok(Pixels { size, rgba })
 }
 
+/// Multiplies two shares of 255, rounded.
+pub(crate) fn product(a: u8, b: u8) -> u8 {
+    ((u32::from(a) * u32::from(b) + 127) / 255) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@ pub use error::LayeredError;
 pub(crate) use tree::PaintedLayer;
 
 use super::error::{FileError, FormatError};
-use super::pixels::Pixels;
+use super::pixels::{Pixels, product};
 use std::fs::File;
 use std::path::Path;
 
@@ -153,9 +153,4 @@ impl LayeredPicture {
         };
         Ok(Pixels { size: self.size, rgba: sum.into_iter().flat_map(straight).collect() })
     }
-}
-
-/// Multiplies two shares of 255, rounded.
-fn product(a: u8, b: u8) -> u8 {
-    ((u32::from(a) * u32::from(b) + 127) / 255) as u8
 }

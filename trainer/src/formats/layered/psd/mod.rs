@@ -8,7 +8,7 @@ mod record;
 
 use super::error::LayeredError;
 use super::tree::{DEPTH, Node};
-use crate::formats::pixels::{Pixels, check_size};
+use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
 use record::{Area, Record, Section};
 
@@ -118,7 +118,7 @@ impl Document {
                 true => found[place[1] as usize * size[0] + place[0] as usize],
                 false => mask.outside,
             };
-            pixel[3] = super::product(pixel[3], share);
+            pixel[3] = product(pixel[3], share);
         }
         Ok(())
     }
