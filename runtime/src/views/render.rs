@@ -248,7 +248,8 @@ impl Picture<'_> {
             let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
             let across = neighbours.get(number).copied().flatten();
             let soft = across.map_or(1.0, |other| {
-                let next = vertices.get((number + 1) % vertices.len()).copied().unwrap_or(vertex);
+                let next = vertices.get(number + 1).or(vertices.first());
+                let next = next.copied().unwrap_or(vertex);
                 self.outline(layer, area, other, [vertex, next])
             });
             Corner { place: [x, y], depth, number, soft }
