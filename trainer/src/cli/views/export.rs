@@ -12,6 +12,12 @@ use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
 use sinew_trainer::views::set::Values;
 use std::path::PathBuf;
 
+/// The usage, a line a format.
+const USAGE: &str = "\
+sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
+       sinew views export [OPTIONS] --spine <PATH>... --out <JSON> <MODEL>
+       sinew views export [OPTIONS] --glb [<GRID>] --out <GLB> <MODEL>";
+
 /// Writes views as an Inochi2D puppet, as Spine JSON, or as glTF
 ///
 /// An Inochi2D puppet and binary glTF have a grid of one or two parameters of MODEL, glTF as morph targets. Spine has an
@@ -20,6 +26,7 @@ use std::path::PathBuf;
 /// GRID is `yaw,pitch:9x9`, or, from where to where, `yaw=-40..40,pitch=-20..20:9x9`. Without a range a number goes as far
 /// as the examples do, and an angle as far as they turn. All other parameters are set.
 #[derive(clap::Args)]
+#[command(override_usage = USAGE)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` or `transfer` wrote
     model: PathBuf,
