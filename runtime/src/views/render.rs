@@ -265,13 +265,14 @@ impl Picture<'_> {
             }
         };
         drawn.element_len += 1;
-        let mut points = self.job.points_of(vertices);
-        let is_seen = points.all(|point| self.job.visibility.get(point).is_some_and(|x| *x > 0.5));
-        drawn.flipped_len += usize::from(is_flipped && is_seen);
+        let is_seen = |point| self.job.visibility.get(point).is_some_and(|x| *x > 0.5);
+        let counts = is_flipped && self.job.points_of(vertices).all(is_seen);
+        drawn.flipped_len += usize::from(counts);
     }
 
-    /// Returns over how many pixels, one at most, an edge fades out whose element across is turned away, where depths hide
-    /// that one: as far as it reaches back over this one by more than a pixel, so that a fold that thin leaves no slit.
+    /// Returns the width in pixels, one at most, over which an edge fades out. It is not 0 in layers with depth, if the
+    /// element across turns the other way. That one reaches back over this one; the first pixel of this does not count, so a
+    /// thin fold leaves no slit.
     fn outline(&self, layer: &Layer, area: f32, across: usize, edge: [usize; 2]) -> f32 {
         let Some(across) = self.job.views.element(across).filter(|_| layer.has_depth) else {
             return 0.0;
