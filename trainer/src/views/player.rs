@@ -6,9 +6,7 @@ use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use sinew_runtime::kernel::KernelMap;
-use sinew_runtime::views::{
-    Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Vertex, Views,
-};
+use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Views};
 use sinew_runtime::{CallError, Model};
 
 /// One of a model's maps.
@@ -122,18 +120,10 @@ impl<'a> Player<'a> {
         self.views.size()
     }
 
-    /// Returns where vertices are, by where points are.
-    pub fn vertices(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    /// Lists places of V vertices on the screen, with their depths.
+    pub fn vertices(&self, played: &Played) -> Vec<[f32; 3]> {
         let vertices = (0..).map_while(|vertex| self.views.vertex(vertex));
-        let at = |vertex: Vertex<'_>| {
-            let [mut x, mut y] = vertex.place().map(f64::from);
-            for (point, weight) in vertex.weights() {
-                let ([a, b], [px, py]) = (weight.map(f64::from), points[point]);
-                (x, y) = (x + a * px - b * py, y + b * px + a * py);
-            }
-            [x, y]
-        };
-        vertices.map(at).collect()
+        vertices.map(|vertex| vertex.at(&played.points)).collect()
     }
 
     /// Evaluates the map.

@@ -164,8 +164,6 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
     let (picture, played) = shown(model, examples, &between(examples))?;
     let player = Player::new(model, Some(&examples.name))?;
     let views = player.views();
-    let points: Vec<[f64; 2]> =
-        played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
     let elements = player.elements();
     let with_mesh = |picture: &Picture,
                      elements: &[Element],
@@ -191,7 +189,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
     for (number, layer) in (0..).map_while(|number| Some((number, views.layer(number)?))) {
         let Some(source) = player.key_picture(played.view, number) else { continue };
         let own = elements.get(layer.first..layer.end).unwrap_or_default();
-        let at = |vertex| views.reference(played.view, vertex).unwrap_or_default().map(f64::from);
+        let at = |vertex| views.texel(played.view, vertex).unwrap_or_default().map(f64::from);
         let seen = |point| views.is_visible(played.view, point) == Some(true);
         let name = match views.layer_len() {
             1 => "the key view".to_owned(),
@@ -199,9 +197,13 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
         };
         figures.push(figure(&with_mesh(&source, own, &at, &seen), &name, "", &text(&name))?);
     }
-    let vertices = player.vertices(&points);
+    let vertices = player.vertices(&played);
+    let at = |vertex: usize| {
+        let [x, y, _] = vertices[vertex].map(f64::from);
+        [x, y]
+    };
     let seen = |point: usize| played.visibility[point] > 0.5;
-    let moved = with_mesh(&picture, &elements, &|vertex| vertices[vertex], &seen);
+    let moved = with_mesh(&picture, &elements, &at, &seen);
     figures.push(figure(&moved, "its elements moved", "", "its elements moved")?);
     figures.push(figure(&picture, "the view", "", "the view that is made of them")?);
     Ok(side_by_side(figures.len().min(MOST_ACROSS), &figures))

@@ -17,8 +17,8 @@ impl<'a> Shown<'a> {
     /// Places the vertices.
     pub(super) fn new(player: &'a Player<'a>, played: &'a Played) -> Self {
         let views = player.views();
-        let vertices = (0..).map_while(|vertex| views.vertex(vertex));
-        let places = vertices.map(|vertex| vertex.at(&played.points).map(f64::from)).collect();
+        let places =
+            player.vertices(played).into_iter().map(|place| place.map(f64::from)).collect();
         Self { views, played, places }
     }
 
