@@ -1,5 +1,6 @@
 //! Vertices that move as points do, and the elements between them (METHOD §6.9).
 
+use super::covered::Covered;
 use super::set::Element;
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -79,11 +80,11 @@ impl Mesh {
         self.layers.push(own);
     }
 
-    /// Adds a layer that is bent as a whole: a grid over what key views show of it, whose vertices a thin plate spline
-    /// between its points carries.
+    /// Adds a layer that is bent as a whole. A grid lies over the layer's pictures in all key views, and a thin plate spline
+    /// between the layer's points carries its vertices.
     ///
     /// - `points`: of the layer, one at least.
-    /// - `views`: key views, of which one at least has a picture.
+    /// - `views`: key views; one at least has a picture.
     pub fn add_bent(&mut self, points: &[usize], views: &[Shown<'_>]) {
         // Of views with a picture that in which most points are seen, the first of equals.
         let pictured = views.iter().filter(|view| view.picture.is_some());
@@ -125,16 +126,23 @@ impl Mesh {
             .clone()
             .map(|view| all.iter().map(|vertex| vertex.at(view.points)).collect())
             .collect();
-        let sums: Vec<Covered> = pictured.map(|view| Covered::new(view.picture)).collect();
+        let pictures = pictured.filter_map(|view| view.picture);
+        let covered: Vec<(Covered, [usize; 2])> =
+            pictures.map(|(picture, corner)| (Covered::of(picture), *corner)).collect();
         let mut elements = Vec::new();
         let mut numbers: HashMap<usize, usize> = HashMap::new();
         for (row, column) in (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |c| (row, c))) {
             let first = row * across + column;
             let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
-            let is_seen = placed
-                .iter()
-                .zip(&sums)
-                .any(|(placed, covered)| covered.any([a, b, c, d].map(|at| placed[at])));
+            let is_seen = placed.iter().zip(&covered).any(|(placed, (covered, corner))| {
+                let ring = [a, b, c, d].map(|at| placed[at]);
+                // With a pixel around the cell.
+                let own = |axis: usize| ring.map(|place| place[axis] - corner[axis] as f64);
+                let least = |axis| own(axis).into_iter().fold(f64::INFINITY, f64::min);
+                let most = |axis| own(axis).into_iter().fold(f64::NEG_INFINITY, f64::max);
+                let low = [0, 1].map(|axis| least(axis).floor() - 1.0);
+                covered.any(low, [0, 1].map(|axis| most(axis).ceil() + 1.0))
+            });
             if !is_seen {
                 continue;
             }
@@ -296,42 +304,6 @@ fn outline(picture: Option<&(Picture, [usize; 2])>) -> Vec<[f64; 2]> {
         Some([[x[0], y[0]], [x[1], y[0]], [x[0], y[1]], [x[1], y[1]]])
     };
     rows.filter_map(ends).flatten().collect()
-}
-
-/// Sums of a picture's covered pixels over all rectangles from its corner.
-struct Covered {
-    corner: [usize; 2],
-    size: [usize; 2],
-    sums: Vec<u32>,
-}
-
-impl Covered {
-    fn new(picture: Option<&(Picture, [usize; 2])>) -> Self {
-        let Some((picture, corner)) = picture else {
-            return Self { corner: [0; 2], size: [0; 2], sums: vec![0] };
-        };
-        let [width, height] = [picture.size.width, picture.size.height];
-        let mut sums = vec![0; (width + 1) * (height + 1)];
-        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let own = u32::from(picture.rgba[4 * (y * width + x) + 3] > 0);
-            let at = |x: usize, y: usize| y * (width + 1) + x;
-            sums[at(x + 1, y + 1)] = own + sums[at(x, y + 1)] + sums[at(x + 1, y)] - sums[at(x, y)];
-        }
-        Self { corner: *corner, size: [width, height], sums }
-    }
-
-    /// Whether it covers a pixel within the box of places, or a pixel around it.
-    fn any(&self, places: [[f64; 2]; 4]) -> bool {
-        let [x, y] = [0, 1].map(|axis| {
-            let own = places.map(|place| place[axis] - self.corner[axis] as f64);
-            let least = own.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let within = |x: f64| x.clamp(0.0, self.size[axis] as f64) as usize;
-            [within(least.floor() - 1.0), within(most.ceil() + 1.0)]
-        });
-        let at = |x: usize, y: usize| i64::from(self.sums[y * (self.size[0] + 1) + x]);
-        at(x[1], y[1]) - at(x[0], y[1]) - at(x[1], y[0]) + at(x[0], y[0]) > 0
-    }
 }
 
 #[cfg(test)]

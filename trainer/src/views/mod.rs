@@ -8,6 +8,7 @@
 //! over pixels that S1 warns of, which a [`report`] shows beside the rest.
 
 pub mod bake;
+mod covered;
 pub mod deformation;
 pub mod demo;
 pub mod evaluate;

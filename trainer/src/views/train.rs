@@ -60,7 +60,7 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         let mut opacities = views().filter_map(|view| view.layers.get(number)?.opacity);
         opacities.any(|opacity| opacity != 1.0)
     };
-    let is_whole = keys.iter().all(|&(map, view)| set.maps[map].train[view].layers.is_empty());
+    let is_whole = is_whole(set, &keys);
     let layer = |(number, layer): (usize, &Layer)| LayerModel {
         name: layer.name.clone(),
         clip: layer.clip,
@@ -124,6 +124,11 @@ pub(super) fn cut(whole: &Picture) -> Option<(Picture, [usize; 2])> {
     Some((Picture { size, rgba: rgba.collect() }, [left, top]))
 }
 
+/// Whether key views have one picture for all layers.
+fn is_whole(set: &ViewSet, keys: &[(usize, usize)]) -> bool {
+    keys.iter().all(|&(map, view)| set.maps[map].train[view].layers.is_empty())
+}
+
 /// Makes vertices and elements of all layers.
 fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, SetError> {
     let mut out = Mesh::default();
@@ -132,7 +137,7 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
         let seen = |view: &View| layer.points.iter().filter(|&&k| view.visible[k]).count();
         if !layer.elements.is_empty() {
             out.add_elements(&layer.elements, set.point_len(), &[]);
-        } else if of(keys[0]).layers.is_empty() {
+        } else if is_whole(set, keys) {
             // The key view that shows most points, the first of equals.
             let most =
                 keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));

@@ -1,5 +1,6 @@
 //! Triangles over the covered pixels of a picture.
 
+use super::super::covered::Covered;
 use super::error::SetError;
 use crate::page::picture::Picture;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -26,15 +27,10 @@ impl Silhouette {
     pub(super) fn of(picture: &Picture, across: f64, margin: usize) -> Result<Self, SetError> {
         let [width, height] = [picture.size.width, picture.size.height];
         let step = width.max(height) as f64 / across;
-        let sums = sums(picture);
-        let covers = |[x, y]: [f64; 2]| {
-            let near = |at: f64, len: usize| {
-                let [low, high] = [at.floor() - margin as f64, at.floor() + 1.0 + margin as f64];
-                [low, high].map(|end| end.clamp(0.0, len as f64) as usize)
-            };
-            let ([left, right], [top, bottom]) = (near(x, width), near(y, height));
-            let sum = |x: usize, y: usize| sums[y * (width + 1) + x];
-            sum(right, bottom) + sum(left, top) > sum(right, top) + sum(left, bottom)
+        let covered = Covered::of(picture);
+        let covers = |place: [f64; 2]| {
+            let low = place.map(|at| at.floor() - margin as f64);
+            covered.any(low, place.map(|at| at.floor() + 1.0 + margin as f64))
         };
         let near = |[x, y]: [f64; 2]| {
             let offsets = (-4..=4).flat_map(|i| (-4..=4).map(move |j| [i, j].map(f64::from)));
@@ -77,18 +73,6 @@ impl Silhouette {
         let faces = faces.iter().map(|face| face.each_ref().map(place)).collect();
         Ok(Self { corners, faces })
     }
-}
-
-/// Counts the covered pixels of all rectangles from a picture's corner.
-fn sums(picture: &Picture) -> Vec<u32> {
-    let [width, height] = [picture.size.width, picture.size.height];
-    let at = |x: usize, y: usize| y * (width + 1) + x;
-    let mut sums = vec![0; (width + 1) * (height + 1)];
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let own = u32::from(picture.rgba[4 * (y * width + x) + 3] > 0);
-        sums[at(x + 1, y + 1)] = own + sums[at(x, y + 1)] + sums[at(x + 1, y)] - sums[at(x, y)];
-    }
-    sums
 }
 
 #[cfg(test)]
