@@ -83,14 +83,12 @@ impl Edge {
     fn new(from: Step, to: Step, soft: f32) -> Self {
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let across = -dy * PIXEL;
-        if soft > 0.0 {
-            let length = sqrt(dx as f32 * dx as f32 + dy as f32 * dy as f32);
-            // In steps of its value.
-            let width = soft * PIXEL as f32 * length;
-            if width > 0.0 {
-                let least = -(0.5 * width) as i64;
-                return Self { from, to, across, least, scale: 1.0 / width };
-            }
+        let length = sqrt(dx as f32 * dx as f32 + dy as f32 * dy as f32);
+        // In steps of its value.
+        let width = soft * PIXEL as f32 * length;
+        if width > 0.0 {
+            let least = -(0.5 * width) as i64;
+            return Self { from, to, across, least, scale: 1.0 / width };
         }
         let owns = dy < 0 || dy == 0 && dx > 0;
         Self { from, to, across, least: i64::from(!owns), scale: 0.0 }

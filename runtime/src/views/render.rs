@@ -266,8 +266,9 @@ impl Picture<'_> {
         };
         drawn.element_len += 1;
         let is_seen = |point| self.job.visibility.get(point).is_some_and(|x| *x > 0.5);
-        let counts = is_flipped && self.job.points_of(vertices).all(is_seen);
-        drawn.flipped_len += usize::from(counts);
+        if is_flipped && self.job.points_of(vertices).all(is_seen) {
+            drawn.flipped_len += 1;
+        }
     }
 
     /// Returns the width in pixels, one at most, over which an edge fades out. It is not 0 in layers with depth, if the
