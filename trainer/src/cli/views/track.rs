@@ -2,8 +2,10 @@
 
 use anyhow::{Context, bail};
 use sinew_trainer::kernel::model::KernelModel;
+use sinew_trainer::views::deformation::Deformations;
 use sinew_trainer::views::fit::{FitError, MapOutputs};
-use sinew_trainer::views::inverse::{Found, find, starts};
+use sinew_trainer::views::inverse::{Found, starts};
+use sinew_trainer::views::object::ObjectMap;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::Values;
 use std::path::Path;
@@ -11,36 +13,52 @@ use std::path::Path;
 /// Where points are in a frame; none that are not seen.
 pub(super) type Points = Vec<Option<[f64; 2]>>;
 
+/// A map of a file, in f64.
+pub(super) struct FileMap {
+    model: KernelModel,
+    outputs: MapOutputs,
+    deformations: Option<Deformations>,
+}
+
+impl FileMap {
+    /// Reads a player's map.
+    pub(super) fn new(player: &Player<'_>) -> Self {
+        let views = player.views();
+        Self {
+            model: KernelModel::from_file(player.map()),
+            outputs: MapOutputs::of(views),
+            deformations: Deformations::of(views),
+        }
+    }
+
+    /// Returns the map with the object's own points.
+    pub(super) fn object(&self) -> ObjectMap<'_> {
+        let Self { model, outputs, deformations } = self;
+        ObjectMap { model, outputs: *outputs, deformations: deformations.as_ref() }
+    }
+}
+
 /// Finds the parameters of tracked points, frame by frame.
 pub(super) struct Follower {
-    map: KernelModel,
-    outputs: MapOutputs,
+    map: FileMap,
     near: Vec<Values>,
 }
 
 impl Follower {
     /// Begins with a map, anywhere.
-    ///
-    /// # Errors
-    /// An object whose motion is lent.
-    pub(super) fn new(player: &Player<'_>) -> anyhow::Result<Self> {
-        let views = player.views();
-        if views.is_transferred() {
-            bail!("its motion is lent: drive its prototype, and animate it along");
-        }
-        let map = KernelModel::from_file(player.map());
-        let outputs = MapOutputs::of(views);
-        Ok(Self { near: starts(&map), map, outputs })
+    pub(super) fn new(player: &Player<'_>) -> Self {
+        let map = FileMap::new(player);
+        Self { near: starts(&map.model), map }
     }
 
     /// Returns how many points there are in a frame.
     pub(super) fn point_len(&self) -> usize {
-        self.outputs.points
+        self.map.outputs.points
     }
 
     /// Finds a frame's parameters; the next frame's are looked for near them.
     pub(super) fn find(&mut self, points: &Points) -> Result<Found, FitError> {
-        let found = find(&self.map, self.outputs, points, &self.near)?;
+        let found = self.map.object().find(points, &self.near)?;
         self.near = vec![found.values.clone()];
         Ok(found)
     }
