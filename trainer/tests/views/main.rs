@@ -5,6 +5,7 @@ mod baked;
 mod common;
 mod deformation;
 mod demo;
+mod driven;
 mod export;
 mod faults;
 mod flat;

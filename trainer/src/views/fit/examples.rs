@@ -251,7 +251,11 @@ impl Sites {
         let depths = self.or_plain(best(&self.all(&blocks[1], true, width))?);
         width = width.or(depths.candidate.kernel);
         // Every example is met: what is seen there is known.
-        let visibility = self.or_plain(best(&self.all(&blocks[2], false, width))?);
+        let visibility = match changes(views) {
+            true => self.or_plain(best(&self.all(&blocks[2], false, width))?),
+            // Whatever is fitted to what never changes is exact, and the least error a matter of rounding.
+            false => self.lines(width),
+        };
         width = width.or(visibility.candidate.kernel);
         // Of what lies between key views the examples say nothing: lines from one to the next.
         let numbers = self.lines(width);
@@ -378,6 +382,11 @@ fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
     let of =
         |view: &View| view.visible.iter().map(|seen| Some(f64::from(u8::from(*seen)))).collect();
     views.iter().map(of).collect()
+}
+
+/// Whether a point is seen in some views and not in others.
+fn changes(views: &[View]) -> bool {
+    views.windows(2).any(|pair| pair[0].visible != pair[1].visible)
 }
 
 /// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and what is said of layers;

@@ -111,11 +111,14 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     Ok(set)
 }
 
-/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture.
+/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture, or pictures of
+/// the prototype's layers.
+///
+/// - `layers`: their names.
 ///
 /// # Errors
 /// [`SetError`] of reading, and of each view by itself.
-pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
+pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>, SetError> {
     #[derive(Deserialize)]
     struct Instance {
         views: Vec<Named>,
@@ -130,7 +133,15 @@ pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
         serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let one = |Named { view: name, own }| {
-        let read = view(own, &[], &[], folder, &name)?;
+        if let Some(layer) = own.layers.keys().find(|layer| !layers.contains(&layer.as_str())) {
+            let expected = layers.join(", ");
+            let what = format!(
+                "view \"{name}\" of the instance has a picture of it; the prototype's layers are {expected}"
+            );
+            return Err(SetError::Layer { layer: layer.clone(), what });
+        }
+        let layers = if own.layers.is_empty() { &[] } else { layers };
+        let read = view(own, &[], layers, folder, &name)?;
         Ok((name, read))
     };
     written.views.into_iter().map(one).collect()
