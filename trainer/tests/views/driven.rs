@@ -1,10 +1,9 @@
 //! Points of an object in, parameters and weights of key views out; points of an instance drive its prototype.
 
-use super::common::{
-    Folder, apart, examples, fitted, head, most, object, turned, view, yaw_and_pitch,
-};
+use super::common::{apart, examples, head, most, object, turned, view, yaw_and_pitch};
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
+use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::bake;
 use sinew_trainer::kernel::model::KernelModel;
 use sinew_trainer::views::bake::parts;
@@ -83,6 +82,9 @@ fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
     let set = examples(vec![yaw_and_pitch()], train.into());
     let keys: Vec<_> = (0..angles.len()).map(Some).collect();
     let map = fit(&set, &keys, FitOptions::default()).unwrap();
+    let plain = Some(Kernel::Linear);
+    assert!(map.choice.points.kernel.is_none(), "{:?}", map.choice.points);
+    assert_eq!(map.choice.visibility.kernel.map(|width| width.kernel), plain, "all is seen");
     for (number, [yaw, pitch]) in angles.into_iter().enumerate() {
         let mut expected = [0.0; 7];
         expected[number] = 1.0;

@@ -9,6 +9,7 @@ mod driven;
 mod export;
 mod faults;
 mod flat;
+mod instances;
 mod layered;
 mod left_out;
 mod pixels;

@@ -29,6 +29,8 @@ const ROUNDING: f64 = 2e-5;
 /// which is better. *Measured* on 91 paths of `noto-tiger`, every second key left out: 1.072 times the error of lines
 /// without this, 1.025 at 0.8, 1.000 here.
 const BETTER: f64 = 0.5;
+/// Share of the points' extent below which an error is rounding: the first of such candidates is taken.
+const EXACT: f64 = 1e-12;
 
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,16 +96,18 @@ pub fn fit(
     let best = |all: &[Tried]| best(all).map_or(f64::INFINITY, |tried| tried.error());
     let chosen = (0..sites.len()).min_by(|&a, &b| best(&tried[a]).total_cmp(&best(&tried[b])));
     let chosen = chosen.unwrap_or(0);
+    let extent = extent(&examples.train);
+    let error = |tried: &Tried| tried.error().max(EXACT * extent);
     let mut order: Vec<&Tried> = tried[chosen].iter().collect();
-    order.sort_by(|a, b| a.error().total_cmp(&b.error()));
+    order.sort_by(|a, b| error(a).total_cmp(&error(b)));
     if let Some(plain) = order.iter().position(|tried| tried.is_plain())
-        && order[0].error() > BETTER * order[plain].error()
+        && error(order[0]) > BETTER * error(order[plain])
     {
         let plain = order.remove(plain);
         order.insert(0, plain);
     }
     let views = examples.train.len();
-    let limit = ROUNDING * extent(&examples.train);
+    let limit = ROUNDING * extent;
     let mut best: Option<FittedMap> = None;
     for first in order {
         let Some(made) = sites[chosen].put_together(first, examples, keys, &tried[chosen]) else {

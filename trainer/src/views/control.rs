@@ -1,0 +1,219 @@
+//! The negative control: networks over pixels beside control points and warping (S1 appendix 2, METHOD §6.7).
+//!
+//! A network is linear in the pictures, and so is their Fourier transform: a network over transforms, transformed back,
+//! gives the same picture. By Parseval its error is the same, too. So one figure stands for both.
+
+use super::bake::parts;
+use super::fit::FitOptions;
+use super::naive::{NETWORKS, mixed, weights};
+use super::player::{PlayError, Player, multiplied};
+use super::psnr::PictureError;
+use super::set::{SetError, View, ViewSet};
+use super::train::{TrainError, train};
+use crate::bake::{BakeError, bake};
+use crate::kernel::scattered::error::KernelError;
+use serde::Serialize;
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+
+/// Fewest key views of a motion; a network over one picture is that picture.
+const KEYS: usize = 3;
+
+/// What the control and the model have in common, and what each reaches.
+#[derive(Clone, Debug, Serialize)]
+pub struct Control {
+    /// Views that were predicted.
+    pub views: usize,
+    /// Whether each is a key view that was left out of its own fit: the set has no test views with a picture.
+    pub is_left_out: bool,
+    /// Control points and warping first, then networks over pixels.
+    pub rows: Vec<Row>,
+}
+
+/// One way to make pictures, and its PSNR over RGBA times alpha, dB; `None` where nothing is off.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The way.
+    pub name: String,
+    /// Over whole pictures.
+    pub psnr: Option<f64>,
+    /// Over the pixels that are opaque in the model's picture.
+    pub psnr_opaque: Option<f64>,
+}
+
+/// A set that the control cannot be measured on.
+#[derive(Debug, thiserror::Error)]
+pub enum ControlError {
+    /// There are too few pictures to predict one from others.
+    #[error(
+        "\"{map}\": expected an `image` of the whole in {expected} key views or more, found {found}"
+    )]
+    Few {
+        /// The motion.
+        map: String,
+        /// Key views at the least.
+        expected: usize,
+        /// Key views with a picture of the whole.
+        found: usize,
+    },
+    /// The set, or a set without one of its views, cannot be taken.
+    #[error("{of}: {error}")]
+    Train {
+        /// The set that was trained on.
+        of: String,
+        /// Why.
+        error: TrainError,
+    },
+    /// A view cannot be shown.
+    #[error("{of}: {error}")]
+    Play {
+        /// The view.
+        of: String,
+        /// Why.
+        error: PlayError,
+    },
+    /// A network cannot be fitted.
+    #[error(transparent)]
+    Network(#[from] KernelError),
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// A model cannot be written.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+}
+
+/// A set to learn from, and views of one of its motions to predict.
+struct Case {
+    set: ViewSet,
+    map: usize,
+    views: Vec<View>,
+    /// How the set is named in errors.
+    named: String,
+}
+
+/// Predicts pictures by control points and warping, and by every network over pixels.
+///
+/// Test views with a picture of the whole are predicted; where there are none, each key view, left out of the set.
+///
+/// # Errors
+/// [`ControlError`].
+pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlError> {
+    let mut cases = tested(set);
+    let is_left_out = cases.is_empty();
+    if is_left_out {
+        cases = left_out(set)?;
+    }
+    let mut names = vec![
+        "control points and warping".to_owned(),
+        "pixels, by the inputs of the points".to_owned(),
+    ];
+    names.extend(
+        NETWORKS.map(|(kernel, epsilon)| {
+            format!("pixels, {}, width {:.2}", kernel.name(), 1.0 / epsilon)
+        }),
+    );
+    let mut errors = vec![[PictureError::default(); 2]; names.len()];
+    for case in &cases {
+        case.add(options, &mut errors)?;
+    }
+    let row = |(name, [whole, opaque]): (String, [PictureError; 2])| Row {
+        name,
+        psnr: whole.psnr(),
+        psnr_opaque: opaque.psnr(),
+    };
+    let views = cases.iter().map(|case| case.views.len()).sum();
+    Ok(Control { views, is_left_out, rows: names.into_iter().zip(errors).map(row).collect() })
+}
+
+/// Lists the motions with test views that have a picture.
+fn tested(set: &ViewSet) -> Vec<Case> {
+    let case = |map: usize| {
+        let test = set.maps[map].test.iter().filter(|view| view.image.is_some());
+        let views: Vec<View> = test.cloned().collect();
+        let named = set.maps[map].name.clone();
+        (!views.is_empty()).then(|| Case { set: set.clone(), map, views, named })
+    };
+    (0..set.maps.len()).filter_map(case).collect()
+}
+
+/// Leaves out each key view of every motion that has some.
+fn left_out(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
+    let mut out = Vec::new();
+    for (map, number) in set.key_views() {
+        let mut rest = set.clone();
+        let view = rest.maps[map].train.remove(number);
+        let nowhere = |k: &usize| rest.maps[map].train.iter().all(|own| own.points[*k].is_none());
+        if let Some(point) = (0..view.points.len()).find(nowhere) {
+            let (of, map) = (without(set, map, number), set.maps[map].name.clone());
+            let error = SetError::Nowhere { map, point }.into();
+            return Err(ControlError::Train { of, error });
+        }
+        let named = without(set, map, number);
+        out.push(Case { set: rest, map, views: vec![view], named });
+    }
+    Ok(out)
+}
+
+fn without(set: &ViewSet, map: usize, view: usize) -> String {
+    format!("without {}", set.view_name((map, view)))
+}
+
+impl Case {
+    /// Adds the errors of the model and of every network.
+    fn add(
+        &self,
+        options: FitOptions,
+        errors: &mut [[PictureError; 2]],
+    ) -> Result<(), ControlError> {
+        let Self { set, map, views, named } = self;
+        let examples = &set.maps[*map];
+        let keys: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
+        let key_len = examples.train.iter().filter(|view| view.is_key()).count();
+        if keys.len() < KEYS || keys.len() < key_len {
+            let (map, found) = (examples.name.clone(), keys.len());
+            return Err(ControlError::Few { map, expected: KEYS.max(key_len), found });
+        }
+        let mut pictures = Vec::new();
+        for image in keys.iter().filter_map(|view| view.image.as_ref()) {
+            let picture = multiplied(&image.load(set.size)?);
+            pictures.push(picture.rgba.into_iter().map(f64::from).collect::<Vec<f64>>());
+        }
+        let pictures: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
+        let trained = train(set, options)
+            .map_err(|error| ControlError::Train { of: named.clone(), error })?;
+        let file = bake(Space::default(), &parts(&trained.model)?)?;
+        let play = |error| ControlError::Play { of: named.clone(), error };
+        let file =
+            Model::from_bytes(file).map_err(|error| play(PlayError::Missing(error.to_string())))?;
+        let player = Player::new(&file, Some(&examples.name)).map_err(play)?;
+        // Key views of other motions have no part in this one.
+        let own = set.key_views().iter().map(|(other, _)| other == map).collect::<Vec<_>>();
+        for view in views {
+            let Some(image) = &view.image else { continue };
+            let truth = multiplied(&image.load(set.size)?);
+            let played = player.play(&view.values).map_err(play)?;
+            let (picture, _) = player.draw(&played).map_err(play)?;
+            let scores = played.scores.iter().zip(&own).filter(|(_, own)| **own);
+            let mut all = vec![scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>()];
+            for network in NETWORKS {
+                all.push(weights(network, &examples.parameters, &keys, view)?);
+            }
+            let networks = all.iter().map(|weights| bytes(&mixed(weights, &pictures)));
+            let found = std::iter::once(picture.rgba.clone()).chain(networks);
+            for ([whole, opaque], found) in errors.iter_mut().zip(found) {
+                whole.add(&truth.rgba, &found);
+                let pixels = truth.rgba.chunks(4).zip(found.chunks(4)).zip(picture.rgba.chunks(4));
+                pixels
+                    .filter(|(_, own)| own[3] == 0xff)
+                    .for_each(|((truth, found), _)| opaque.add(truth, found));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Rounds a picture to bytes.
+fn bytes(picture: &[f64]) -> Vec<u8> {
+    picture.iter().map(|x| x.round().clamp(0.0, 255.0) as u8).collect()
+}
