@@ -15,16 +15,17 @@ use crate::kernel::scattered::error::KernelError;
 use serde::Serialize;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
+use sinew_runtime::kernel::Kernel;
 
 /// Fewest key views of a motion; a network over one picture is that picture.
 const KEYS: usize = 3;
 
-/// What the control and the model have in common, and what each reaches.
+/// PSNR of the model and of the networks, on the same views.
 #[derive(Clone, Debug, Serialize)]
 pub struct Control {
     /// Views that were predicted.
     pub views: usize,
-    /// Whether each is a key view that was left out of its own fit: the set has no test views with a picture.
+    /// Whether they are key views, each left out of the fit: the set has no test views with a picture.
     pub is_left_out: bool,
     /// Control points and warping first, then networks over pixels.
     pub rows: Vec<Row>,
@@ -45,24 +46,25 @@ pub struct Row {
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
     /// There are too few pictures to predict one from others.
-    #[error(
-        "\"{map}\": expected an `image` of the whole in {expected} key views or more, found {found}"
-    )]
+    #[error("\"{map}\": expected {expected} key views or more, found {found}")]
     Few {
         /// The motion.
         map: String,
         /// Key views at the least.
         expected: usize,
-        /// Key views with a picture of the whole.
+        /// Its key views.
         found: usize,
     },
+    /// A key view has pictures of layers alone.
+    #[error("{0}: expected an `image` of the whole, found pictures of layers alone")]
+    Whole(String),
     /// The set, or a set without one of its views, cannot be taken.
     #[error("{of}: {error}")]
     Train {
         /// The set that was trained on.
         of: String,
         /// Why.
-        error: TrainError,
+        error: Box<TrainError>,
     },
     /// A view cannot be shown.
     #[error("{of}: {error}")]
@@ -99,20 +101,27 @@ struct Case {
 /// # Errors
 /// [`ControlError`].
 pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlError> {
-    let mut cases = tested(set);
+    if let Some(&key) =
+        set.key_views().iter().find(|(map, view)| set.maps[*map].train[*view].image.is_none())
+    {
+        return Err(ControlError::Whole(set.view_name(key)));
+    }
+    let mut cases = tested(set)?;
     let is_left_out = cases.is_empty();
     if is_left_out {
         cases = left_out(set)?;
+    }
+    if cases.is_empty() {
+        return Err(SetError::Empty("pictures").into());
     }
     let mut names = vec![
         "control points and warping".to_owned(),
         "pixels, by the inputs of the points".to_owned(),
     ];
-    names.extend(
-        NETWORKS.map(|(kernel, epsilon)| {
-            format!("pixels, {}, width {:.2}", kernel.name(), 1.0 / epsilon)
-        }),
-    );
+    names.extend(NETWORKS.map(|(kernel, epsilon)| match kernel {
+        Kernel::Linear => "pixels, linear".to_owned(),
+        _ => format!("pixels, {}, width {:.2}", kernel.name(), 1.0 / epsilon),
+    }));
     let mut errors = vec![[PictureError::default(); 2]; names.len()];
     for case in &cases {
         case.add(options, &mut errors)?;
@@ -126,30 +135,42 @@ pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlErr
     Ok(Control { views, is_left_out, rows: names.into_iter().zip(errors).map(row).collect() })
 }
 
+/// Checks that a motion has enough key views.
+fn check(set: &ViewSet, map: usize, expected: usize) -> Result<(), ControlError> {
+    let examples = &set.maps[map];
+    let found = examples.train.iter().filter(|view| view.is_key()).count();
+    let map = examples.name.clone();
+    if found < expected { Err(ControlError::Few { map, expected, found }) } else { Ok(()) }
+}
+
 /// Lists the motions with test views that have a picture.
-fn tested(set: &ViewSet) -> Vec<Case> {
-    let case = |map: usize| {
-        let test = set.maps[map].test.iter().filter(|view| view.image.is_some());
+fn tested(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
+    let mut out = Vec::new();
+    for (map, examples) in set.maps.iter().enumerate() {
+        let test = examples.test.iter().filter(|view| view.image.is_some());
         let views: Vec<View> = test.cloned().collect();
-        let named = set.maps[map].name.clone();
-        (!views.is_empty()).then(|| Case { set: set.clone(), map, views, named })
-    };
-    (0..set.maps.len()).filter_map(case).collect()
+        if !views.is_empty() {
+            check(set, map, KEYS)?;
+            out.push(Case { set: set.clone(), map, views, named: examples.name.clone() });
+        }
+    }
+    Ok(out)
 }
 
 /// Leaves out each key view of every motion that has some.
 fn left_out(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
     let mut out = Vec::new();
     for (map, number) in set.key_views() {
+        check(set, map, KEYS + 1)?;
+        let named = without(set, map, number);
         let mut rest = set.clone();
         let view = rest.maps[map].train.remove(number);
         let nowhere = |k: &usize| rest.maps[map].train.iter().all(|own| own.points[*k].is_none());
         if let Some(point) = (0..view.points.len()).find(nowhere) {
-            let (of, map) = (without(set, map, number), set.maps[map].name.clone());
-            let error = SetError::Nowhere { map, point }.into();
-            return Err(ControlError::Train { of, error });
+            let map = set.maps[map].name.clone();
+            let error = Box::new(SetError::Nowhere { map, point }.into());
+            return Err(ControlError::Train { of: named, error });
         }
-        let named = without(set, map, number);
         out.push(Case { set: rest, map, views: vec![view], named });
     }
     Ok(out)
@@ -160,7 +181,7 @@ fn without(set: &ViewSet, map: usize, view: usize) -> String {
 }
 
 impl Case {
-    /// Adds the errors of the model and of every network.
+    /// Trains on the set, predicts the views, and adds the errors of the model and of every network.
     fn add(
         &self,
         options: FitOptions,
@@ -169,11 +190,6 @@ impl Case {
         let Self { set, map, views, named } = self;
         let examples = &set.maps[*map];
         let keys: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
-        let key_len = examples.train.iter().filter(|view| view.is_key()).count();
-        if keys.len() < KEYS || keys.len() < key_len {
-            let (map, found) = (examples.name.clone(), keys.len());
-            return Err(ControlError::Few { map, expected: KEYS.max(key_len), found });
-        }
         let mut pictures = Vec::new();
         for image in keys.iter().filter_map(|view| view.image.as_ref()) {
             let picture = multiplied(&image.load(set.size)?);
@@ -181,7 +197,7 @@ impl Case {
         }
         let pictures: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
         let trained = train(set, options)
-            .map_err(|error| ControlError::Train { of: named.clone(), error })?;
+            .map_err(|error| ControlError::Train { of: named.clone(), error: Box::new(error) })?;
         let file = bake(Space::default(), &parts(&trained.model)?)?;
         let play = |error| ControlError::Play { of: named.clone(), error };
         let file =

@@ -48,12 +48,12 @@ pub fn find(
 impl ObjectMap<'_> {
     /// Finds the parameters at which the object has points, apart from where they are and how large.
     ///
-    /// The points of a transferred object are its own: its deformation, which changes with the parameters, is solved
-    /// for at once (METHOD §6.6).
+    /// Points of a transferred object are those of the instance. The deformation depends on the parameters, so both are
+    /// solved together (METHOD §6.6).
     ///
     /// - `points`: K of them, none where a point is not seen.
-    /// - `starts`: parameters to begin with, of which the nearest in shape is taken: the examples', those of the frame
-    ///   before, or [`starts`].
+    /// - `starts`: parameters to begin with: the examples', those of the frame before, or [`starts`]. The search begins
+    ///   with the nearest in shape.
     ///
     /// # Errors
     /// [`FitError`] of the examples' values.

@@ -5,7 +5,7 @@ use super::fit::{FitError, MapOutputs, given};
 use super::set::Values;
 use crate::kernel::model::KernelModel;
 
-/// Step along the derivatives of the map's numbers, by which points are differenced.
+/// Step of a difference of points along the derivatives of the map's numbers.
 const DIFFERENCE: f64 = 1e-4;
 
 /// A map, and how its points are deformed where the motion is another object's.

@@ -62,9 +62,8 @@ pub enum TransferError {
 
 /// Makes an instance of the prototype in a file.
 ///
-/// - `views`: the instance as it looks in some of the prototype's key views, by their names, each with its picture, or
-///   with pictures of the prototype's layers in their order; all points have a place. A layer without a picture is not
-///   drawn from that view.
+/// - `views`: the instance in some of the prototype's key views, by their names. Each has its picture, or pictures of the
+///   prototype's layers in their order. All points have a place. A layer without a picture is not drawn from that view.
 /// - `by_size`: whether the motion is as large as the instance is.
 ///
 /// # Errors

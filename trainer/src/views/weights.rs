@@ -2,9 +2,9 @@
 
 /// The most key views that count.
 const SOURCES: usize = 8;
-/// What a view counts whose score is not positive, beside a score of 1.
+/// Count of a view without a positive score; a score of 1 counts 1.
 const FAR: f64 = 1e-3;
-/// Share of the greatest count below which a view has no weight.
+/// Share of the greatest count at which weights begin.
 const LEAST: f64 = 0.2;
 
 /// Returns the weights of N key views by their scores, as the runtime blends an element that all views show

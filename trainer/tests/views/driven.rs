@@ -94,7 +94,7 @@ fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
     assert!((found.iter().sum::<f64>() - 1.0).abs() < 1e-12 && found[0] > 0.5, "{found:?}");
 }
 
-/// Makes an instance of the head in a file, which is the head stretched by itself in every key view.
+/// Makes a file of the head, and one of an instance: the head, bent differently in every key view.
 ///
 /// - `keys`: numbers of the training views that the instance has.
 fn instance(keys: &[usize], by_size: bool) -> Option<(Model<Vec<u8>>, Model<Vec<u8>>)> {

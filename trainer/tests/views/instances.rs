@@ -71,7 +71,7 @@ fn an_instance_in_layers_shows_its_own_pictures_where_the_prototypes_layers_go()
     let file = Model::from_bytes(bake(Space::default(), &parts(&made).unwrap()).unwrap()).unwrap();
     for x in [0.0, 0.5, 1.0] {
         let picture = drawn(&file, &[("x".to_owned(), x)].into());
-        // Places at x = 0, how far their layer has moved at x = 1, and what is there.
+        // Places at x = 0, how far their layer has moved at x = 1, and their colours.
         for (place, moves, expected) in [
             ([11.0, 11.0], [4.0, 2.0], BACK),
             ([80.0, 80.0], [4.0, 2.0], BACK),

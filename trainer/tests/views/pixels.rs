@@ -5,7 +5,7 @@ use super::shared::shared;
 use sinew_trainer::views::control::{Control, control};
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::naive::{NETWORKS, mixed, weights};
-use sinew_trainer::views::set::{Element, Image, View, read, triangulated};
+use sinew_trainer::views::set::{Element, Image, LayerView, View, ViewSet, read, triangulated};
 use std::f64::consts::TAU;
 
 const SIDE: usize = 256;
@@ -193,6 +193,22 @@ fn test_views_are_predicted_where_there_are_some() {
     let expected = -10.0 * ([22.1, 21.6, 21.1].map(error).iter().sum::<f64>() / 3.0).log10();
     let linear = &found.rows[2];
     assert!((linear.psnr.unwrap() - expected).abs() < 0.1, "{linear:?}, expected {expected}");
+}
+
+#[test]
+fn sets_without_enough_whole_pictures_are_refused() {
+    let Some(mut set) = head() else { return };
+    let refused = |set: &ViewSet| control(set, FitOptions::default()).unwrap_err().to_string();
+    set.maps[0].train.truncate(3);
+    assert_eq!(refused(&set), "\"main\": expected 4 key views or more, found 3");
+    let view = &mut set.maps[0].train[1];
+    view.layers = vec![LayerView { image: view.image.take(), ..LayerView::default() }];
+    assert_eq!(
+        refused(&set),
+        "main, train view 1: expected an `image` of the whole, found pictures of layers alone"
+    );
+    set.maps[0].train.iter_mut().for_each(|view| (view.image, view.layers) = (None, Vec::new()));
+    assert_eq!(refused(&set), "there are no pictures");
 }
 
 /// A discrete Fourier transform of a square picture of one number a pixel: by its definition.

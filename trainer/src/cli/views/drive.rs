@@ -33,8 +33,7 @@ pub(in crate::cli) struct Arguments {
     track: PathBuf,
     #[command(flatten)]
     frames: FramesArguments,
-    /// Also writes a line a frame: its number, its parameters, the RMS distance of its points, and the weight of each key
-    /// view
+    /// Also writes a table with a line a frame: number, parameters, RMS distance of the points, weight of each key view
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 }

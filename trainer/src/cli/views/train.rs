@@ -28,8 +28,8 @@ pub(in crate::cli) struct Arguments {
     /// Meets the points of every view, also where that is not what predicts left-out views best
     #[arg(long)]
     exact: bool,
-    /// Negative control, which writes no file: prints the PSNR of networks over pixels beside that of the model, on test
-    /// views, or on each key view, left out. A network over Fourier transforms is the same network
+    /// Negative control: prints the PSNR of networks over pixels beside that of the model, and writes no file. It predicts
+    /// test views, or each key view from the others. A network over Fourier transforms gives the same pictures
     #[arg(long, conflicts_with = "out")]
     pixels: bool,
 }

@@ -111,8 +111,8 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     Ok(set)
 }
 
-/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture, or pictures of
-/// the prototype's layers.
+/// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture or pictures of the
+/// prototype's layers.
 ///
 /// - `layers`: their names.
 ///
