@@ -1,7 +1,7 @@
 //! The negative control: networks over pixels beside control points and warping (S1 appendix 2, METHOD §6.7).
 //!
 //! A network is linear in the pictures, and so is their Fourier transform: a network over transforms, transformed back,
-//! gives the same picture. By Parseval its error is the same, too. So one figure stands for both.
+//! gives the same picture. By Parseval its error is the same, too. So one figure is reported for both.
 
 use super::bake::parts;
 use super::fit::FitOptions;
@@ -11,13 +11,12 @@ use super::psnr::PictureError;
 use super::set::{SetError, View, ViewSet};
 use super::train::{TrainError, train};
 use crate::bake::{BakeError, bake};
-use crate::kernel::scattered::error::KernelError;
 use serde::Serialize;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 
-/// Fewest key views of a motion; a network over one picture is that picture.
+/// Fewest key views that a network is fitted to.
 const KEYS: usize = 3;
 
 /// PSNR of the model and of the networks, on the same views.
@@ -27,7 +26,7 @@ pub struct Control {
     pub views: usize,
     /// Whether they are key views, each left out of the fit: the set has no test views with a picture.
     pub is_left_out: bool,
-    /// Control points and warping first, then networks over pixels.
+    /// Control points and warping first, then networks over pixels: those that could be fitted for every view.
     pub rows: Vec<Row>,
 }
 
@@ -74,9 +73,6 @@ pub enum ControlError {
         /// Why.
         error: PlayError,
     },
-    /// A network cannot be fitted.
-    #[error(transparent)]
-    Network(#[from] KernelError),
     /// A picture cannot be read.
     #[error(transparent)]
     Set(#[from] SetError),
@@ -122,17 +118,17 @@ pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlErr
         Kernel::Linear => "pixels, linear".to_owned(),
         _ => format!("pixels, {}, width {:.2}", kernel.name(), 1.0 / epsilon),
     }));
-    let mut errors = vec![[PictureError::default(); 2]; names.len()];
+    let mut errors = vec![Some([PictureError::default(); 2]); names.len()];
     for case in &cases {
         case.add(options, &mut errors)?;
     }
-    let row = |(name, [whole, opaque]): (String, [PictureError; 2])| Row {
-        name,
-        psnr: whole.psnr(),
-        psnr_opaque: opaque.psnr(),
+    let row = |(name, errors): (String, Option<[PictureError; 2]>)| {
+        let [psnr, psnr_opaque] = errors?.map(|error| error.psnr());
+        Some(Row { name, psnr, psnr_opaque })
     };
     let views = cases.iter().map(|case| case.views.len()).sum();
-    Ok(Control { views, is_left_out, rows: names.into_iter().zip(errors).map(row).collect() })
+    let rows = names.into_iter().zip(errors).filter_map(row).collect();
+    Ok(Control { views, is_left_out, rows })
 }
 
 /// Checks that a motion has enough key views.
@@ -185,7 +181,7 @@ impl Case {
     fn add(
         &self,
         options: FitOptions,
-        errors: &mut [[PictureError; 2]],
+        errors: &mut [Option<[PictureError; 2]>],
     ) -> Result<(), ControlError> {
         let Self { set, map, views, named } = self;
         let examples = &set.maps[*map];
@@ -211,13 +207,17 @@ impl Case {
             let played = player.play(&view.values).map_err(play)?;
             let (picture, _) = player.draw(&played).map_err(play)?;
             let scores = played.scores.iter().zip(&own).filter(|(_, own)| **own);
-            let mut all = vec![scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>()];
-            for network in NETWORKS {
-                all.push(weights(network, &examples.parameters, &keys, view)?);
-            }
-            let networks = all.iter().map(|weights| bytes(&mixed(weights, &pictures)));
-            let found = std::iter::once(picture.rgba.clone()).chain(networks);
-            for ([whole, opaque], found) in errors.iter_mut().zip(found) {
+            let own = Some(scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>());
+            let fitted =
+                NETWORKS.map(|network| weights(network, &examples.parameters, &keys, view).ok());
+            let networks = std::iter::once(own).chain(fitted);
+            let networks = networks.map(|weights| Some(bytes(&mixed(&weights?, &pictures))));
+            let found = std::iter::once(Some(picture.rgba.clone())).chain(networks);
+            for (error, found) in errors.iter_mut().zip(found) {
+                let (Some([whole, opaque]), Some(found)) = (&mut *error, found) else {
+                    *error = None;
+                    continue;
+                };
                 whole.add(&truth.rgba, &found);
                 let pixels = truth.rgba.chunks(4).zip(found.chunks(4)).zip(picture.rgba.chunks(4));
                 pixels

@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hundredth_of_the_peak_is_forty_decibels() {
+    fn a_tenth_of_the_peak_is_twenty_decibels() {
         let mut error = PictureError::default();
         assert_eq!(error.psnr(), None);
         error.add(&[7, 9], &[7, 9]);

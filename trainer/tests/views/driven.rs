@@ -97,7 +97,7 @@ fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
 /// Makes a file of the head, and one of an instance: the head, bent differently in every key view.
 ///
 /// - `keys`: numbers of the training views that the instance has.
-fn instance(keys: &[usize], by_size: bool) -> Option<(Model<Vec<u8>>, Model<Vec<u8>>)> {
+fn instance(keys: &[usize], by_size: bool) -> Option<[Model<Vec<u8>>; 2]> {
     let set = head()?;
     let file =
         |model| Model::from_bytes(bake(Space::default(), &parts(model).unwrap()).unwrap()).unwrap();
@@ -113,7 +113,7 @@ fn instance(keys: &[usize], by_size: bool) -> Option<(Model<Vec<u8>>, Model<Vec<
         (trained.model.keys[key].name.clone(), View { points, ..own.clone() })
     });
     let made = transfer(&prototype, "instance", &views.collect::<Vec<_>>(), by_size).unwrap();
-    Some((prototype, file(&made)))
+    Some([prototype, file(&made)])
 }
 
 /// Parameters between the head's views.
@@ -135,7 +135,7 @@ fn between() -> Vec<Values> {
 #[test]
 fn points_of_an_instance_give_its_parameters_back() {
     for (keys, by_size) in [(vec![12], false), (vec![12], true), (vec![2, 12, 22, 26], true)] {
-        let Some((_, file)) = instance(&keys, by_size) else { return };
+        let Some([_, file]) = instance(&keys, by_size) else { return };
         let player = Player::new(&file, None).unwrap();
         let model = KernelModel::from_file(player.map());
         let deformations = Deformations::of(player.views()).unwrap();
@@ -178,7 +178,7 @@ fn points_of_an_instance_give_its_parameters_back() {
 #[test]
 fn with_one_key_view_the_prototype_stands_where_the_closed_form_has_it() {
     for by_size in [false, true] {
-        let Some((prototype, file)) = instance(&[12], by_size) else { return };
+        let Some([prototype, file]) = instance(&[12], by_size) else { return };
         let player = Player::new(&file, None).unwrap();
         let (views, map) = (player.views(), KernelModel::from_file(player.map()));
         let deformations = Deformations::of(views).unwrap();
