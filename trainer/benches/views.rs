@@ -1,9 +1,10 @@
 //! Prints how near pictures of views come to true ones, and what they cost: `cargo bench -p sinew-trainer --bench views`.
 //!
-//! `../shared/data/character-2d` (three true pictures, in layers and flattened) and `ict-views` (each view left out). PSNR is of
+//! `../shared/data/character-2d` (three true pictures; in layers, flattened, and in layers whose points are proposed) and `ict-views` (each view left out). PSNR is of
 //! premultiplied RGBA.
 #![allow(missing_docs, reason = "a program")]
 
+use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
@@ -45,12 +46,47 @@ fn psnr(found: &Picture, truth: &Picture, counts: impl Fn(usize) -> bool) -> f64
     20.0 * 255.0f64.log10() - 10.0 * (squares / f64::from(len)).log10()
 }
 
+/// Reads the character without its points.
+fn without_points() -> Outcome<ViewSet> {
+    let file = data("character-2d/character.json");
+    let mut set: Value = serde_json::from_slice(&std::fs::read(&file)?)?;
+    set["points"] = json!("auto");
+    let layers = set["layers"].as_array_mut().into_iter().flatten();
+    layers.for_each(|layer| layer["points"] = json!("auto"));
+    let absolute = |name: &mut Value| {
+        let whole = name.as_str().map(|name| json!(file.with_file_name(name)));
+        whole.into_iter().for_each(|whole| *name = whole);
+    };
+    for split in ["train", "test"] {
+        for view in set[split].as_array_mut().into_iter().flatten() {
+            absolute(&mut view["image"]);
+            let pictures = view.get_mut("layers").and_then(Value::as_object_mut);
+            pictures.into_iter().flat_map(|all| all.values_mut()).for_each(absolute);
+            for known in ["points", "visible"] {
+                view.as_object_mut().and_then(|view| view.remove(known));
+            }
+        }
+    }
+    let name = format!("sinew-bench-views-{}.json", std::process::id());
+    let written = std::env::temp_dir().join(name);
+    std::fs::write(&written, set.to_string())?;
+    let before = Instant::now();
+    let found = read(&written, None);
+    std::fs::remove_file(&written)?;
+    let found = found?;
+    println!("{} points proposed in {:.1} s", found.point_len(), before.elapsed().as_secs_f64());
+    Ok(found)
+}
+
 fn character() -> Outcome<()> {
     let set = read(&data("character-2d/character.json"), None)?;
+    let auto = without_points()?;
     let mut flat = set.clone();
     flat.layers = vec![sinew_trainer::views::set::Layer::whole("all", set.point_len(), Vec::new())];
     flat.maps.iter_mut().flat_map(|map| &mut map.train).for_each(|view| view.layers.clear());
-    for (name, set) in [("in layers", &set), ("flattened", &flat)] {
+    for (name, set) in
+        [("in layers", &set), ("flattened", &flat), ("in layers, points proposed", &auto)]
+    {
         let model = trained(set)?;
         let mut all = Vec::new();
         for map in &set.maps {

@@ -1134,7 +1134,7 @@ typedef struct sinew_render_job {
 typedef struct sinew_drawn {
     /// Elements drawn.
     size_t element_len;
-    /// Those of them that are turned over against their texture, or folded.
+    /// Those of them that are turned over against their texture, or folded, with all of their points visible.
     size_t flipped_len;
 } sinew_drawn;
 

@@ -187,7 +187,7 @@ pub struct sinew_render_job {
 pub struct sinew_drawn {
     /// Elements drawn.
     pub element_len: usize,
-    /// Those of them that are turned over against their texture, or folded.
+    /// Those of them that are turned over against their texture, or folded, with all of their points visible.
     pub flipped_len: usize,
 }
 

@@ -32,7 +32,7 @@ const SIZES: usize = match (
 pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     17
 } else if cfg!(feature = "views") {
-    15
+    16
 } else {
     12
 };

@@ -45,7 +45,7 @@ pub struct RenderScratch<'o> {
 pub struct Drawn {
     /// Elements drawn.
     pub element_len: usize,
-    /// Those of them that are turned over against their texture, or folded.
+    /// Those of them that are turned over against their texture, or folded, with all of their points visible.
     pub flipped_len: usize,
 }
 
@@ -142,6 +142,11 @@ impl RenderJob<'_> {
         Some(self.weighed(layer, vertices, area(vertices, place)))
     }
 
+    /// Lists the points that are vertices of an element.
+    fn points_of(&self, vertices: &[usize]) -> impl Iterator<Item = usize> {
+        vertices.iter().filter_map(|vertex| self.views.vertex(*vertex)?.point())
+    }
+
     /// Weighs the key views by what they show of an element.
     ///
     /// - `layer`: the element's.
@@ -149,9 +154,7 @@ impl RenderJob<'_> {
     fn weighed(&self, layer: usize, vertices: &[usize], own: f32) -> Blend {
         // Of vertices that are no points nothing is hidden but the whole layer.
         let mut points = [None; 4];
-        for (out, vertex) in points.iter_mut().zip(vertices) {
-            *out = self.views.vertex(*vertex).and_then(|vertex| vertex.point());
-        }
+        points.iter_mut().zip(self.points_of(vertices)).for_each(|(out, point)| *out = Some(point));
         let points = points.iter().flatten();
         let seen = points.clone().filter_map(|point| self.visibility.get(*point).copied());
         let shows = |view: usize| {
@@ -245,7 +248,8 @@ impl Picture<'_> {
             let [x, y, depth] = self.vertices.get(vertex).copied().unwrap_or_default();
             let across = neighbours.get(number).copied().flatten();
             let soft = across.map_or(1.0, |other| {
-                let next = vertices.get((number + 1) % vertices.len()).copied().unwrap_or(vertex);
+                let next = vertices.get(number + 1).or(vertices.first());
+                let next = next.copied().unwrap_or(vertex);
                 self.outline(layer, area, other, [vertex, next])
             });
             Corner { place: [x, y], depth, number, soft }
@@ -261,7 +265,9 @@ impl Picture<'_> {
             }
         };
         drawn.element_len += 1;
-        drawn.flipped_len += usize::from(is_flipped);
+        let mut points = self.job.points_of(vertices);
+        let is_seen = points.all(|point| self.job.visibility.get(point).is_some_and(|x| *x > 0.5));
+        drawn.flipped_len += usize::from(is_flipped && is_seen);
     }
 
     /// Returns over how many pixels, one at most, an edge fades out whose element across is turned away, where depths hide

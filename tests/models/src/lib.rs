@@ -38,4 +38,6 @@ pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
-pub use views::{LayerContent, TextureContent, VIEWED_NAMES, ViewContent, ViewsContent};
+pub use views::{
+    LayerContent, TextureContent, VIEWED_NAMES, VertexContent, ViewContent, ViewsContent,
+};

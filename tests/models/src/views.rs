@@ -20,7 +20,7 @@ pub struct ViewsContent {
     /// Width and height of the screen.
     pub size: [u32; 2],
     /// V: places of their own, and points with their weights.
-    pub vertices: Vec<([f32; 2], Vec<(u32, [f32; 2])>)>,
+    pub vertices: Vec<VertexContent>,
     /// L.
     pub layers: Vec<LayerContent>,
     /// N.
@@ -30,6 +30,9 @@ pub struct ViewsContent {
     /// RMS error, the same left out, visibility.
     pub fit: [f32; 3],
 }
+
+/// A place of its own, and points by number, each with its weight.
+pub type VertexContent = ([f32; 2], Vec<(u32, [f32; 2])>);
 
 /// A layer in plain lists.
 #[derive(Clone)]
@@ -186,7 +189,7 @@ impl ViewsContent {
     pub fn meet(&mut self) {
         let mut first = 0;
         for layer in &mut self.layers {
-            let edges: Vec<Vec<[u16; 2]>> = layer.elements.iter().map(|own| edges(own)).collect();
+            let edges: Vec<Vec<[u16; 2]>> = layer.elements.iter().map(edges).collect();
             let across = |element: usize, edge: &[u16; 2]| {
                 let [a, b] = *edge;
                 let other = edges.iter().enumerate().find(|(other, edges)| {

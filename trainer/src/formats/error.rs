@@ -2,6 +2,7 @@
 
 use super::abc::AlembicError;
 use super::csv::CsvError;
+use super::layered::LayeredError;
 use super::npz::ArrayError;
 use super::obj::ObjError;
 use super::posed_meshes::{PointCacheError, SequenceError};
@@ -73,6 +74,9 @@ pub enum FormatError {
     /// The file is no OBJ, or a folder of them is not a face.
     #[error(transparent)]
     Obj(#[from] ObjError),
+    /// The file is no picture in layers, or lacks a layer.
+    #[error(transparent)]
+    Layered(#[from] LayeredError),
     /// The file is no table of numbers.
     #[error(transparent)]
     Csv(#[from] CsvError),

@@ -7,10 +7,10 @@ use crate::numeric::columns::ends;
 use crate::page::camera::Resolution;
 use crate::page::colour::Colour;
 use crate::page::drawing::{Anchor, Drawing};
-use crate::page::html::{figure, page, paragraph, section, side_by_side, text};
+use crate::page::html::{figure, page, paragraph, section, side_by_side, table, text};
 use crate::page::picture::Picture;
 use sinew_runtime::Model;
-use sinew_runtime::views::Element;
+use sinew_runtime::views::{Element, Layer};
 
 /// Steps of a sheet, across and down.
 const STEPS: [usize; 2] = [7, 5];
@@ -19,6 +19,8 @@ const GAP: usize = 6;
 const FOOT: usize = 20;
 /// Parameters at which an object and its prototype are shown, about as many.
 const LENT: usize = 3;
+/// Pictures of layers in a row.
+const MOST_ACROSS: usize = 4;
 /// Edges of elements.
 const EDGE: Colour = [0xbd, 0x2b, 0x44];
 
@@ -49,6 +51,9 @@ pub fn report(
 ) -> Result<String, ReportError> {
     let is_lent = model.views().is_some_and(|views| views.is_transferred());
     let mut body = format!("<h1>{}</h1>\n", text(&set.name));
+    if set.layers.len() > 1 {
+        body += &section("Layers", &layers(model, set));
+    }
     for examples in &set.maps {
         let name = format!("Views of \"{}\"", examples.name);
         let sheet = sheet(model, examples)?;
@@ -154,42 +159,72 @@ fn between(examples: &Examples) -> Values {
     }
 }
 
-/// Draws the key view and the view that is made of it, each with its elements.
+/// Draws a key view's layers and the view that is made of them, each with its elements.
 fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, ReportError> {
     let (picture, played) = shown(model, examples, &between(examples))?;
     let player = Player::new(model, Some(&examples.name))?;
-    let Some(source) = player.key_picture(played.view, 0) else { return Ok(String::new()) };
     let views = player.views();
     let points: Vec<[f64; 2]> =
         played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
-    let seen: Vec<bool> = played.visibility.iter().map(|x| *x > 0.5).collect();
-    let own = |point| views.reference(played.view, point).unwrap_or_default().map(f64::from);
-    let own: Vec<[f64; 2]> = (0..points.len()).map(own).collect();
-    let shows = |point| views.is_visible(played.view, point) == Some(true);
-    let shows: Vec<bool> = (0..points.len()).map(shows).collect();
-    let with_mesh = |picture: &Picture, points: &[[f64; 2]], seen: &[bool]| {
+    let elements = player.elements();
+    let with_mesh = |picture: &Picture,
+                     elements: &[Element],
+                     at: &dyn Fn(usize) -> [f64; 2],
+                     seen: &dyn Fn(usize) -> bool| {
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
         out.image([0.0; 2], on_white(picture));
-        for element in player.elements().iter().map(Element::vertices) {
-            if element.iter().all(|&k| seen[k]) {
-                let ring = element.iter().chain(element.first()).map(|&k| points[k]);
+        // Vertices that no single point carries are always shown.
+        let is_shown = |vertex: usize| {
+            let point = views.vertex(vertex).and_then(|vertex| vertex.point());
+            point.is_none_or(seen)
+        };
+        for element in elements.iter().map(Element::vertices) {
+            if element.iter().all(|&vertex| is_shown(vertex)) {
+                let ring = element.iter().chain(element.first()).map(|&vertex| at(vertex));
                 out.line(ring.collect(), 0.7, EDGE);
             }
         }
         out.picture()
     };
-    let figures = [
-        figure(&with_mesh(&source, &own, &shows), "key view", "", "the key view")?,
-        figure(
-            &with_mesh(&picture, &points, &seen),
-            "its elements moved",
-            "",
-            "its elements moved",
-        )?,
-        figure(&picture, "the view", "", "the view that is made of them")?,
-    ];
-    Ok(side_by_side(figures.len(), &figures))
+    let mut figures = Vec::new();
+    for (number, layer) in (0..).map_while(|number| Some((number, views.layer(number)?))) {
+        let Some(source) = player.key_picture(played.view, number) else { continue };
+        let own = elements.get(layer.first..layer.end).unwrap_or_default();
+        let at = |vertex| views.reference(played.view, vertex).unwrap_or_default().map(f64::from);
+        let seen = |point| views.is_visible(played.view, point) == Some(true);
+        let name = match views.layer_len() {
+            1 => "the key view".to_owned(),
+            _ => views.layer_name(number).unwrap_or_default().to_owned(),
+        };
+        figures.push(figure(&with_mesh(&source, own, &at, &seen), &name, "", &text(&name))?);
+    }
+    let vertices = player.vertices(&points);
+    let seen = |point: usize| played.visibility[point] > 0.5;
+    let moved = with_mesh(&picture, &elements, &|vertex| vertices[vertex], &seen);
+    figures.push(figure(&moved, "its elements moved", "", "its elements moved")?);
+    figures.push(figure(&picture, "the view", "", "the view that is made of them")?);
+    Ok(side_by_side(figures.len().min(MOST_ACROSS), &figures))
+}
+
+/// Makes a table of the layers: points, elements, key views with a picture, and the layer that clips.
+fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
+    let Some(views) = model.views() else { return String::new() };
+    let keys = views.view_len();
+    let row = |(number, layer): (usize, Layer)| {
+        let shown = (0..keys).filter(|&key| views.view_texture(key, number).is_some()).count();
+        let name = |layer| text(views.layer_name(layer).unwrap_or_default());
+        vec![
+            name(number),
+            set.layers.get(number).map_or(0, |own| own.points.len()).to_string(),
+            (layer.end - layer.first).to_string(),
+            format!("{shown} of {keys}"),
+            layer.clip.map(name).unwrap_or_default(),
+        ]
+    };
+    let all = (0..).map_while(|number| Some((number, views.layer(number)?)));
+    let head = ["layer", "points", "elements", "key views", "clipped by"].map(str::to_owned);
+    table(&head, &all.map(row).collect::<Vec<_>>())
 }
 
 /// Draws an object and its prototype: the pictures that both are made of, then both at parameters of examples.

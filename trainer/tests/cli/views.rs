@@ -391,3 +391,53 @@ fn what_cannot_be_done_is_told_in_a_line() {
     let told = folder.sinew("views train demo/panel/views.json -o y.sinew").failed();
     assert!(told.starts_with("demo/panel/views.json: demo/panel/view03.png: "), "{told}");
 }
+
+#[test]
+fn proposed_points_are_written_out_and_train_the_same_model() {
+    let folder = Folder::new("views-points");
+    let size = [40u32, 30];
+    for (number, left) in [(0, 6), (1, 10)] {
+        let inside =
+            |at: u32| (left..left + 20).contains(&(at % 40)) && (5..22).contains(&(at / 40));
+        let pixels = (0..40 * 30).flat_map(|at| [90, 20, 200, if inside(at) { 255 } else { 0 }]);
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&pixels.collect::<Vec<u8>>()).unwrap();
+        writer.finish().unwrap();
+        fs::write(folder.path(&format!("box{number}.png")), bytes).unwrap();
+    }
+    let view = |number: u32| json!({ "layers": { "box": format!("box{number}.png"), "lid": format!("box{number}.png") }, "x": number });
+    let set = json!({
+        "image_size": size, "points": "auto",
+        "layers": [{ "name": "box" }, { "name": "lid", "clip": "box" }],
+        "train": [view(0), view(1)],
+    });
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    let text =
+        folder.sinew("views train views.json -o a.sinew --points-out points.json").done().out;
+    assert!(text.contains("points.json: "), "{text}");
+    let written = folder.json("points.json");
+    assert_eq!(written["layers"][1]["clip"], "box");
+    assert!(written["maps"][0]["train"][1]["points"][0].is_array());
+    folder.sinew("views train points.json -o b.sinew").done();
+    let [a, b] = ["a.sinew", "b.sinew"].map(|name| folder.read(name));
+    assert_eq!(a, b, "points that nobody corrected");
+    let about = folder.sinew("inspect a.sinew --json").json();
+    let lid = &about["views"][0]["layers"][1];
+    assert_eq!(
+        (&lid["name"], &lid["clip"], &lid["key_views"]),
+        (&json!("lid"), &json!("box"), &json!(2))
+    );
+    assert!(lid["points"].as_u64().unwrap() > 3 && lid["elements"].as_u64().unwrap() > 2);
+    let text = folder.sinew("inspect a.sinew").done().out;
+    assert!(text.contains("layer \"lid\": ") && text.contains("clipped by \"box\""), "{text}");
+    folder.sinew("views report a.sinew views.json -o a.html").done();
+    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    assert!(page.contains("clipped by") && page.contains("<th scope=\"row\">lid</th>"));
+    fs::create_dir(folder.path("other")).unwrap();
+    let refused =
+        folder.sinew("views train views.json -o c.sinew --points-out other/points.json").failed();
+    assert!(refused.contains("expected a file beside views.json"), "{refused}");
+}

@@ -185,7 +185,7 @@ fn faults_of_layers_are_named() {
 #[test]
 fn pictures_that_are_missing_broken_or_of_another_size_are_named() {
     let folder = Folder::new("pictures");
-    let image = |name: &str| Image { file: folder.path(name), mask: None };
+    let image = |name: &str| Image::of_file(folder.path(name));
     let missing = image("no.png").load([8, 8]).unwrap_err().to_string();
     assert!(missing.contains("no.png"), "{missing}");
     fs::write(folder.path("text.png"), "no picture").unwrap();

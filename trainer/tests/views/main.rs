@@ -12,7 +12,9 @@ mod flat;
 mod instances;
 mod layered;
 mod left_out;
+mod painted;
 mod pixels;
+mod proposed;
 mod puppets;
 #[path = "../shared/mod.rs"]
 mod shared;

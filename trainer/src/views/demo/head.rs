@@ -41,7 +41,7 @@ pub(super) fn made() -> Made {
         let mut own = view(yaw);
         if number % 2 == 0 {
             let file = format!("view{:02}.png", number / 2);
-            own.image = Some(Image { file: file.clone().into(), mask: None });
+            own.image = Some(Image::of_file(file.clone().into()));
             pictures.push((file, picture(&own)));
         }
         examples.train.push(own);

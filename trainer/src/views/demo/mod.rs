@@ -23,10 +23,11 @@ pub fn write(folder: &Path) -> Result<Vec<ViewSet>, SetError> {
     let (description, pictures) = figure::drawn();
     save(&own, &pictures, "char_cfg.yaml", &description)?;
     let figure = read_drawing(&own.join("char_cfg.yaml"))?;
-    save(&own, &[], "views.json", &as_json(&figure).to_string())?;
+    save(&own, &[], "views.json", &as_json(&figure, &own).to_string())?;
     let mut sets = vec![figure];
     for Made { set, pictures } in [panel::made(), head::made()] {
-        save(&folder.join(&set.name), &pictures, "views.json", &as_json(&set).to_string())?;
+        let own = folder.join(&set.name);
+        save(&own, &pictures, "views.json", &as_json(&set, &own).to_string())?;
         sets.push(set);
     }
     Ok(sets)

@@ -46,7 +46,7 @@ pub(super) fn made() -> Made {
                 (COLOURS[(column + 3 * row) % COLOURS.len()], corners)
             };
             let painted: Vec<_> = elements().iter().enumerate().map(painted).collect();
-            own.image = Some(Image { file: file.clone().into(), mask: None });
+            own.image = Some(Image::of_file(file.clone().into()));
             pictures.push((file, polygons(SIZE, &painted)));
         }
         examples.train.push(own);

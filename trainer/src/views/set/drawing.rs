@@ -4,10 +4,10 @@ use super::data::{Examples, Layer, Parameter, View, ViewSet};
 use super::elements::Element;
 use super::error::SetError;
 use super::image::{Image, size};
+use super::silhouette::Silhouette;
 use crate::formats::FormatError;
 use crate::page::picture::Picture;
 use crate::views::motion::{JOINTS, Pose, Posed, carried};
-use spade::{DelaunayTriangulation, Point2, Triangulation};
 use std::path::Path;
 
 /// Triangles' sides along the longer side of the drawing.
@@ -28,7 +28,11 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
     let text = std::fs::read_to_string(description).map_err(FormatError::Read)?;
     let rest = joints(&text)?;
     let folder = description.parent().unwrap_or(Path::new(""));
-    let image = Image { file: folder.join("texture.png"), mask: Some(folder.join("mask.png")) };
+    let image = Image {
+        file: folder.join("texture.png"),
+        mask: Some(folder.join("mask.png")),
+        layer: None,
+    };
     let size = size(&image.file)?;
     let mesh = Mesh::new(&image.load(size)?, &rest)?;
     let view = |pose: Pose, name: &str, value: f64, image: Option<Image>| {
@@ -103,52 +107,10 @@ struct Mesh {
 
 impl Mesh {
     fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, SetError> {
-        let [width, height] = [picture.size.width, picture.size.height];
-        let step = width.max(height) as f64 / ACROSS;
-        let covers = |[x, y]: [f64; 2]| {
-            let inside = x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64;
-            inside && picture.rgba[4 * (y as usize * width + x as usize) + 3] > 0
-        };
-        let near = |[x, y]: [f64; 2]| {
-            let offsets = (-4..=4).flat_map(|i| (-4..=4).map(move |j| [i, j].map(f64::from)));
-            offsets.into_iter().any(|[i, j]| covers([x + 0.25 * step * i, y + 0.25 * step * j]))
-        };
-        let columns = (width as f64 / step) as usize + 3;
-        let rows = (height as f64 / step) as usize + 3;
-        let node = |place: usize| {
-            let (i, j) = (place % columns, place / columns);
-            // Every other row half a step aside: triangles of nearly equal sides.
-            let aside = if j % 2 == 0 { -1.0 } else { -0.5 };
-            [step * (i as f64 + aside), step * (j as f64 - 1.0)]
-        };
-        let nodes: Vec<[f64; 2]> = (0..columns * rows).map(node).filter(|at| near(*at)).collect();
-        let places = nodes.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
-        let mesh: DelaunayTriangulation<Point2<f64>> =
-            DelaunayTriangulation::bulk_load_stable(places).map_err(|error| {
-                SetError::Triangulation { view: "the mask".to_owned(), what: error.to_string() }
-            })?;
-        let faces = mesh.inner_faces().map(|face| face.vertices().map(|v| v.fix().index()));
-        let drawn = |face: &[usize; 3]| {
-            let shares = (0..=8).flat_map(|i| (0..=8 - i).map(move |j| [i, j, 8 - i - j]));
-            shares.into_iter().any(|shares| {
-                covers([0, 1].map(|axis| {
-                    (0..3).map(|k| f64::from(shares[k]) / 8.0 * nodes[face[k]][axis]).sum()
-                }))
-            })
-        };
-        let faces: Vec<[usize; 3]> = faces.filter(drawn).collect();
-        if faces.is_empty() {
-            return Err(SetError::Empty("pixels in the mask"));
-        }
-        let mut used: Vec<usize> = faces.as_flattened().to_vec();
-        used.sort_unstable();
-        used.dedup();
-        let corners: Vec<[f64; 2]> = used.iter().map(|&node| nodes[node]).collect();
+        let Silhouette { corners, faces } = Silhouette::of(picture, ACROSS, 0)?;
         let weights: Vec<[f64; 16]> = corners.iter().map(|corner| held(*corner, rest)).collect();
-        let place = |node: &usize| used.binary_search(node).unwrap_or_default();
         let mut order: Vec<(usize, [usize; 3])> = Vec::new();
-        for face in &faces {
-            let own = face.each_ref().map(place);
+        for own in faces {
             let strongest = |k: usize| {
                 let weights = &weights[own[k]];
                 (0..16).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default()

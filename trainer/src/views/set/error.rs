@@ -1,6 +1,6 @@
 //! Why views cannot be taken.
 
-use crate::formats::FormatError;
+use crate::formats::{FileError, FormatError};
 use std::path::PathBuf;
 
 /// Views that cannot be taken; views, points and elements count from 0.
@@ -9,6 +9,9 @@ pub enum SetError {
     /// The file cannot be read.
     #[error(transparent)]
     Format(#[from] FormatError),
+    /// A picture in layers cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// It is no JSON of this shape.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
@@ -79,6 +82,26 @@ pub enum SetError {
         /// What is wrong.
         what: String,
     },
+    /// A picture in layers is in a set that says nothing of layers.
+    #[error(
+        "{} has layers: write \"points\": \"auto\", or name the layers with their points under \"layers\"",
+        file.display()
+    )]
+    Unnamed {
+        /// The picture.
+        file: PathBuf,
+    },
+    /// The set's points are neither names nor to be proposed.
+    #[error(
+        "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found {found}"
+    )]
+    Points {
+        /// The value that is there.
+        found: String,
+    },
+    /// Points are to be proposed in a set with depths.
+    #[error("proposed points have no depth: leave \"depth\" and the mesh out")]
+    Depths,
     /// A point is of no layer.
     #[error("point {point} is in no layer")]
     NoLayer {

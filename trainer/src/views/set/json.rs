@@ -5,15 +5,19 @@ use super::depth::depths;
 use super::error::SetError;
 use super::image::Image;
 use super::layers::{WrittenLayer, WrittenLayerView, checked, layer_views, layered};
+use super::{painted, proposed};
+use crate::formats::layered::is_layered;
 use crate::formats::{FormatError, obj};
 use serde::Deserialize;
 use serde_json::Value;
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the name of an angle ends with where nothing declares it.
 const DEGREES: &str = "_deg";
+/// In place of points: propose them.
+const AUTO: &str = "auto";
 /// Angles that make one rotation where nothing declares it: about x, y and z.
 const HEAD: [&str; 3] = ["pitch", "yaw", "roll"];
 
@@ -24,6 +28,8 @@ struct Written {
     #[serde(default)]
     elements: Vec<Vec<usize>>,
     layers: Option<Vec<WrittenLayer>>,
+    /// Names of points, which nobody reads, or [`AUTO`].
+    points: Option<Value>,
     mesh_vertex_index: Option<Vec<usize>>,
     #[serde(default)]
     maps: Vec<WrittenMap>,
@@ -61,6 +67,7 @@ enum Axis {
 struct WrittenView {
     image: Option<String>,
     mask: Option<String>,
+    #[serde(default)]
     points: Vec<Option<[f64; 2]>>,
     visible: Option<Vec<bool>>,
     depth: Option<Vec<f64>>,
@@ -85,30 +92,72 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
-    let Written { name, image_size, elements: polygons, layers, mesh_vertex_index, maps, own } =
-        written;
-    let layers = layers.unwrap_or_default();
+    let Written {
+        name,
+        image_size,
+        elements: polygons,
+        layers,
+        points,
+        mesh_vertex_index,
+        maps,
+        own,
+    } = written;
+    let is_auto = match points {
+        None | Some(Value::Array(_)) => false,
+        Some(Value::String(word)) if word == AUTO => true,
+        Some(found) => return Err(SetError::Points { found: found.to_string() }),
+    };
+    let all: Vec<WrittenMap> =
+        std::iter::once(own).chain(maps).filter(|map| !map.train.is_empty()).collect();
+    let painted = painted_files(&all, folder);
+    let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
+    let mut layers = match layers {
+        Some(layers) => layers,
+        None if is_auto => painted::written(&painted)?,
+        None if painted.is_empty() => Vec::new(),
+        None => return Err(SetError::Unnamed { file: painted[0].to_owned() }),
+    };
+    if is_auto {
+        layers.iter_mut().for_each(WrittenLayer::propose);
+    }
+    if let Some(first) = painted.first() {
+        painted::clip(first, &mut layers)?;
+    }
     let layer_names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
-    let all = std::iter::once(own).chain(maps);
-    let maps: Vec<Examples> = all
-        .filter(|map| !map.train.is_empty())
-        .map(|map| examples(map, &layer_names, folder))
-        .collect::<Result<_, _>>()?;
+    let maps: Vec<Examples> =
+        all.into_iter().map(|map| examples(map, &layer_names, folder)).collect::<Result<_, _>>()?;
     let mut set = ViewSet {
         name: name.or(stem).unwrap_or_default(),
         size: image_size,
         layers: Vec::new(),
         maps,
     };
-    check_points(&set)?;
+    let has_layers = !layers.is_empty();
+    let is_proposed = is_auto || layers.iter().any(WrittenLayer::is_proposed);
+    check_points(&set, is_proposed)?;
     if let (Some(mesh), Some(vertices)) = (mesh, mesh_vertex_index) {
         add_depths(&mut set, mesh, &vertices)?;
     }
-    set.layers = match layers.is_empty() {
-        true => vec![single(&set, &polygons)?],
-        false => layered(&set, layers)?,
+    let auto = if has_layers {
+        let (layers, auto) = layered(&set, layers)?;
+        set.layers = layers;
+        auto
+    } else {
+        set.layers = vec![single(&set, &polygons)?];
+        if is_auto { vec![0] } else { Vec::new() }
     };
+    if is_proposed && set.has_depth() {
+        return Err(SetError::Depths);
+    }
+    proposed::add(&mut set, &auto)?;
     Ok(set)
+}
+
+/// Lists the pictures in layers of views to learn from.
+fn painted_files(maps: &[WrittenMap], folder: &Path) -> Vec<PathBuf> {
+    let views = maps.iter().flat_map(|map| &map.train);
+    let files = views.filter_map(|view| view.image.as_ref()).map(|file| folder.join(file));
+    files.filter(|file| is_layered(file)).collect()
 }
 
 /// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture or pictures of the
@@ -156,9 +205,16 @@ fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples,
     let views = |written: Vec<WrittenView>, split: &str| {
         let one = |(number, own): (usize, WrittenView)| {
             let named = format!("{name}, {split} view {number}");
-            view(own, &parameters, layers, folder, &named)
+            let mut view = view(own, &parameters, layers, folder, &named)?;
+            if let (Some(image), "train") = (&view.image, split)
+                && !layers.is_empty()
+                && is_layered(&image.file)
+            {
+                painted::add(&image.file, layers, &mut view.layers)?;
+            }
+            Ok(view)
         };
-        written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()
+        written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, SetError>>()
     };
     let (train, test) = (views(train, "train")?, views(test, "test")?);
     Ok(Examples { name, parameters, train, test })
@@ -230,6 +286,7 @@ fn view(
         image: image.map(|file| Image {
             file: folder.join(file),
             mask: mask.map(|mask| folder.join(mask)),
+            layer: None,
         }),
         layers: layer_views(own_layers, layers, folder, named)?,
     };
@@ -258,9 +315,11 @@ fn all_views(set: &ViewSet) -> impl Iterator<Item = (String, &View)> {
 }
 
 /// Checks that all views have as many points, and every point a place in some view of each motion.
-fn check_points(set: &ViewSet) -> Result<(), SetError> {
+///
+/// - `is_proposed`: whether there may be no points yet.
+fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), SetError> {
     let expected = set.point_len();
-    if expected == 0 {
+    if set.maps.is_empty() || (expected == 0 && !is_proposed) {
         let what = if set.maps.is_empty() { "views under \"train\"" } else { "points" };
         return Err(SetError::Empty(what));
     }

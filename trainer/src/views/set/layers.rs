@@ -13,10 +13,47 @@ use std::path::Path;
 #[derive(Deserialize)]
 pub(super) struct WrittenLayer {
     pub(super) name: String,
-    points: Vec<usize>,
+    points: Option<WrittenPoints>,
     #[serde(default)]
     elements: Vec<Vec<usize>>,
-    clip: Option<String>,
+    pub(super) clip: Option<String>,
+}
+
+/// Points of a layer: their numbers, or that they are to be proposed.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected \"auto\" or a list of numbers of points")]
+enum WrittenPoints {
+    Auto(Auto),
+    Given(Vec<usize>),
+}
+
+/// The word in place of points that are to be proposed.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Auto {
+    Auto,
+}
+
+impl WrittenLayer {
+    /// Makes a layer whose points are to be proposed.
+    pub(super) fn proposed(name: String) -> Self {
+        Self {
+            name,
+            points: Some(WrittenPoints::Auto(Auto::Auto)),
+            elements: Vec::new(),
+            clip: None,
+        }
+    }
+
+    /// Whether its points are to be proposed.
+    pub(super) fn is_proposed(&self) -> bool {
+        matches!(self.points, Some(WrittenPoints::Auto(_)))
+    }
+
+    /// Proposes the layer's points unless they are given.
+    pub(super) fn propose(&mut self) {
+        self.points.get_or_insert(WrittenPoints::Auto(Auto::Auto));
+    }
 }
 
 /// A layer of a view: its picture, and what else is known of it.
@@ -41,7 +78,7 @@ pub(super) fn layer_views(
         let what = format!("{named} has a picture of it, and the set no such layer");
         return Err(SetError::Layer { layer: unknown.clone(), what });
     }
-    let image = |file: String| Image { file: folder.join(file), mask: None };
+    let image = |file: String| Image::of_file(folder.join(file));
     let mut written = written;
     let own = |name: &&str| match written.remove(*name) {
         None => LayerView::default(),
@@ -55,18 +92,21 @@ pub(super) fn layer_views(
     Ok(names.iter().map(own).collect())
 }
 
-/// Makes the layers of a set whose views are read.
+/// Makes the layers of a set whose views are read, and lists those without points, which are to be proposed.
 ///
 /// # Errors
 /// [`SetError::Layer`], and those of elements.
-pub(super) fn layered(set: &ViewSet, written: Vec<WrittenLayer>) -> Result<Vec<Layer>, SetError> {
+pub(super) fn layered(
+    set: &ViewSet,
+    written: Vec<WrittenLayer>,
+) -> Result<(Vec<Layer>, Vec<usize>), SetError> {
     let names: Vec<String> = written.iter().map(|layer| layer.name.clone()).collect();
     let wrong = |layer: &str, what: String| SetError::Layer { layer: layer.to_owned(), what };
     let twice = (1..names.len()).find(|&at| names[..at].contains(&names[at]));
     if let Some(at) = twice {
         return Err(wrong(&names[at], "two layers have this name".to_owned()));
     }
-    let mut out = Vec::new();
+    let (mut out, mut auto) = (Vec::new(), Vec::new());
     for WrittenLayer { name, points, elements, clip } in written {
         let clip = match clip {
             None => None,
@@ -76,16 +116,24 @@ pub(super) fn layered(set: &ViewSet, written: Vec<WrittenLayer>) -> Result<Vec<L
                 Some(found.ok_or_else(unknown)?)
             }
         };
+        let points = match points {
+            Some(WrittenPoints::Auto(Auto::Auto)) if elements.is_empty() => {
+                auto.push(out.len());
+                Vec::new()
+            }
+            Some(WrittenPoints::Auto(Auto::Auto)) => {
+                return Err(wrong(&name, "it has elements, but no points yet".to_owned()));
+            }
+            Some(WrittenPoints::Given(points)) if !points.is_empty() => points,
+            _ => return Err(wrong(&name, "it has no points".to_owned())),
+        };
         let elements = checked(set, &elements)?;
-        if points.is_empty() {
-            return Err(wrong(&name, "it has no points".to_owned()));
-        }
         out.push(Layer { name, points, elements, clip });
     }
     check_points(set, &out)?;
     check_clips(&out)?;
     check_pictures(set, &out)?;
-    Ok(out)
+    Ok((out, auto))
 }
 
 /// Makes elements of polygons, and checks them in every key view.

@@ -10,6 +10,9 @@ mod joined;
 mod json;
 mod layers;
 mod lottie;
+mod painted;
+mod proposed;
+mod silhouette;
 mod write;
 
 pub use data::{Examples, Layer, LayerView, Parameter, Values, View, ViewSet};

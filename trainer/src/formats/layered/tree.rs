@@ -1,0 +1,185 @@
+//! Layers in groups, and the list of layers that they make.
+
+use super::error::LayeredError;
+
+/// Most groups within each other.
+pub(super) const DEPTH: usize = 64;
+
+/// A layer or a group.
+pub(super) struct Node {
+    pub(super) name: String,
+    /// Its number in the file.
+    pub(super) source: usize,
+    /// From 0 to 1.
+    pub(super) opacity: f64,
+    /// Its blend mode as the file writes it, unless normal.
+    pub(super) blend: Option<String>,
+    pub(super) is_hidden: bool,
+    /// Whether it shows only within the layer below.
+    pub(super) is_clipped: bool,
+    /// Members of a group, the hindmost first; `None` for a layer.
+    pub(super) members: Option<Vec<Node>>,
+}
+
+/// A layer of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PaintedLayer {
+    /// Its name after the names of its groups: `head/eye`.
+    pub(crate) path: String,
+    /// Its name.
+    pub(crate) name: String,
+    /// From 0 to 1, its groups' opacities included.
+    pub(crate) opacity: f64,
+    /// Whether it or one of its groups is hidden.
+    pub(crate) is_hidden: bool,
+    /// Index of the layer that it is clipped to.
+    pub(crate) clip: Option<usize>,
+    /// Its blend mode or that of a group, unless normal.
+    pub(super) blend: Option<String>,
+    /// Its number in the file.
+    pub(super) source: usize,
+    /// Its groups' numbers in the file.
+    pub(super) groups: Vec<usize>,
+}
+
+/// Lists the layers of a tree, the hindmost first, and the paths of its groups.
+///
+/// # Errors
+/// [`LayeredError::Twice`] and [`LayeredError::Clip`].
+pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>), LayeredError> {
+    let mut out = Lists::default();
+    let root = PaintedLayer {
+        path: String::new(),
+        name: String::new(),
+        opacity: 1.0,
+        is_hidden: false,
+        clip: None,
+        blend: None,
+        source: 0,
+        groups: Vec::new(),
+    };
+    out.add(nodes, &root)?;
+    let mut paths: Vec<&str> = out.layers.iter().map(|layer| layer.path.as_str()).collect();
+    paths.sort_unstable();
+    match paths.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(twice) => Err(LayeredError::Twice(twice[0].to_owned())),
+        None => Ok((out.layers, out.groups)),
+    }
+}
+
+/// The node that clipped layers show within.
+enum Base {
+    Nothing,
+    Layer(usize),
+    Group(String),
+}
+
+#[derive(Default)]
+struct Lists {
+    layers: Vec<PaintedLayer>,
+    groups: Vec<String>,
+}
+
+impl Lists {
+    /// Adds the members of a group, whose properties they take over.
+    fn add(&mut self, nodes: Vec<Node>, group: &PaintedLayer) -> Result<(), LayeredError> {
+        let mut base = Base::Nothing;
+        for node in nodes {
+            let path = match group.path.is_empty() {
+                true => node.name.clone(),
+                false => format!("{}/{}", group.path, node.name),
+            };
+            let clip = match (node.is_clipped, &base) {
+                (false, _) => group.clip,
+                (true, Base::Layer(layer)) => Some(*layer),
+                (true, Base::Nothing) => {
+                    return Err(LayeredError::Clip { layer: path, base: "nothing".to_owned() });
+                }
+                (true, Base::Group(name)) => {
+                    let base = format!("group \"{name}\"");
+                    return Err(LayeredError::Clip { layer: path, base });
+                }
+            };
+            let own = PaintedLayer {
+                name: node.name,
+                opacity: group.opacity * node.opacity,
+                is_hidden: group.is_hidden || node.is_hidden,
+                clip,
+                blend: node.blend.or_else(|| group.blend.clone()),
+                source: node.source,
+                groups: group.groups.clone(),
+                path,
+            };
+            let next = match node.members {
+                None => {
+                    self.layers.push(own);
+                    Base::Layer(self.layers.len() - 1)
+                }
+                Some(members) => {
+                    self.groups.push(own.path.clone());
+                    let groups = [&own.groups[..], &[own.source]].concat();
+                    let name = own.path.clone();
+                    self.add(members, &PaintedLayer { groups, ..own })?;
+                    Base::Group(name)
+                }
+            };
+            if !node.is_clipped {
+                base = next;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(name: &str, is_clipped: bool, members: Option<Vec<Node>>) -> Node {
+        Node {
+            name: name.to_owned(),
+            source: 0,
+            opacity: 0.5,
+            blend: None,
+            is_hidden: name == "hidden",
+            is_clipped,
+            members,
+        }
+    }
+
+    #[test]
+    fn layers_take_over_from_their_groups() {
+        let inner = vec![node("a", false, None), node("b", true, None), node("c", true, None)];
+        let nodes = vec![
+            node("back", false, None),
+            node("hidden", true, Some(inner)),
+            node("front", true, None),
+        ];
+        let (layers, groups) = listed(nodes).unwrap();
+        let found: Vec<_> = layers
+            .iter()
+            .map(|own| (own.path.as_str(), own.opacity, own.is_hidden, own.clip))
+            .collect();
+        let expected = [
+            ("back", 0.5, false, None),
+            ("hidden/a", 0.25, true, Some(0)),
+            ("hidden/b", 0.25, true, Some(1)),
+            ("hidden/c", 0.25, true, Some(1)),
+            ("front", 0.5, false, Some(0)),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(groups, ["hidden"]);
+    }
+
+    #[test]
+    fn clipped_layers_without_a_layer_below_and_equal_names_are_refused() {
+        let said = |nodes| listed(nodes).unwrap_err().to_string();
+        let group = || node("g", false, Some(vec![node("a", false, None)]));
+        assert!(said(vec![node("x", true, None)]).starts_with("layer \"x\" is clipped to nothing"));
+        assert_eq!(
+            said(vec![group(), node("x", true, None)]),
+            "layer \"x\" is clipped to group \"g\": merge the group, or clip to a layer"
+        );
+        assert_eq!(said(vec![group(), group()]), "has two layers \"g/a\": give each its own name");
+    }
+}

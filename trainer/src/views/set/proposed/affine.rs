@@ -1,0 +1,172 @@
+//! The affine map between two pictures of a layer.
+
+use super::field::{Field, Moments};
+use libm::{cos, log, sin};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+/// Angles that are tried.
+const ANGLES: usize = 16;
+/// Weights of red, green, blue and alpha. A pattern that moves within a shape does not turn the shape.
+const WEIGHTS: [f64; 4] = [0.0625, 0.0625, 0.0625, 1.0];
+/// Rise of the error of a half turn. A turn must pay, since round shapes look the same from all sides.
+const TURN: f64 = 4.0;
+/// Rise of the error by the squared logarithm of the longest over the shortest stretch.
+const STRETCH: f64 = 4.0;
+/// Error below which all maps are equally good, of 1.
+const EQUAL: f64 = 0.001;
+/// Radii over the blur.
+const BLUR: f64 = 6.0;
+/// Steps from each first map.
+const STEPS: usize = 12;
+/// Least area over the area before.
+const LEAST_AREA: f64 = 0.01;
+/// Least improvement of a step, as a share of the error.
+pub(super) const ENOUGH: f64 = 1e-4;
+
+/// An affine map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Affine {
+    /// The place that distances are measured from.
+    pub(super) from: Vector2<f64>,
+    /// Where `from` comes to be.
+    pub(super) to: Vector2<f64>,
+    /// Factor of the distance from there.
+    pub(super) by: Matrix2<f64>,
+}
+
+impl Affine {
+    pub(super) fn at(&self, place: Vector2<f64>) -> Vector2<f64> {
+        self.by * (place - self.from) + self.to
+    }
+
+    /// Returns the map backwards.
+    pub(super) fn inverse(&self) -> Self {
+        let by = self.by.try_inverse().unwrap_or_else(Matrix2::identity);
+        Self { from: self.to, to: self.from, by }
+    }
+}
+
+/// Finds the affine map from a picture to another. Moments give first maps at all angles; then the difference of the
+/// blurred pictures is minimised.
+pub(super) fn affine(rest: &Field, other: &Field) -> Affine {
+    let [own, target] = [rest.moments(), other.moments()];
+    // The blur reaches across the larger shape.
+    let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
+    let fields = [rest, other].map(|field| field.blurred(sigma));
+    let mut best: Option<(f64, Affine)> = None;
+    for by in starts(&own, &target) {
+        let start = Affine { from: own.mean, to: target.mean, by };
+        let (found, error) = fitted(&fields, start, sigma);
+        let cost = (error + EQUAL) * (1.0 + distortion(&found.by));
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, found));
+        }
+    }
+    let start = Affine { from: own.mean, to: target.mean, by: Matrix2::identity() };
+    best.map_or(start, |(_, found)| found)
+}
+
+/// Lists first maps: turns of the whole, and turns between maps that make both pictures round.
+fn starts(own: &Moments, target: &Moments) -> Vec<Matrix2<f64>> {
+    let root = |spread: Matrix2<f64>| {
+        let eigen = spread.symmetric_eigen();
+        let roots = Matrix2::from_diagonal(&eigen.eigenvalues.map(|x| x.max(0.0).sqrt()));
+        eigen.eigenvectors * roots * eigen.eigenvectors.transpose()
+    };
+    let (from, to) = (root(own.spread), root(target.spread));
+    let back = from.try_inverse().unwrap_or_else(Matrix2::identity);
+    let scale = target.radius() / own.radius();
+    let turn = |number: usize| {
+        let angle = std::f64::consts::TAU * number as f64 / ANGLES as f64;
+        let (sine, cosine) = (sin(angle), cos(angle));
+        Matrix2::new(cosine, -sine, sine, cosine)
+    };
+    let turns = || (0..ANGLES).map(turn);
+    turns().map(|turn| turn * scale).chain(turns().map(|turn| to * turn * back)).collect()
+}
+
+/// Returns how far a map turns and stretches unevenly; 0 for scales.
+fn distortion(by: &Matrix2<f64>) -> f64 {
+    // The cosine of the rotation nearest to the map.
+    let (along, across) = (by.m11 + by.m22, by.m21 - by.m12);
+    let cosine = along / along.hypot(across).max(f64::MIN_POSITIVE);
+    let stretches = by.singular_values();
+    let uneven = log(stretches.max() / stretches.min().max(f64::MIN_POSITIVE));
+    0.5 * TURN * (1.0 - cosine) + STRETCH * uneven * uneven
+}
+
+/// A map with its error, and the normal equations of the next step.
+struct Tried {
+    error: f64,
+    matrix: SMatrix<f64, 6, 6>,
+    right: SVector<f64, 6>,
+}
+
+/// Improves a map by damped steps of Gauss and Newton; returns its error over that of two pictures apart.
+fn fitted(fields: &[Field; 2], start: Affine, sigma: f64) -> (Affine, f64) {
+    let step = ((sigma / 1.5) as usize).max(1);
+    let places = fields.each_ref().map(|field| field.places(step));
+    let square = |rgba: &[f64; 4]| (0..4).map(|k| WEIGHTS[k] * rgba[k].powi(2)).sum::<f64>();
+    let whole: f64 = places.iter().flatten().map(|(_, rgba)| square(rgba)).sum();
+    let tried = |map: &Affine| {
+        let mut out = Tried { error: 0.0, matrix: SMatrix::zeros(), right: SVector::zeros() };
+        let back = map.inverse();
+        for (place, rgba) in &places[0] {
+            let (found, slopes) = fields[1].sample(map.at(*place));
+            out.add(*place - map.from, |k| (rgba[k] - found[k], slopes[k]));
+        }
+        for (place, rgba) in &places[1] {
+            let own = back.at(*place);
+            let (found, slopes) = fields[0].sample(own);
+            out.add(own - map.from, |k| (found[k] - rgba[k], back.by.transpose() * slopes[k]));
+        }
+        out
+    };
+    let (mut map, mut now, mut damping) = (start, tried(&start), 1e-3);
+    'steps: for _ in 0..STEPS {
+        let floor = 1e-9 * now.matrix.trace() + 1e-12;
+        loop {
+            let mut matrix = now.matrix;
+            (0..6).for_each(|k| matrix[(k, k)] += damping * (now.matrix[(k, k)] + floor));
+            let Some(found) = matrix.cholesky().map(|own| own.solve(&now.right)) else {
+                break 'steps;
+            };
+            let by = map.by + Matrix2::new(found[0], found[1], found[2], found[3]);
+            let next = Affine { by, to: map.to + Vector2::new(found[4], found[5]), ..map };
+            if next.by.determinant() > LEAST_AREA {
+                let tried = tried(&next);
+                if tried.error < now.error {
+                    let is_done = now.error - tried.error < ENOUGH * now.error;
+                    (map, now, damping) = (next, tried, (0.1 * damping).max(1e-6));
+                    if is_done {
+                        break 'steps;
+                    }
+                    break;
+                }
+            }
+            damping *= 10.0;
+            if damping > 1e3 {
+                break 'steps;
+            }
+        }
+    }
+    (map, now.error / whole.max(f64::MIN_POSITIVE))
+}
+
+impl Tried {
+    /// Adds a place: its distance from where the map starts from, and by channel the difference and its slope along the
+    /// moved place.
+    fn add(&mut self, off: Vector2<f64>, of: impl Fn(usize) -> (f64, Vector2<f64>)) {
+        for (k, weight) in WEIGHTS.into_iter().enumerate() {
+            let (error, slope) = of(k);
+            self.error += weight * error * error;
+            if slope == Vector2::zeros() {
+                continue;
+            }
+            let [x, y] = [slope.x, slope.y];
+            let row = SVector::from([x * off.x, x * off.y, y * off.x, y * off.y, x, y]);
+            self.matrix += weight * row * row.transpose();
+            self.right += weight * error * row;
+        }
+    }
+}

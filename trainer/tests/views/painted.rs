@@ -1,0 +1,202 @@
+//! Sets whose pictures are in layers, as drawing programs write them.
+
+use super::common::Folder;
+use serde_json::{Value, json};
+use sinew_trainer::page::picture::Picture;
+use sinew_trainer::views::fit::FitOptions;
+use sinew_trainer::views::set::{SetError, ViewSet, as_json, read};
+use sinew_trainer::views::train::train;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+/// A layer of a picture: its name, its attributes and its picture's number.
+type Row<'a> = (&'a str, &'a str, usize);
+
+const ROWS: [Row<'_>; 2] = [("back", "", 0), ("front", "x='4' y='6' opacity='0.5'", 1)];
+
+/// Writes an OpenRaster file of 32 x 24 pixels from layers, the hindmost first.
+fn ora(path: &Path, rows: &[Row<'_>], size: [usize; 2]) {
+    let mut zip = ZipWriter::new(File::create(path).unwrap());
+    let mut start = |name: &str| zip_file(&mut zip, name, &[]);
+    start("mimetype");
+    let layer = |(name, more, number): &Row<'_>| {
+        format!("<layer name='{name}' src='{number}.png' {more}/>")
+    };
+    let list: String = rows.iter().rev().map(layer).collect();
+    let [width, height] = size;
+    let list = format!("<image w='{width}' h='{height}'><stack>{list}</stack></image>");
+    zip_file(&mut zip, "stack.xml", list.as_bytes());
+    let pictures = [Picture::filled(20, 16, [200, 30, 30]), Picture::filled(8, 8, [20, 40, 220])];
+    for (number, picture) in pictures.iter().enumerate() {
+        zip_file(&mut zip, &format!("{number}.png"), &picture.png().unwrap());
+    }
+    zip.finish().unwrap();
+}
+
+fn zip_file(zip: &mut ZipWriter<File>, name: &str, bytes: &[u8]) {
+    zip.start_file(name, SimpleFileOptions::default()).unwrap();
+    zip.write_all(bytes).unwrap();
+}
+
+/// A set of two key views, whose second is moved by 3 pixels.
+fn set(folder: &Folder, more: Value) -> PathBuf {
+    ora(&folder.path("a.ora"), &ROWS, [32, 24]);
+    let moved = [("back", "x='3'", 0), ("front", "x='7' y='6' opacity='0.5'", 1)];
+    ora(&folder.path("b.ora"), &moved, [32, 24]);
+    written(folder, more)
+}
+
+fn written(folder: &Folder, more: Value) -> PathBuf {
+    let mut set = json!({
+        "image_size": [32, 24],
+        "train": [{ "image": "a.ora", "x": 0 }, { "image": "b.ora", "x": 1 }],
+    });
+    set.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    folder.path("views.json")
+}
+
+fn refused(found: Result<ViewSet, SetError>) -> String {
+    let text = found.unwrap_err().to_string();
+    // Without the folder of the test.
+    let folder = std::env::temp_dir().display().to_string();
+    let words: Vec<String> = text
+        .split(' ')
+        .map(|word| match word.strip_prefix(&folder) {
+            Some(path) => path.rsplit('/').next().unwrap_or_default().to_owned(),
+            None => word.to_owned(),
+        })
+        .collect();
+    words.join(" ")
+}
+
+#[test]
+fn layers_of_the_pictures_are_the_layers_of_a_set_that_names_none() {
+    let folder = Folder::new("painted");
+    let found = read(&set(&folder, json!({ "points": "auto" })), None).unwrap();
+    let names: Vec<&str> = found.layers.iter().map(|layer| layer.name.as_str()).collect();
+    assert_eq!(names, ["back", "front"], "the hindmost first");
+    let views = &found.maps[0].train;
+    assert_eq!(views[0].layers[1].opacity, Some(0.5));
+    let front = views[1].picture(1).unwrap().load([32, 24]).unwrap();
+    let covered = |x: usize, y: usize| front.rgba[4 * (32 * y + x) + 3];
+    assert_eq!([covered(7, 6), covered(14, 13), covered(6, 6), covered(15, 13)], [255, 255, 0, 0]);
+    // Both layers move by 3 pixels.
+    for (own, other) in views[0].points.iter().zip(&views[1].points) {
+        let [own, other] = [own.unwrap(), other.unwrap()];
+        assert!((other[0] - own[0] - 3.0).abs() < 0.1 && (other[1] - own[1]).abs() < 0.1);
+    }
+    assert!(found.layers.iter().all(|layer| layer.points.len() >= 3));
+    assert_eq!(found.point_len(), found.layers.iter().map(|own| own.points.len()).sum::<usize>());
+}
+
+#[test]
+fn a_set_with_its_points_written_trains_the_same_model() {
+    let folder = Folder::new("painted-again");
+    let found = read(&set(&folder, json!({ "points": "auto" })), None).unwrap();
+    let text = as_json(&found, &folder.path("")).to_string();
+    assert!(text.contains("\"image\":\"a.ora\"") && !text.contains("auto"), "{text}");
+    fs::write(folder.path("points.json"), text).unwrap();
+    let again = read(&folder.path("points.json"), None).unwrap();
+    assert_eq!(again.layers.len(), 2);
+    for (own, other) in found.maps[0].train.iter().zip(&again.maps[0].train) {
+        assert_eq!(own, other);
+    }
+    let models = [&found, &again].map(|set| {
+        let model = train(set, FitOptions::default()).unwrap().model;
+        let parts = sinew_trainer::views::bake::parts(&model).unwrap();
+        sinew_trainer::bake::bake(Default::default(), &parts).unwrap()
+    });
+    assert_eq!(models[0], models[1]);
+}
+
+#[test]
+fn layers_are_given_points_beside_layers_whose_points_are_proposed() {
+    let folder = Folder::new("painted-both");
+    let path = set(
+        &folder,
+        json!({
+            "layers": [{ "name": "back", "points": [0, 1] }, { "name": "front", "points": "auto" }],
+            "train": [
+                { "image": "a.ora", "x": 0, "points": [[2, 8], [18, 8]] },
+                { "image": "b.ora", "x": 1, "points": [[5, 8], [21, 8]] },
+            ],
+        }),
+    );
+    let found = read(&path, None).unwrap();
+    assert_eq!(found.layers[0].points, [0, 1]);
+    assert_eq!(found.layers[1].points[0], 2);
+    assert!(found.layers[0].elements.is_empty() && !found.layers[1].elements.is_empty());
+    assert!(train(&found, FitOptions::default()).is_ok());
+}
+
+#[test]
+fn layers_that_a_picture_clips_are_clipped() {
+    let folder = Folder::new("painted-clip");
+    let path = set(&folder, json!({ "points": "auto" }));
+    let rows = [ROWS[0], ("front", "composite-op='svg:src-atop'", 1)];
+    for name in ["a.ora", "b.ora"] {
+        ora(&folder.path(name), &rows, [32, 24]);
+    }
+    let found = read(&path, None).unwrap();
+    let clips: Vec<_> = found.layers.iter().map(|layer| layer.clip).collect();
+    assert_eq!(clips, [None, Some(0)]);
+    let only = written(&folder, json!({ "layers": [{ "name": "front", "points": "auto" }] }));
+    assert_eq!(
+        refused(read(&only, None)),
+        "layer \"front\": a.ora clips it to \"back\", no layer of the set"
+    );
+}
+
+#[test]
+fn pictures_that_contradict_a_set_are_refused() {
+    let folder = Folder::new("painted-faults");
+    let auto = || json!({ "points": "auto" });
+    let path = set(&folder, json!({}));
+    assert_eq!(
+        refused(read(&path, None)),
+        "a.ora has layers: write \"points\": \"auto\", or name the layers with their points under \"layers\""
+    );
+    let named = json!({ "layers": [{ "name": "nose", "points": "auto" }] });
+    assert_eq!(
+        refused(read(&written(&folder, named), None)),
+        "a.ora: has no layer \"nose\": its layers are \"back\", \"front\""
+    );
+    let path = written(&folder, auto());
+    ora(&folder.path("b.ora"), &ROWS[..1], [32, 24]);
+    assert_eq!(
+        refused(read(&path, None)),
+        "layer \"front\": it is in a.ora, and not in b.ora: add it there, empty if it is not seen"
+    );
+    ora(&folder.path("b.ora"), &[ROWS[1], ROWS[0]], [32, 24]);
+    assert_eq!(
+        refused(read(&path, None)),
+        "layer \"front\": it has another place in b.ora than in a.ora: order them alike"
+    );
+    ora(&folder.path("b.ora"), &ROWS, [33, 24]);
+    assert_eq!(refused(read(&path, None)), "b.ora: expected 32 x 24 pixels, found 33 x 24");
+    fs::write(folder.path("b.ora"), "nothing").unwrap();
+    assert!(refused(read(&path, None)).starts_with("b.ora: expected an OpenRaster file"));
+    let wrong = written(&folder, json!({ "points": "automatic" }));
+    let text = read(&wrong, None).unwrap_err().to_string();
+    assert_eq!(
+        text,
+        "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found \"automatic\""
+    );
+    let wrong = written(&folder, json!({ "layers": [{ "name": "back", "points": "all" }] }));
+    let text = read(&wrong, None).unwrap_err().to_string();
+    assert!(text.starts_with("expected \"auto\" or a list of numbers of points"), "{text}");
+    let view = json!({ "image": "a.ora", "x": 0, "points": [[2, 8]], "depth": [1.0] });
+    let deep = json!({
+        "points": "auto",
+        "layers": [{ "name": "back", "points": [0] }, { "name": "front" }],
+        "train": [view],
+    });
+    assert_eq!(
+        refused(read(&written(&folder, deep), None)),
+        "proposed points have no depth: leave \"depth\" and the mesh out"
+    );
+}
