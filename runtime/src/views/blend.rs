@@ -11,7 +11,8 @@ const UNFIT: f32 = 1e-6;
 /// Share of the greatest count from which on a view is part of the picture; it starts there from nothing.
 const LEAST: f32 = 0.2;
 
-/// Key views with their shares, which sum to 1; the greatest first. [`super::RenderJob::blend`] makes them.
+/// Key views with their shares, which sum to 1; the greatest first. Of an element's texture
+/// [`super::RenderJob::blend`] makes them, of an object's points [`Self::of_scores`].
 #[derive(Clone, Copy, Debug)]
 pub struct Blend {
     views: [(usize, f32); SOURCES],
@@ -19,6 +20,13 @@ pub struct Blend {
 }
 
 impl Blend {
+    /// Weighs N key views by their scores alone: which of them the object is like.
+    ///
+    /// A key view at its own parameters has a share of 1, and shares change continuously between key views.
+    pub fn of_scores(scores: &[f32]) -> Self {
+        Self::new(scores, |_| 1.0)
+    }
+
     /// Weighs key views by their scores. Shares are continuous in both arguments.
     ///
     /// - `fits`: how far a view shows what is to be seen, from 0 to 1.
@@ -77,6 +85,18 @@ mod tests {
         assert_eq!(shares(&[0.0, 1.0, 0.0], &[1.0; 3]), [0.0, 1.0, 0.0]);
         let [a, b, c] = shares(&[0.5, 0.5, -0.25], &[1.0; 3])[..] else { unreachable!() };
         assert_eq!((a, b, c), (0.5, 0.5, 0.0));
+    }
+
+    #[test]
+    fn shares_are_those_of_the_formula() {
+        // Scores 0.6 and 0.4: counts 0.601 and 0.4 + 0.001 / 1.2, less 0.2 x 0.601.
+        let [a, b] = [0.601 - 0.1202, 0.4 + 0.001 / 1.2 - 0.1202];
+        let found = Blend::of_scores(&[0.4, 0.6]);
+        let [(0, low), (1, high)] = [found.views()[1], found.views()[0]] else { panic!() };
+        assert!((high - a / (a + b)).abs() < 1e-6 && (low - b / (a + b)).abs() < 1e-6);
+        // Nine views alike leave room for none: the first counts.
+        assert_eq!(Blend::of_scores(&[0.1; 9]).views(), [(0, 1.0)]);
+        assert_eq!(Blend::of_scores(&[-0.5]).views(), [(0, 1.0)]);
     }
 
     #[test]

@@ -94,7 +94,7 @@ impl FrameJob<'_> {
         if !self.views.is_transferred() {
             return;
         }
-        let blend = Blend::new(scores, |_| 1.0);
+        let blend = Blend::of_scores(scores);
         let deformations = || {
             let views = blend.views().iter();
             views.filter_map(|(view, share)| Some((*share, self.views.deformation(*view)?)))

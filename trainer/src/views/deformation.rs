@@ -2,6 +2,9 @@
 //!
 //! `O' = R'_B + s (O_B - R_B)`, and the prototype's barycentre, B for points less their own.
 
+use super::weights::weights;
+use sinew_runtime::views::Views;
+
 /// The reference points of an instance and of its prototype in one key view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
@@ -47,6 +50,44 @@ impl Reference {
             instance: points(&self.instance, &other.instance),
             scale: mix(self.scale, other.scale),
         }
+    }
+}
+
+/// How a transferred object is deformed from its prototype, by key view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformations {
+    /// Of each key view s, and R' - s R for K points, pixels.
+    keys: Vec<(f64, Vec<[f64; 2]>)>,
+}
+
+impl Deformations {
+    /// Reads those of an object in a file; `None` of one that moves by itself.
+    pub fn of(views: &Views<'_>) -> Option<Self> {
+        let key = |view| {
+            let offsets = (0..).map_while(|point| views.offset(view, point));
+            let offsets = offsets.map(|offset| offset.map(f64::from)).collect();
+            Some((f64::from(views.ratio(view)?), offsets))
+        };
+        views.is_transferred().then(|| Self { keys: (0..).map_while(key).collect() })
+    }
+
+    /// Moves the object as its prototype has moved, by the references of the key views that count there.
+    ///
+    /// - `prototype`: K points, pixels.
+    /// - `scores`: N, of the object's key views.
+    pub fn moved(&self, prototype: &[[f64; 2]], scores: &[f64]) -> Vec<[f64; 2]> {
+        let (own, centre) = centred(prototype);
+        let weights = weights(scores);
+        let keys = || self.keys.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
+        let scale: f64 = keys().map(|((scale, _), weight)| weight * scale).sum();
+        let point = |(k, own): (usize, &[f64; 2])| {
+            [0, 1].map(|axis| {
+                let offset: f64 =
+                    keys().map(|((_, offsets), weight)| weight * offsets[k][axis]).sum();
+                scale * own[axis] + offset + centre[axis]
+            })
+        };
+        own.iter().enumerate().map(point).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! A model file held against views, by the runtime.
 
 use super::player::{PlayError, Player, multiplied};
+use super::psnr::PictureError;
 use super::set::{SetError, View, ViewSet};
 use serde::Serialize;
 use sinew_runtime::Model;
@@ -60,8 +61,8 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
-    // Squares and numbers, of all pixels and of those that are opaque.
-    let mut off = [(0.0, 0); 2];
+    // Of all pixels, and of those that are opaque.
+    let mut off = [PictureError::default(); 2];
     for examples in &set.maps {
         let wrong =
             |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
@@ -88,22 +89,13 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             if let Some(image) = &view.image {
                 let truth = multiplied(&image.load(player.size())?);
                 for (own, found) in truth.rgba.chunks(4).zip(picture.rgba.chunks(4)) {
-                    let apart = own.iter().zip(found);
-                    let square = apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
-                    let square: f64 = square.sum();
                     let covered = usize::from(found[3] == 255);
-                    for (squares, numbers) in &mut off[..=covered] {
-                        (*squares, *numbers) = (*squares + square, *numbers + own.len());
-                    }
+                    off[..=covered].iter_mut().for_each(|off| off.add(own, found));
                 }
             }
         }
     }
-    let psnr = |(squares, numbers): (f64, usize)| {
-        let error = squares / numbers.max(1) as f64;
-        (error > 0.0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
-    };
-    let [psnr, psnr_opaque] = off.map(psnr);
+    let [psnr, psnr_opaque] = off.map(|off| off.psnr());
     Ok(Measured {
         rms: (squares / known.max(1) as f64).sqrt(),
         max: most.sqrt(),

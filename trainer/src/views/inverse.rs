@@ -7,6 +7,7 @@
 
 use super::deformation::{centred, norm};
 use super::fit::{FitError, MapOutputs, given, names_of};
+use super::object::ObjectMap;
 use super::set::Values;
 use crate::kernel::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};
@@ -31,11 +32,7 @@ pub struct Found {
     pub rms: f64,
 }
 
-/// Finds the parameters at which a map gives points, apart from where they are and how large.
-///
-/// - `points`: K of them, none where a point is not seen.
-/// - `starts`: parameters to begin with, of which the nearest in shape is taken: the examples', those of the frame
-///   before, or [`starts`].
+/// Finds the parameters at which a map gives points, as [`ObjectMap::find`] does for an object that moves by itself.
 ///
 /// # Errors
 /// [`FitError`] of the examples' values.
@@ -45,11 +42,28 @@ pub fn find(
     points: &[Option<[f64; 2]>],
     starts: &[Values],
 ) -> Result<Found, FitError> {
-    let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
-    let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
-    let problem = Problem { model, outputs, seen: &seen, target: &target };
-    let start = problem.nearest(starts)?;
-    problem.solve(given(&model.inputs, &start)?)
+    ObjectMap { model, outputs, deformations: None }.find(points, starts)
+}
+
+impl ObjectMap<'_> {
+    /// Finds the parameters at which the object has points, apart from where they are and how large.
+    ///
+    /// Points of a transferred object are those of the instance. The deformation depends on the parameters, so both are
+    /// solved together (METHOD §6.6).
+    ///
+    /// - `points`: K of them, none where a point is not seen.
+    /// - `starts`: parameters to begin with: the examples', those of the frame before, or [`starts`]. The search begins
+    ///   with the nearest in shape.
+    ///
+    /// # Errors
+    /// [`FitError`] of the examples' values.
+    pub fn find(&self, points: &[Option<[f64; 2]>], starts: &[Values]) -> Result<Found, FitError> {
+        let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
+        let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
+        let problem = Problem { object: *self, seen: &seen, target: &target };
+        let start = problem.nearest(starts)?;
+        problem.solve(given(&self.model.inputs, &start)?)
+    }
 }
 
 /// Lists parameters all over what a map was learned from, to begin with where nothing is known: the ends and the middle
@@ -86,8 +100,7 @@ pub fn starts(model: &KernelModel) -> Vec<Values> {
 }
 
 struct Problem<'a> {
-    model: &'a KernelModel,
-    outputs: MapOutputs,
+    object: ObjectMap<'a>,
     /// Numbers of the points that are given.
     seen: &'a [usize],
     /// Where they are.
@@ -112,7 +125,7 @@ impl Problem<'_> {
         let own = shape(self.target);
         let mut best = (f64::INFINITY, None);
         for values in starts {
-            let points = self.outputs.evaluate(self.model, values)?.points;
+            let points = self.object.points(values)?;
             let other = shape(&self.seen.iter().map(|&k| points[k]).collect::<Vec<_>>());
             let apart = own.as_flattened().iter().zip(other.as_flattened());
             let squares = apart.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
@@ -159,7 +172,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        let inputs = &self.model.inputs;
+        let inputs = &self.object.model.inputs;
         let names = names_of(inputs).into_iter().map(str::to_owned);
         let values = names.zip(free.iter().map(|&at| guess.given[at])).collect();
         let rms = (residuals.norm_squared() / self.target.len().max(1) as f64).sqrt();
@@ -168,7 +181,7 @@ impl Problem<'_> {
 
     /// Lists the numbers of what is given that have a name, in the order of their names.
     fn free(&self) -> Vec<usize> {
-        let inputs = &self.model.inputs;
+        let inputs = &self.object.model.inputs;
         let parts = inputs.iter().flat_map(|input| {
             let len = input.kind.given_len();
             input.name.splitn(len, ',').map(|name| !name.is_empty()).collect::<Vec<_>>()
@@ -178,10 +191,17 @@ impl Problem<'_> {
 
     /// Evaluates the points that are seen.
     fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, FitError> {
-        let evaluated = self.model.evaluate(given);
-        let evaluated = evaluated.map_err(FitError::Given)?;
-        let shown = self.outputs.shown(&evaluated.numbers);
-        Ok(self.seen.iter().map(|&k| shown.points[k]).collect())
+        Ok(self.seen_of(&self.object.places(&self.numbers(given)?)))
+    }
+
+    /// Evaluates all outputs of the map.
+    fn numbers(&self, given: &[f64]) -> Result<Vec<f64>, FitError> {
+        Ok(self.object.model.evaluate(given).map_err(FitError::Given)?.numbers)
+    }
+
+    /// Takes those of K points that are seen.
+    fn seen_of(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.seen.iter().map(|&k| points[k]).collect()
     }
 
     /// Returns target points, moved and scaled, less the map's: 2 x seen.
@@ -194,9 +214,10 @@ impl Problem<'_> {
 
     /// Returns the derivatives of what is taken off the target: by parameters, by scale and by shift.
     fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
-        let model = self.model;
+        let model = self.object.model;
         let at = |given: &[f64]| features(&model.inputs, given).map_err(FitError::Given);
         let by_features = model.sum.jacobian(&at(&guess.given)?);
+        let numbers = self.numbers(&guess.given)?;
         let target = self.target.as_flattened();
         let mut out = DMatrix::zeros(target.len(), free.len() + 3);
         for (column, &number) in free.iter().enumerate() {
@@ -206,15 +227,14 @@ impl Problem<'_> {
                 at(&given)
             };
             let (after, before) = (step(1.0)?, step(-1.0)?);
-            for (place, &k) in self.seen.iter().enumerate() {
-                for axis in 0..2 {
-                    let slopes =
-                        after.iter().zip(&before).enumerate().map(|(f, (after, before))| {
-                            by_features[(3 * k + axis, f)] * (after - before)
-                        });
-                    out[(2 * place + axis, column)] = slopes.sum::<f64>() / (2.0 * DIFFERENCE);
-                }
-            }
+            let slope = |output: usize| {
+                let ends = after.iter().zip(&before).enumerate();
+                let slopes = ends.map(|(f, (a, b))| by_features[(output, f)] * (a - b));
+                slopes.sum::<f64>() / (2.0 * DIFFERENCE)
+            };
+            let slopes: Vec<f64> = (0..numbers.len()).map(slope).collect();
+            let own = self.seen_of(&self.object.slopes(&numbers, &slopes));
+            own.as_flattened().iter().enumerate().for_each(|(at, x)| out[(at, column)] = *x);
         }
         for (at, x) in target.iter().enumerate() {
             out[(at, free.len())] = -x;

@@ -5,9 +5,10 @@
 //! points, depths, visibility and a score of each key view, and a [`mesh`] goes along. [`bake`] writes it, a [`player`] shows a file by the
 //! runtime, [`evaluate`] holds it against views. [`inverse`] goes back from points to parameters, [`deformation`] and
 //! [`transfer`] lend one object's motion to another, [`pin`] lets a few points be dragged, and [`naive`] is the network
-//! over pixels that S1 warns of, which a [`report`] shows beside the rest.
+//! over pixels that S1 warns of, which [`control`] measures and a [`report`] shows beside the rest.
 
 pub mod bake;
+pub mod control;
 mod covered;
 pub mod deformation;
 pub mod demo;
@@ -19,9 +20,12 @@ pub mod mesh;
 pub mod model;
 pub mod motion;
 pub mod naive;
+pub mod object;
 pub mod pin;
 pub mod player;
+pub mod psnr;
 pub mod report;
 pub mod set;
 pub mod train;
 pub mod transfer;
+pub mod weights;

@@ -1,6 +1,7 @@
 //! A few points dragged: parameters follow first, by what examples say goes together, then what lies near.
 
-use super::fit::{FitError, MapOutputs, given, names_of};
+use super::fit::{FitError, given, names_of};
+use super::object::ObjectMap;
 use super::set::Values;
 use crate::kernel::model::{InputKind, KernelModel};
 use crate::kernel::rotations::Feature;
@@ -28,12 +29,8 @@ pub type Pin = (usize, [f64; 2]);
 ///
 /// # Errors
 /// [`FitError`] of the values.
-pub fn follow(
-    model: &KernelModel,
-    outputs: MapOutputs,
-    start: &Values,
-    pins: &[Pin],
-) -> Result<Values, FitError> {
+pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Values, FitError> {
+    let model = object.model;
     let names: Vec<String> = names_of(&model.inputs).into_iter().map(str::to_owned).collect();
     let by_name =
         |x: &DVector<f64>| -> Values { names.iter().cloned().zip(x.iter().copied()).collect() };
@@ -41,7 +38,7 @@ pub fn follow(
     let from = DVector::from_iterator(names.len(), names.iter().map(|name| start[name]));
     let covariance = covariance(model, &names);
     let places = |x: &DVector<f64>| -> Result<DVector<f64>, FitError> {
-        let points = outputs.evaluate(model, &by_name(x))?.points;
+        let points = object.points(&by_name(x))?;
         Ok(DVector::from_iterator(2 * pins.len(), pins.iter().flat_map(|(k, _)| points[*k])))
     };
     let target = DVector::from_iterator(2 * pins.len(), pins.iter().flat_map(|(_, to)| *to));

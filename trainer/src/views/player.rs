@@ -2,6 +2,7 @@
 
 use super::fit::{FitError, given};
 use super::set::Values;
+use super::weights::weights;
 use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
@@ -58,6 +59,11 @@ pub enum PlayError {
 }
 
 impl Played {
+    /// Returns the weight of each key view, N, as [`weights`] has them.
+    pub fn weights(&self) -> Vec<f64> {
+        weights(&self.scores.iter().copied().map(f64::from).collect::<Vec<_>>())
+    }
+
     /// Returns a job that draws it, of no width yet.
     pub(super) fn job<'a>(&'a self, views: Views<'a>) -> RenderJob<'a> {
         let Self { points, visibility, scores, layers, .. } = self;
@@ -95,6 +101,11 @@ impl<'a> Player<'a> {
     /// Returns the object.
     pub fn views(&self) -> &Views<'a> {
         &self.views
+    }
+
+    /// Lists the names of the N key views.
+    pub fn key_names(&self) -> Vec<&'a str> {
+        (0..).map_while(|view| self.views.view_name(view)).collect()
     }
 
     /// Returns what the map takes.

@@ -3,14 +3,15 @@
 
 use super::deformation::Reference;
 use super::fit::MapOutputs;
-use super::mesh::Mesh;
+use super::mesh::{Mesh, Shown, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{SetError, View};
+use super::set::{Element, Image, LayerView, SetError, View};
 use super::train::cut;
 use crate::kernel::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;
+use std::collections::{BTreeSet, HashMap};
 
 /// An instance that cannot be made of a prototype.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +47,14 @@ pub enum TransferError {
         /// The point.
         point: usize,
     },
+    /// A view of the instance does not have the prototype's layers.
+    #[error("view \"{view}\" of the instance: {what}")]
+    Layers {
+        /// Its name.
+        view: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A picture cannot be read.
     #[error(transparent)]
     Set(#[from] SetError),
@@ -53,8 +62,8 @@ pub enum TransferError {
 
 /// Makes an instance of the prototype in a file.
 ///
-/// - `views`: the instance as it looks in some of the prototype's key views, by their names, each with its picture; all
-///   points have a place.
+/// - `views`: the instance in some of the prototype's key views, by their names. Each has its picture, or pictures of the
+///   prototype's layers in their order. All points have a place. A layer without a picture is not drawn from that view.
 /// - `by_size`: whether the motion is as large as the instance is.
 ///
 /// # Errors
@@ -98,7 +107,7 @@ pub fn transfer(
         name: name.to_owned(),
         point_len: object.point_len(),
         size: object.size(),
-        mesh: Mesh::from_file(&object),
+        mesh: mesh(&Mesh::from_file(&object), &keys),
         layers: (0..).map_while(layer).collect(),
         keys,
         maps: maps.map(of).collect(),
@@ -129,17 +138,103 @@ fn key_view(
     if let Some(point) = view.points.iter().position(Option::is_none) {
         return Err(TransferError::Unknown { view: view_name, point });
     }
-    let image = view.image.as_ref().ok_or(SetError::Empty("pictures"))?;
+    check_layers(object, named, view)?;
+    let cut_of = |image: &Image| image.load_any().map(|whole| cut(&whole));
+    let pictures = (0..object.layer_len()).map(|layer| view.picture(layer).map(cut_of).transpose());
+    let pictures: Vec<Option<_>> =
+        pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
     let own = (0..).map_while(|point| object.reference(number, point));
     let own: Vec<[f64; 2]> = own.map(|point| point.map(f64::from)).collect();
     let points = view.known();
     Ok(KeyView {
         name: view_name,
-        pictures: vec![cut(&image.load_any()?)],
+        pictures,
         reference: Some(Reference::new(&own, &points, by_size)),
         points,
         visible: view.visible.clone(),
     })
+}
+
+/// Checks that a view of the instance has pictures as the prototype has layers.
+fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), TransferError> {
+    let wrong = |what: String| TransferError::Layers { view: named.to_owned(), what };
+    let names: Vec<&str> = (0..).map_while(|layer| object.layer_name(layer)).collect();
+    let (expected, found) = (names.len(), view.layers.len());
+    if found == 0 && expected > 1 {
+        let names = names.join(", ");
+        return Err(wrong(format!(
+            "expected pictures of {expected} layers, found none under \"layers\"; the prototype's are {names}"
+        )));
+    }
+    if found != 0 && found != expected {
+        return Err(wrong(format!("expected {expected} layers, found {found}")));
+    }
+    let is_said = |layer: &LayerView| layer.opacity.is_some() || layer.order.is_some();
+    if let Some(layer) = view.layers.iter().position(is_said) {
+        let name = names[layer];
+        return Err(wrong(format!(
+            "layer \"{name}\" has an opacity or an order, which are the prototype's: leave them out"
+        )));
+    }
+    if !view.is_key() {
+        return Err(SetError::Empty("pictures").into());
+    }
+    Ok(())
+}
+
+/// Makes the instance's mesh: elements between points are the prototype's, and a layer that is bent as a whole gets a
+/// grid over the instance's own pictures.
+fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
+    let mut out = Mesh::default();
+    for (number, elements) in prototype.layers.iter().enumerate() {
+        match bent(prototype, elements) {
+            Some(points) => {
+                let shown = |key| shown(key, number, &points);
+                out.add_bent(&points, &keys.iter().map(shown).collect::<Vec<_>>());
+            }
+            None => add(&mut out, prototype, elements),
+        }
+    }
+    out
+}
+
+/// Lists the points of a layer that is bent as a whole: its vertices stand between them. `None` of any other layer.
+fn bent(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
+    let vertices = || elements.iter().flat_map(Element::points).map(|&at| &prototype.vertices[at]);
+    let is_between = |vertex: &Vertex| match vertex.weights[..] {
+        [] => false,
+        [(point, _)] => *vertex != Vertex::of_point(point),
+        _ => true,
+    };
+    let points = vertices().flat_map(|vertex| vertex.weights.iter().map(|(point, _)| *point));
+    let points: BTreeSet<usize> = points.collect();
+    vertices().any(is_between).then(|| points.into_iter().collect())
+}
+
+fn shown<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> Shown<'a> {
+    Shown {
+        points: &key.points,
+        seen: points.iter().filter(|&&point| key.visible[point]).count(),
+        picture: key.pictures[layer].as_ref(),
+    }
+}
+
+/// Adds the elements of a layer as they are.
+fn add(out: &mut Mesh, prototype: &Mesh, elements: &[Element]) {
+    let mut places = HashMap::new();
+    let vertices = &mut out.vertices;
+    let mut vertex = |at: usize| {
+        *places.entry(at).or_insert_with(|| {
+            vertices.push(prototype.vertices[at].clone());
+            vertices.len() - 1
+        })
+    };
+    let own = elements.iter().map(|element| match *element {
+        Element::Triangle(corners) => Element::Triangle(corners.map(&mut vertex)),
+        Element::Quad(corners) => Element::Quad(corners.map(&mut vertex)),
+    });
+    let own = own.collect();
+    out.layers.push(own);
 }
 
 /// Leaves a map with the scores of some key views.

@@ -4,6 +4,7 @@
 mod cases;
 mod check;
 mod common;
+mod driven;
 mod export;
 mod face;
 mod fit;

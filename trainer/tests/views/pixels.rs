@@ -1,9 +1,11 @@
 //! The negative control: networks over pixels, beside points and warping.
 
 use super::common::{apart, head, random, rms};
+use super::shared::shared;
+use sinew_trainer::views::control::{Control, control};
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::naive::{NETWORKS, mixed, weights};
-use sinew_trainer::views::set::{Element, Image, View, triangulated};
+use sinew_trainer::views::set::{Element, Image, LayerView, View, ViewSet, read, triangulated};
 use std::f64::consts::TAU;
 
 const SIDE: usize = 256;
@@ -161,6 +163,52 @@ fn the_best_network_over_pixels_is_far_behind_points_and_warping() {
     );
     assert!(best >= WORSE * own, "{}", best / own);
     assert!(f64::from(bare) < BARE * f64::from(inside), "{bare} of {inside}");
+}
+
+fn printed(found: &Control) {
+    for row in &found.rows {
+        println!("{:<40} {:?} {:?}", row.name, row.psnr, row.psnr_opaque);
+    }
+}
+
+#[test]
+fn the_control_finds_the_same_by_the_runtimes_pictures() {
+    let Some(set) = head() else { return };
+    let found = control(&set, FitOptions::default()).unwrap();
+    printed(&found);
+    assert_eq!((found.views, found.is_left_out, found.rows.len()), (27, true, NETWORKS.len() + 2));
+    let opaque = found.rows.iter().map(|row| row.psnr_opaque.unwrap()).collect::<Vec<_>>();
+    let best = opaque[1..].iter().copied().fold(0.0, f64::max);
+    assert!(opaque[0] - best >= 10.0 * WORSE.log10(), "{opaque:?}");
+}
+
+#[test]
+fn test_views_are_predicted_where_there_are_some() {
+    let Some(file) = shared("character-2d/character.json") else { return };
+    let found = control(&read(&file, None).unwrap(), FitOptions::default()).unwrap();
+    printed(&found);
+    assert_eq!((found.views, found.is_left_out), (3, false));
+    // Linear interpolation of pixels has 22.1, 21.6 and 21.1 dB on the three, by another implementation.
+    let error = |psnr: f64| 10f64.powf(-0.1 * psnr);
+    let expected = -10.0 * ([22.1, 21.6, 21.1].map(error).iter().sum::<f64>() / 3.0).log10();
+    let linear = &found.rows[2];
+    assert!((linear.psnr.unwrap() - expected).abs() < 0.1, "{linear:?}, expected {expected}");
+}
+
+#[test]
+fn sets_without_enough_whole_pictures_are_refused() {
+    let Some(mut set) = head() else { return };
+    let refused = |set: &ViewSet| control(set, FitOptions::default()).unwrap_err().to_string();
+    set.maps[0].train.truncate(3);
+    assert_eq!(refused(&set), "\"main\": expected 4 key views or more, found 3");
+    let view = &mut set.maps[0].train[1];
+    view.layers = vec![LayerView { image: view.image.take(), ..LayerView::default() }];
+    assert_eq!(
+        refused(&set),
+        "main, train view 1: expected an `image` of the whole, found pictures of layers alone"
+    );
+    set.maps[0].train.iter_mut().for_each(|view| (view.image, view.layers) = (None, Vec::new()));
+    assert_eq!(refused(&set), "there are no pictures");
 }
 
 /// A discrete Fourier transform of a square picture of one number a pixel: by its definition.

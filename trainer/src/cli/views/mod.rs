@@ -11,6 +11,7 @@ mod frames;
 mod input;
 mod path;
 mod pin;
+mod pixels;
 mod render;
 mod report;
 mod track;

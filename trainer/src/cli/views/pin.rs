@@ -6,8 +6,7 @@ use crate::cli::Output;
 use crate::cli::files::{OutputFile, ending, write};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::kernel::model::KernelModel;
-use sinew_trainer::views::fit::MapOutputs;
+use sinew_trainer::views::object::FileMap;
 use sinew_trainer::views::pin::{Pin, bend, follow};
 use sinew_trainer::views::player::{Player, straight};
 use std::path::PathBuf;
@@ -48,20 +47,17 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     ending(&arguments.out, &["png"])?;
     let model = load(&arguments.model)?;
     let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
-    if player.views().is_transferred() {
-        bail!("{}: its motion is lent: drag its prototype", about());
-    }
-    let outputs = MapOutputs::of(player.views());
+    let map = FileMap::new(&player);
+    let expected = player.views().point_len();
     for (number, (point, _)) in arguments.pin.iter().enumerate() {
-        if *point >= outputs.points {
-            bail!("pin {number}: point {point}, of {}", outputs.points);
+        if *point >= expected {
+            bail!("pin {number}: point {point}, of {expected}");
         }
         if arguments.pin[..number].iter().any(|(other, _)| other == point) {
             bail!("pin {number}: point {point} is dragged twice");
         }
     }
-    let map = KernelModel::from_file(player.map());
-    let found = follow(&map, outputs, &values(&arguments.set)?, &arguments.pin)?;
+    let found = follow(map.object(), &values(&arguments.set)?, &arguments.pin)?;
     let mut played = player.play(&found)?;
     let mut points: Vec<[f64; 2]> =
         played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
@@ -79,5 +75,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let named: Vec<String> =
         found.iter().map(|(name, value)| format!("{name} {value:.3}")).collect();
     text += &format!("{}; {left:.2} px are left for what lies near\n", named.join(", "));
-    output.print(&json!({ "values": found, "left": left }), &text)
+    let json = json!({
+        "values": found,
+        "left": left,
+        "key_views": player.key_names(),
+        "weights": played.weights(),
+    });
+    output.print(&json, &text)
 }

@@ -44,7 +44,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let model = load(&arguments.model)?;
     let player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let values = match &arguments.points {
-        Some(file) => tracked(&mut Follower::new(&player).with_context(about)?, file)?,
+        Some(file) => tracked(&mut Follower::new(&player), file)?,
         None => values(&arguments.set)?,
     };
     let played = player.play(&values)?;
@@ -60,6 +60,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let json = json!({
         "values": values,
         "view": view,
+        "key_views": player.key_names(),
+        "weights": played.weights(),
         "elements": drawn.element_len,
         "flipped": drawn.flipped_len,
         "points": played.points,

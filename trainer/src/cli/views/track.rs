@@ -1,9 +1,9 @@
 //! Tracked points, and what parameters they tell of.
 
 use anyhow::{Context, bail};
-use sinew_trainer::kernel::model::KernelModel;
-use sinew_trainer::views::fit::{FitError, MapOutputs};
-use sinew_trainer::views::inverse::{Found, find, starts};
+use sinew_trainer::views::fit::FitError;
+use sinew_trainer::views::inverse::{Found, starts};
+use sinew_trainer::views::object::FileMap;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::Values;
 use std::path::Path;
@@ -13,34 +13,25 @@ pub(super) type Points = Vec<Option<[f64; 2]>>;
 
 /// Finds the parameters of tracked points, frame by frame.
 pub(super) struct Follower {
-    map: KernelModel,
-    outputs: MapOutputs,
+    map: FileMap,
     near: Vec<Values>,
 }
 
 impl Follower {
     /// Begins with a map, anywhere.
-    ///
-    /// # Errors
-    /// An object whose motion is lent.
-    pub(super) fn new(player: &Player<'_>) -> anyhow::Result<Self> {
-        let views = player.views();
-        if views.is_transferred() {
-            bail!("its motion is lent: drive its prototype, and animate it along");
-        }
-        let map = KernelModel::from_file(player.map());
-        let outputs = MapOutputs::of(views);
-        Ok(Self { near: starts(&map), map, outputs })
+    pub(super) fn new(player: &Player<'_>) -> Self {
+        let map = FileMap::new(player);
+        Self { near: starts(map.object().model), map }
     }
 
     /// Returns how many points there are in a frame.
     pub(super) fn point_len(&self) -> usize {
-        self.outputs.points
+        self.map.object().outputs.points
     }
 
     /// Finds a frame's parameters; the next frame's are looked for near them.
     pub(super) fn find(&mut self, points: &Points) -> Result<Found, FitError> {
-        let found = find(&self.map, self.outputs, points, &self.near)?;
+        let found = self.map.object().find(points, &self.near)?;
         self.near = vec![found.values.clone()];
         Ok(found)
     }

@@ -1,6 +1,7 @@
 //! `sinew views train`: from views to an object in a file.
 
 use super::input::SetArguments;
+use super::pixels;
 use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, counted, printable};
 use anyhow::{Context, bail};
@@ -24,11 +25,15 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     set: SetArguments,
     /// The file to write
-    #[arg(short, long, value_name = "MODEL")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "MODEL", required_unless_present = "pixels")]
+    out: Option<PathBuf>,
     /// Meets the points of every view, also where that is not what predicts left-out views best
     #[arg(long)]
     exact: bool,
+    /// Negative control: prints the PSNR of networks over pixels beside that of the model, and writes no file. It predicts
+    /// test views, or each key view from the others. A network over Fourier transforms gives the same pictures
+    #[arg(long, conflicts_with_all = ["out", "points_out"])]
+    pixels: bool,
     /// Writes the set with all its points, proposed ones among them, for you to correct: JSON, beside VIEWS
     #[arg(long, value_name = "JSON")]
     points_out: Option<PathBuf>,
@@ -36,11 +41,12 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let file = arguments.set.file();
-    let target = OutputFile::new(&arguments.out, &[file.to_owned()])?.of_a_model()?;
+    let options = FitOptions { exact: arguments.exact };
+    let Some(out) = &arguments.out else { return pixels::run(&arguments.set, options, output) };
+    let target = OutputFile::new(out, &[file.to_owned()])?.of_a_model()?;
     let points = arguments.points_out.as_deref().map(|path| points_file(path, file, &target));
     let points = points.transpose()?;
     let set = arguments.set.read()?;
-    let options = FitOptions { exact: arguments.exact };
     let Trained { model, choices } =
         train(&set, options).with_context(|| file.display().to_string())?;
     let bytes = bake(Space::default(), &parts(&model)?)?;

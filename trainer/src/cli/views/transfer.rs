@@ -16,7 +16,9 @@ use std::path::PathBuf;
 ///
 /// The other object needs a picture, and its points in one or more of the key views of PROTOTYPE.
 ///
-/// INSTANCE is JSON: under `views` each has a key view's name as `view`, its `image` and its `points`.
+/// INSTANCE is JSON: under `views` each has a key view's name as `view`, its `image` and its `points`. In place of `image`
+/// an instance of a PROTOTYPE in layers has `layers`, a picture for each by the layer's name. `sinew views drive` and `pin`
+/// take the points of the instance.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote
@@ -36,7 +38,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let target = OutputFile::new(out, &[prototype.clone(), instance.clone()])?.of_a_model()?;
     let model = load(prototype)?;
     let about = || instance.display().to_string();
-    let views = read_instance(instance).with_context(about)?;
+    let object = model.views();
+    let layers = (0..).map_while(|layer| object.as_ref()?.layer_name(layer));
+    let views = read_instance(instance, &layers.collect::<Vec<_>>()).with_context(about)?;
     let name = instance.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
     let made = transfer(&model, &name, &views, *by_size).with_context(about)?;
     let bytes = bake(Space::default(), &parts(&made)?)?;

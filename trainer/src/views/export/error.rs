@@ -24,9 +24,6 @@ pub enum GridError {
     /// A side has no two nodes.
     #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
     Empty(String),
-    /// The motion is lent, and what key views are parameters of is its prototype's to tell.
-    #[error("its motion is lent: say a grid")]
-    Lent,
     /// No key view is the map's.
     #[error("no key view is of this map: say a grid")]
     NoKeyView,

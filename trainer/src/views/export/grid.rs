@@ -1,9 +1,10 @@
 //! A model at the nodes of a grid of parameters, or at those of its key views.
 
 use super::error::GridError;
-use crate::kernel::model::{Input, InputKind, KernelModel, features};
-use crate::views::fit::{FitError, MapOutputs, given, names_of};
-use crate::views::inverse::{find, starts};
+use crate::kernel::model::{Input, InputKind, features};
+use crate::views::fit::{FitError, given, names_of};
+use crate::views::inverse::starts;
+use crate::views::object::FileMap;
 use crate::views::player::{Played, Player};
 use crate::views::set::Values;
 use sinew_runtime::Model;
@@ -122,24 +123,21 @@ impl Grid {
     /// Shows a map at the parameters of its key views, which are found of their points.
     ///
     /// # Errors
-    /// [`GridError::Lent`], [`GridError::NoKeyView`], and those of the map.
+    /// [`GridError::NoKeyView`], and those of the map.
     pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, GridError> {
         let player = Player::new(model, map)?;
         let views = player.views();
-        if views.is_transferred() {
-            return Err(GridError::Lent);
-        }
-        let map_model = KernelModel::from_file(player.map());
-        let outputs = MapOutputs::of(views);
-        let starts = starts(&map_model);
+        let own = FileMap::new(&player);
+        let object = own.object();
+        let starts = starts(object.model);
         let mut nodes = Vec::new();
         for view in 0..views.view_len() {
             let place = |point: usize| {
                 let seen = views.is_visible(view, point).filter(|is_seen| *is_seen);
                 seen.and_then(|_| Some(views.reference(view, point)?.map(f64::from)))
             };
-            let points: Vec<_> = (0..outputs.points).map(place).collect();
-            let found = find(&map_model, outputs, &points, &starts)?;
+            let points: Vec<_> = (0..views.point_len()).map(place).collect();
+            let found = object.find(&points, &starts)?;
             if found.rms < OFF {
                 let name = views.view_name(view).unwrap_or_default().to_owned();
                 nodes.push(shown(model, map, name, found.values)?);

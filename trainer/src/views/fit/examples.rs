@@ -29,6 +29,8 @@ const ROUNDING: f64 = 2e-5;
 /// which is better. *Measured* on 91 paths of `noto-tiger`, every second key left out: 1.072 times the error of lines
 /// without this, 1.025 at 0.8, 1.000 here.
 const BETTER: f64 = 0.5;
+/// Share of the points' extent below which an error is rounding: the first of such candidates is taken.
+const EXACT: f64 = 1e-12;
 
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,16 +96,18 @@ pub fn fit(
     let best = |all: &[Tried]| best(all).map_or(f64::INFINITY, |tried| tried.error());
     let chosen = (0..sites.len()).min_by(|&a, &b| best(&tried[a]).total_cmp(&best(&tried[b])));
     let chosen = chosen.unwrap_or(0);
+    let extent = extent(&examples.train);
+    let error = |tried: &Tried| tried.error().max(EXACT * extent);
     let mut order: Vec<&Tried> = tried[chosen].iter().collect();
-    order.sort_by(|a, b| a.error().total_cmp(&b.error()));
+    order.sort_by(|a, b| error(a).total_cmp(&error(b)));
     if let Some(plain) = order.iter().position(|tried| tried.is_plain())
-        && order[0].error() > BETTER * order[plain].error()
+        && error(order[0]) > BETTER * error(order[plain])
     {
         let plain = order.remove(plain);
         order.insert(0, plain);
     }
     let views = examples.train.len();
-    let limit = ROUNDING * extent(&examples.train);
+    let limit = ROUNDING * extent;
     let mut best: Option<FittedMap> = None;
     for first in order {
         let Some(made) = sites[chosen].put_together(first, examples, keys, &tried[chosen]) else {
@@ -251,7 +255,11 @@ impl Sites {
         let depths = self.or_plain(best(&self.all(&blocks[1], true, width))?);
         width = width.or(depths.candidate.kernel);
         // Every example is met: what is seen there is known.
-        let visibility = self.or_plain(best(&self.all(&blocks[2], false, width))?);
+        let visibility = match changes(views) {
+            true => self.or_plain(best(&self.all(&blocks[2], false, width))?),
+            // Whatever is fitted to what never changes is exact, and the least error a matter of rounding.
+            false => self.lines(width),
+        };
         width = width.or(visibility.candidate.kernel);
         // Of what lies between key views the examples say nothing: lines from one to the next.
         let numbers = self.lines(width);
@@ -378,6 +386,11 @@ fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
     let of =
         |view: &View| view.visible.iter().map(|seen| Some(f64::from(u8::from(*seen)))).collect();
     views.iter().map(of).collect()
+}
+
+/// Whether a point is seen in some views and not in others.
+fn changes(views: &[View]) -> bool {
+    views.windows(2).any(|pair| pair[0].visible != pair[1].visible)
 }
 
 /// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and what is said of layers;

@@ -160,11 +160,14 @@ fn painted_files(maps: &[WrittenMap], folder: &Path) -> Vec<PathBuf> {
     files.filter(|file| is_layered(file)).collect()
 }
 
-/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture.
+/// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture or pictures of the
+/// prototype's layers.
+///
+/// - `layers`: their names.
 ///
 /// # Errors
 /// [`SetError`] of reading, and of each view by itself.
-pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
+pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>, SetError> {
     #[derive(Deserialize)]
     struct Instance {
         views: Vec<Named>,
@@ -179,7 +182,15 @@ pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
         serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let one = |Named { view: name, own }| {
-        let read = view(own, &[], &[], folder, &name)?;
+        if let Some(layer) = own.layers.keys().find(|layer| !layers.contains(&layer.as_str())) {
+            let expected = layers.join(", ");
+            let what = format!(
+                "view \"{name}\" of the instance has a picture of it; the prototype's layers are {expected}"
+            );
+            return Err(SetError::Layer { layer: layer.clone(), what });
+        }
+        let layers = if own.layers.is_empty() { &[] } else { layers };
+        let read = view(own, &[], layers, folder, &name)?;
         Ok((name, read))
     };
     written.views.into_iter().map(one).collect()

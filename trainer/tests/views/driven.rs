@@ -1,0 +1,206 @@
+//! Points of an object in, parameters and weights of key views out; points of an instance drive its prototype.
+
+use super::common::{apart, examples, head, most, object, turned, view, yaw_and_pitch};
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+use sinew_runtime::kernel::Kernel;
+use sinew_trainer::bake::bake;
+use sinew_trainer::kernel::model::KernelModel;
+use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::deformation::{Deformations, centred};
+use sinew_trainer::views::fit::{FitOptions, FittedMap, MapOutputs, fit};
+use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::object::ObjectMap;
+use sinew_trainer::views::player::Player;
+use sinew_trainer::views::set::{Parameter, Values, View};
+use sinew_trainer::views::train::train;
+use sinew_trainer::views::transfer::transfer;
+use sinew_trainer::views::weights::weights;
+
+/// Parameters of an instance's points: a share of the examples' range.
+const FOUND: f64 = 1e-4;
+/// Points in single precision, pixels.
+const RUNTIME: f64 = 1e-3;
+
+/// Finds the weights of key views for points elsewhere on the screen, of another size, and in part unknown.
+fn weighed(map: &FittedMap, points: &[[f64; 2]], hidden: usize) -> Vec<f64> {
+    let moved =
+        |(k, [x, y]): (usize, &[f64; 2])| (k != hidden).then_some([0.7 * x + 31.0, 0.7 * y - 12.0]);
+    let points: Vec<_> = points.iter().enumerate().map(moved).collect();
+    let found = find(&map.model, map.outputs, &points, &starts(&map.model)).unwrap();
+    weights(&map.shown(&found.values).unwrap().scores)
+}
+
+fn near(found: &[f64], expected: &[f64], tolerance: f64) {
+    let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(found.len() == expected.len() && off <= tolerance, "{found:?}, expected {expected:?}");
+}
+
+#[test]
+fn points_on_a_line_of_key_views_weigh_the_two_that_they_lie_between() {
+    // A square that grows taller: three key views along one parameter.
+    let at = |x: f64| {
+        let height = 10.0 * (1.0 + x);
+        vec![[0.0, 0.0], [10.0, 0.0], [10.0, height], [0.0, height], [5.0, 0.5 * height]]
+    };
+    let train = [0.0, 1.0, 2.0].map(|x| view(&[("x", x)], at(x)));
+    let set = examples(vec![Parameter::Scalar("x".to_owned())], train.into());
+    let keys = [Some(0), Some(1), Some(2)];
+    let map = fit(&set, &keys, FitOptions::default()).unwrap();
+    for (x, expected) in [
+        (0.0, [1.0, 0.0, 0.0]),
+        (1.0, [0.0, 1.0, 0.0]),
+        (2.0, [0.0, 0.0, 1.0]),
+        (0.5, [0.5, 0.5, 0.0]),
+        (1.5, [0.0, 0.5, 0.5]),
+    ] {
+        near(&weighed(&map, &at(x), 2), &expected, 1e-9);
+    }
+}
+
+#[test]
+fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
+    let body = object(3, 12);
+    let seen = |yaw: f64, pitch: f64| -> Vec<[f64; 2]> {
+        let point = |p: &[f64; 3]| {
+            let [x, y, _] = turned(*p, yaw, pitch);
+            [100.0 + 80.0 * x, 100.0 + 80.0 * y]
+        };
+        body.iter().map(point).collect()
+    };
+    let angles = [
+        [0.0, 0.0],
+        [40.0, 10.0],
+        [-35.0, 20.0],
+        [15.0, -30.0],
+        [-20.0, -15.0],
+        [50.0, -25.0],
+        [-50.0, 5.0],
+    ];
+    let train =
+        angles.map(|[yaw, pitch]| view(&[("yaw", yaw), ("pitch", pitch)], seen(yaw, pitch)));
+    let set = examples(vec![yaw_and_pitch()], train.into());
+    let keys: Vec<_> = (0..angles.len()).map(Some).collect();
+    let map = fit(&set, &keys, FitOptions::default()).unwrap();
+    let plain = Some(Kernel::Linear);
+    assert!(map.choice.points.kernel.is_none(), "{:?}", map.choice.points);
+    assert_eq!(map.choice.visibility.kernel.map(|width| width.kernel), plain, "all is seen");
+    for (number, [yaw, pitch]) in angles.into_iter().enumerate() {
+        let mut expected = [0.0; 7];
+        expected[number] = 1.0;
+        near(&weighed(&map, &seen(yaw, pitch), 5), &expected, 1e-9);
+    }
+    let found = weighed(&map, &seen(5.0, 2.0), 5);
+    assert!((found.iter().sum::<f64>() - 1.0).abs() < 1e-12 && found[0] > 0.5, "{found:?}");
+}
+
+/// Makes a file of the head, and one of an instance: the head, bent differently in every key view.
+///
+/// - `keys`: numbers of the training views that the instance has.
+fn instance(keys: &[usize], by_size: bool) -> Option<[Model<Vec<u8>>; 2]> {
+    let set = head()?;
+    let file =
+        |model| Model::from_bytes(bake(Space::default(), &parts(model).unwrap()).unwrap()).unwrap();
+    let trained = train(&set, FitOptions::default()).unwrap();
+    let prototype = file(&trained.model);
+    let views = keys.iter().map(|&key| {
+        let own = &set.maps[0].train[key];
+        let wave = |[x, y]: [f64; 2]| {
+            let turn = 0.03 * (y + 40.0 * key as f64);
+            Some([1.15 * x + 6.0 * turn.sin() - 20.0, 0.95 * y + 5.0 * (0.04 * x).cos()])
+        };
+        let points = own.known().into_iter().map(wave).collect();
+        (trained.model.keys[key].name.clone(), View { points, ..own.clone() })
+    });
+    let made = transfer(&prototype, "instance", &views.collect::<Vec<_>>(), by_size).unwrap();
+    Some([prototype, file(&made)])
+}
+
+/// Parameters between the head's views.
+fn between() -> Vec<Values> {
+    let of = |[yaw, pitch, smile, open]: [f64; 4]| {
+        [("yaw", yaw), ("pitch", pitch), ("smile", smile), ("jawOpen", open)]
+            .map(|(name, value)| (name.to_owned(), value))
+            .into()
+    };
+    vec![
+        of([0.0, 0.0, 0.0, 0.0]),
+        of([12.0, -5.0, 0.4, 0.2]),
+        of([-21.0, 8.0, 0.8, 0.1]),
+        of([27.0, 13.0, 0.1, 0.9]),
+        of([-3.0, -11.0, 0.6, 0.6]),
+    ]
+}
+
+#[test]
+fn points_of_an_instance_give_its_parameters_back() {
+    for (keys, by_size) in [(vec![12], false), (vec![12], true), (vec![2, 12, 22, 26], true)] {
+        let Some([_, file]) = instance(&keys, by_size) else { return };
+        let player = Player::new(&file, None).unwrap();
+        let model = KernelModel::from_file(player.map());
+        let deformations = Deformations::of(player.views()).unwrap();
+        let outputs = MapOutputs::of(player.views());
+        let object = ObjectMap { model: &model, outputs, deformations: Some(&deformations) };
+        let (mut worst, mut off) = (0.0f64, 0.0f64);
+        for values in between() {
+            let played = player.play(&values).unwrap();
+            let shown: Vec<[f64; 2]> =
+                played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
+            let own = object.points(&values).unwrap();
+            off = off.max(most(&apart(&shown, &own)));
+            near(
+                &played.weights(),
+                &weights(&outputs.evaluate(&model, &values).unwrap().scores),
+                1e-4,
+            );
+            // Elsewhere, larger, and every third point unknown.
+            let points: Vec<_> = own
+                .iter()
+                .enumerate()
+                .map(|(k, [x, y])| (k % 3 > 0).then_some([1.3 * x - 40.0, 1.3 * y + 9.0]))
+                .collect();
+            let found = object.find(&points, &starts(&model)).unwrap();
+            for (name, value) in &values {
+                // Examples go from -30 to 30 degrees, and from 0 to 1.
+                let range = if name == "yaw" || name == "pitch" { 60.0 } else { 1.0 };
+                worst = worst.max((found.values[name] - value).abs() / range);
+            }
+        }
+        println!(
+            "{} key views: back to {worst:.1e} of the range, {off:.1e} px from the runtime",
+            keys.len()
+        );
+        assert!(off < RUNTIME, "{off}");
+        assert!(worst < FOUND, "{worst}");
+    }
+}
+
+#[test]
+fn with_one_key_view_the_prototype_stands_where_the_closed_form_has_it() {
+    for by_size in [false, true] {
+        let Some([prototype, file]) = instance(&[12], by_size) else { return };
+        let player = Player::new(&file, None).unwrap();
+        let (views, map) = (player.views(), KernelModel::from_file(player.map()));
+        let deformations = Deformations::of(views).unwrap();
+        let outputs = MapOutputs::of(views);
+        let object = ObjectMap { model: &map, outputs, deformations: Some(&deformations) };
+        for values in between() {
+            let own = object.points(&values).unwrap();
+            let points: Vec<_> = own.iter().copied().map(Some).collect();
+            let found = object.find(&points, &starts(&map)).unwrap();
+            let moved = Player::new(&prototype, None).unwrap().play(&found.values).unwrap();
+            let moved: Vec<[f64; 2]> =
+                moved.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
+            // O = R + (O' - R') / s, and the centre of O'.
+            let (own, centre) = centred(&own);
+            let scale = f64::from(views.ratio(0).unwrap());
+            let point = |k: usize| {
+                let offset = views.offset(0, k).unwrap();
+                [0, 1].map(|axis| (own[k][axis] - f64::from(offset[axis])) / scale + centre[axis])
+            };
+            let expected: Vec<_> = (0..own.len()).map(point).collect();
+            let off = most(&apart(&moved, &expected));
+            assert!(off < RUNTIME, "{values:?}: {off}");
+        }
+    }
+}
