@@ -59,6 +59,9 @@ impl Screen<'_> {
     /// Draws a colour at a pixel and a depth, on a share of the pixel.
     #[inline(always)]
     fn put(&mut self, at: usize, depth: f32, colour: Colour, covered: f32) {
+        if colour.w == 0.0 {
+            return;
+        }
         // What lies behind an edge that fades is seen beside it.
         if let Some(nearest) = self.depths.as_mut().and_then(|depths| depths.get_mut(at))
             && colour.w >= 0.5 * ALPHA_MAX
@@ -296,10 +299,14 @@ pub(super) fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
 #[inline(always)]
 fn joined(colour: Colour, covered: f32, below: [u8; 4]) -> [u8; 4] {
     let own = colour * (1.0 / 255.0);
+    // Most pixels are the first element's that touches them.
+    if below == [0; 4] {
+        return rounded(own * covered);
+    }
     let below = Vec4::from(below.map(f32::from));
     let both = own + below * (1.0 - own.w * (1.0 / 255.0));
-    let scale = if both.w > 0.0 { greater(own.w, below.w) / both.w } else { 0.0 };
-    rounded(below + (both * scale - below) * covered)
+    let both = both * (greater(own.w, below.w) / both.w);
+    rounded(below + (both - below) * covered)
 }
 
 /// Rounds numbers in [0, 255]; what is greater becomes 255.

@@ -35,9 +35,10 @@ impl<'a> Texture<'a> {
     pub(super) fn colour(&self, [x, y]: [f32; 2]) -> Colour {
         let Self { width, height, .. } = *self;
         let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
-        let texel =
-            |x: usize, y: usize| self.texels.get(y * width + x).copied().unwrap_or_default();
-        let [a, b, c, d] = [texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)];
+        let texel = |at: usize| self.texels.get(at).copied().unwrap_or_default();
+        let (first, row) = (y0 * width, (y1 - y0) * width);
+        let [left, right] = [first + x0, first + x1];
+        let [a, b, c, d] = [texel(left), texel(right), texel(left + row), texel(right + row)];
         // Much of a drawing is empty, or of one colour.
         if a[3] | b[3] | c[3] | d[3] == 0 {
             return Vec4::ZERO;
