@@ -146,35 +146,15 @@ fn clockwise_triangle(
 ) {
     let [p, q, r] = ring;
     let share = 1.0 / area(p, q, r) as f32;
-    let size = screen.size();
-    let soft = corners.map(|corner| corner.soft);
-    let (own, len) = prepared(&corners, sources);
-    let depths = corners.map(|corner| corner.depth);
-    let at = |[a, b, c]: [f32; 3], s: f32, t: f32| a + (b - a) * s + (c - a) * t;
-    cover(&ring, soft, size, |[x, y], [towards_c, _, towards_b], covered| {
-        let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
-        let (pixel, depth) = (y * size[0] + x, at(depths, s, t));
-        if screen.shows(pixel, depth) {
-            let mut colour = Vec4::ZERO;
-            for (Source { texture, share, .. }, [xs, ys]) in sources.iter().zip(&own).take(len) {
-                colour += texture.colour([at(*xs, s, t), at(*ys, s, t)]) * *share;
-            }
-            screen.put(pixel, depth, colour, covered);
-        }
-    });
-}
-
-/// Returns of each source where the corners are in it, x and y apart, and how many sources there are.
-fn prepared<const N: usize>(
-    corners: &[Corner; N],
-    sources: &[Source<'_>],
-) -> ([[[f32; N]; 2]; SOURCES], usize) {
-    let mut out = [[[0.0; N]; 2]; SOURCES];
-    for (out, source) in out.iter_mut().zip(sources) {
-        let texel = |corner: Corner| source.texels.get(corner.number).copied().unwrap_or_default();
-        *out = [corners.map(|corner| texel(corner)[0]), corners.map(|corner| texel(corner)[1])];
-    }
-    (out, sources.len().min(SOURCES))
+    let form = Form {
+        ring,
+        edges: |[towards_c, _, towards_b]: [i64; 3]| [towards_b, towards_c],
+        shares: |edges: [Lanes; 2]| edges.map(|edge| edge.map(|edge| edge * share)),
+        at: |[a, b, c]: [f32; 3], [s, t]: [Lanes; 2]| {
+            by_lane(s, t, |s, t| s * (b - a) + t * (c - a) + a)
+        },
+    };
+    fill(screen, corners, sources, &form);
 }
 
 fn clockwise_quad(
@@ -187,89 +167,110 @@ fn clockwise_quad(
     // How far the ring is from a parallelogram: e x g and g x f, of e = q - p, f = s - p, g = r - q - f.
     let e_g = area(p, q, r) - area(p, q, s);
     let g_f = area(p, r, s) - area(p, q, s);
-    let size = screen.size();
-    let mut batch = Batch::default();
-    let (own, sources_len) = prepared(&corners, sources);
+    let form = Form {
+        ring,
+        // Outside along a border an edge function is negative, and the share that of the border.
+        edges: |[above, beyond, below, before]: [i64; 4]| {
+            [before.max(0), above.max(0), beyond + before - e_g, below + above - g_f]
+        },
+        shares: |[left, top, across, down]: [Lanes; 4]| {
+            [
+                by_lane(left, across, |before, slope| share(before, slope, e_g as f32)),
+                by_lane(top, down, |before, slope| share(before, slope, g_f as f32)),
+            ]
+        },
+        at: |[a, b, c, d]: [f32; 4], [s, t]: [Lanes; 2]| {
+            by_lane(s, t, |s, t| {
+                let (top, bottom) = (s * (b - a) + a, s * (c - d) + d);
+                top + (bottom - top) * t
+            })
+        },
+    };
+    fill(screen, corners, sources, &form);
+}
+
+/// How numbers of N corners lie in an element on the screen.
+struct Form<E, S, A, const N: usize> {
+    /// The corners.
+    ring: [Step; N],
+    /// Of a pixel's edge functions M numbers.
+    edges: E,
+    /// Of M numbers its two shares in the element.
+    shares: S,
+    /// Of the corners' numbers that at two shares.
+    at: A,
+}
+
+/// Draws the pixels that an element covers.
+fn fill<const N: usize, const M: usize>(
+    screen: &mut Screen<'_>,
+    corners: [Corner; N],
+    sources: &[Source<'_>],
+    form: &Form<
+        impl Fn([i64; N]) -> [i64; M],
+        impl Fn([Lanes; M]) -> [Lanes; 2],
+        impl Fn([f32; N], [Lanes; 2]) -> Lanes,
+        N,
+    >,
+) {
+    // Of each source where the corners are in it, x and y apart.
+    let mut places = [[[0.0; N]; 2]; SOURCES];
+    for (out, source) in places.iter_mut().zip(sources) {
+        let texel = |corner: Corner| source.texels.get(corner.number).copied().unwrap_or_default();
+        *out = [corners.map(|corner| texel(corner)[0]), corners.map(|corner| texel(corner)[1])];
+    }
     let depths = corners.map(|corner| corner.depth);
-    let soft = corners.map(|corner| corner.soft);
-    let bends = [e_g, g_f].map(|bend| bend as f32);
-    let mut flush = |batch: &Batch, len: usize| {
-        let shares = batch.shares(bends);
+    let size = screen.size();
+    let mut flush = |batch: &Batch<M>| {
+        let shares = (form.shares)(batch.edges.each_ref().map(lanes));
         let mut colours = [Vec4::ZERO; BATCH];
-        for (Source { texture, share, .. }, axes) in sources.iter().zip(&own).take(sources_len) {
-            let [x, y] = axes.map(|numbers| bilinear(numbers, shares));
-            let places = Eight::floats(&x).iter().zip(Eight::floats(&y));
-            for (colour, (x, y)) in colours.iter_mut().zip(places).take(len) {
-                *colour += texture.colour([*x, *y]) * *share;
-            }
+        for (Source { texture, share, .. }, axes) in sources.iter().zip(&places) {
+            let place = axes.map(|numbers| (form.at)(numbers, shares));
+            texture.add(place, *share, colours.iter_mut().take(batch.len));
         }
-        let depths = bilinear(depths, shares);
-        let pixels = batch.pixels.iter().zip(&batch.covered).zip(Eight::floats(&depths));
-        for (((at, covered), depth), colour) in pixels.zip(colours).take(len) {
+        let depths = (form.at)(depths, shares);
+        let pixels = batch.pixels.iter().zip(Eight::floats(&depths)).zip(colours);
+        for (((at, covered), depth), colour) in pixels.take(batch.len) {
             if screen.shows(*at, *depth) {
                 screen.put(*at, *depth, colour, *covered);
             }
         }
     };
-    let mut len = 0;
-    cover(&ring, soft, size, |[x, y], [above, beyond, below, before], covered| {
-        let slopes = [beyond + before - e_g, below + above - g_f];
-        // Outside along a border an edge function is negative, and the share that of the border.
-        batch.set(len, (y * size[0] + x, covered), [before.max(0), above.max(0)], slopes);
-        len += 1;
-        if len == BATCH {
-            flush(&batch, len);
-            len = 0;
+    let mut batch = Batch { len: 0, pixels: [(0, 0.0); BATCH], edges: [[0.0; BATCH]; M] };
+    let soft = corners.map(|corner| corner.soft);
+    cover(&form.ring, soft, size, |[x, y], edges, covered| {
+        batch.add((y * size[0] + x, covered), (form.edges)(edges));
+        if batch.len == BATCH {
+            flush(&batch);
+            batch.len = 0;
         }
     });
-    flush(&batch, len);
+    flush(&batch);
 }
 
-/// Pixels of a quad whose places in it are computed together.
+/// Pixels whose places in an element are computed together.
 const BATCH: usize = 8;
 
-/// Pixels of a quad: of each, across and down, the edge function at the way's beginning, and the slope of [`share`].
-#[derive(Default)]
-struct Batch {
-    pixels: [usize; BATCH],
-    covered: [f32; BATCH],
-    before: [[f32; BATCH]; 2],
-    slopes: [[f32; BATCH]; 2],
+/// Pixels of an element: of each its number, the share that is covered, and what its edge functions make.
+struct Batch<const M: usize> {
+    len: usize,
+    pixels: [(usize, f32); BATCH],
+    edges: [[f32; BATCH]; M],
 }
 
-impl Batch {
+impl<const M: usize> Batch<M> {
     #[inline(always)]
-    fn set(&mut self, at: usize, pixel: (usize, f32), before: [i64; 2], slopes: [i64; 2]) {
-        if let (Some(out), Some(covered)) = (self.pixels.get_mut(at), self.covered.get_mut(at)) {
-            (*out, *covered) = pixel;
+    fn add(&mut self, pixel: (usize, f32), edges: [i64; M]) {
+        if let Some(out) = self.pixels.get_mut(self.len) {
+            *out = pixel;
         }
-        let rows = self.before.iter_mut().chain(&mut self.slopes);
-        for (row, number) in rows.zip(before.into_iter().chain(slopes)) {
-            if let Some(out) = row.get_mut(at) {
+        for (row, number) in self.edges.iter_mut().zip(edges) {
+            if let Some(out) = row.get_mut(self.len) {
                 *out = number as f32;
             }
         }
+        self.len += 1;
     }
-
-    /// Returns the shares across and down.
-    #[inline(always)]
-    fn shares(&self, [across, down]: [f32; 2]) -> [Lanes; 2] {
-        let [left, top] = self.before.each_ref().map(lanes);
-        let [own, other] = self.slopes.each_ref().map(lanes);
-        [
-            by_lane(left, own, |before, slope| share(before, slope, across)),
-            by_lane(top, other, |before, slope| share(before, slope, down)),
-        ]
-    }
-}
-
-/// Returns what is bilinear in a quad of its four corners' numbers.
-#[inline(always)]
-fn bilinear([a, b, c, d]: [f32; 4], [s, t]: [Lanes; 2]) -> Lanes {
-    by_lane(s, t, |s, t| {
-        let (top, bottom) = (s * (b - a) + a, s * (c - d) + d);
-        top + (bottom - top) * t
-    })
 }
 
 #[inline(always)]

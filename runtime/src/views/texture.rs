@@ -1,5 +1,6 @@
 //! Textures, and their colours between texels.
 
+use crate::lanes::{Eight, Lanes, ROUND};
 use crate::numeric::{greater, lesser};
 use glam::Vec4;
 
@@ -29,25 +30,36 @@ impl<'a> Texture<'a> {
         self.texels
     }
 
-    /// Returns the colour at a place in texels, whose centres are at 0.5, between the four nearest; beyond the centres
-    /// of the outermost, theirs.
+    /// Adds a share of the colours at places in texels, whose centres are at 0.5, between the four nearest; beyond the
+    /// centres of the outermost, theirs.
+    ///
+    /// - `out`: as many as there are places, or fewer.
     #[inline]
-    pub(super) fn colour(&self, [x, y]: [f32; 2]) -> Colour {
-        let Self { width, height, .. } = *self;
-        let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
-        let texel = |at: usize| self.texels.get(at).copied().unwrap_or_default();
-        let (first, row) = (y0 * width, (y1 - y0) * width);
-        let [left, right] = [first + x0, first + x1];
-        let [a, b, c, d] = [texel(left), texel(right), texel(left + row), texel(right + row)];
-        // Much of a drawing is empty, or of one colour.
-        if a[3] | b[3] | c[3] | d[3] == 0 {
-            return Vec4::ZERO;
+    pub(super) fn add<'o>(
+        &self,
+        [x, y]: [Lanes; 2],
+        share: f32,
+        out: impl Iterator<Item = &'o mut Colour>,
+    ) {
+        let [columns, rows] = [between(x, self.width), between(y, self.height)];
+        let places = columns.each().zip(rows.each());
+        for (((column, across), (row, down)), out) in places.zip(out) {
+            let at = row * self.width + column;
+            let texel = |at: usize| self.texels.get(at).copied().unwrap_or_default();
+            let below = at + self.width;
+            let [a, b, c, d] = [texel(at), texel(at + 1), texel(below), texel(below + 1)];
+            // Much of a drawing is empty, or of one colour.
+            if a[3] | b[3] | c[3] | d[3] == 0 {
+                continue;
+            }
+            *out += share
+                * if a == b && c == d && a == c {
+                    weighed(a)
+                } else {
+                    let [a, b, c, d] = [a, b, c, d].map(weighed);
+                    mixed(mixed(a, b, across), mixed(c, d, across), down)
+                };
         }
-        if a == b && c == d && a == c {
-            return weighed(a);
-        }
-        let [a, b, c, d] = [a, b, c, d].map(weighed);
-        mixed(mixed(a, b, across), mixed(c, d, across), down)
     }
 }
 
@@ -57,15 +69,33 @@ fn weighed([r, g, b, a]: [u8; 4]) -> Colour {
     Vec4::new(r.into(), g.into(), b.into(), 255.0) * f32::from(a)
 }
 
-/// Returns the two texels of `len` beside a coordinate, and its way from the first to the second.
+/// The first of two texels beside places, and the way from it to the second.
+struct Between {
+    first: Lanes,
+    way: Lanes,
+}
+
+impl Between {
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = (usize, f32)> {
+        // The last bits of 1.5 2^23 and a whole number are those of the number, and files have fewer than 2^16 texels.
+        let number = |biased: &f32| usize::from(biased.to_bits() as u16);
+        Eight::floats(&self.first).iter().map(number).zip(Eight::floats(&self.way).iter().copied())
+    }
+}
+
+/// Finds coordinates between the centres of `len` texels.
 #[inline(always)]
-fn between(x: f32, len: usize) -> (usize, usize, f32) {
-    let last = len.saturating_sub(1);
-    let kept = lesser(last as f32, greater(0.0, x - 0.5));
-    // Below 2^16, as many as a file has, a shorter cast does.
-    let first = kept as i32;
-    let at = first as usize;
-    (at, (at + 1).min(last), kept - first as f32)
+fn between(mut x: Lanes, len: usize) -> Between {
+    let last = len.saturating_sub(1) as f32;
+    let mut way = x;
+    for (x, way) in x.iter_mut().zip(&mut way) {
+        let kept = lesser(From::from(last), greater(From::from(0.0), *x - 0.5));
+        // Rounds to a whole number; where kept is one, it is that or the one before.
+        let first = lesser(From::from(ROUND + greater(0.0, last - 1.0)), kept - 0.5 + ROUND);
+        (*x, *way) = (first, kept - (first - ROUND));
+    }
+    Between { first: x, way }
 }
 
 #[inline(always)]
@@ -87,8 +117,16 @@ mod tests {
     ];
     const TEXTURE: Texture<'_> = Texture { width: 3, height: 2, texels: &TEXELS };
 
+    fn colour_of(texture: Texture<'_>, place: [f32; 2]) -> [f32; 4] {
+        let mut out = [Vec4::ZERO; 8];
+        let lanes = |x: f32| Lanes::read(&[x.to_le_bytes(); 8]);
+        texture.add(place.map(lanes), 1.0, out.iter_mut());
+        assert_eq!(out, [out[0]; 8]);
+        (out[0] / 255.0).to_array()
+    }
+
     fn colour(place: [f32; 2]) -> [f32; 4] {
-        (TEXTURE.colour(place) / 255.0).to_array()
+        colour_of(TEXTURE, place)
     }
 
     #[test]
@@ -109,6 +147,7 @@ mod tests {
         assert_eq!(colour([-7.0, -1e30]), colour([0.5, 0.5]));
         assert_eq!(colour([1e30, 9.0]), colour([2.5, 1.5]));
         assert!(colour([f32::NAN, f32::INFINITY]).iter().all(|x| x.is_finite()));
-        assert_eq!(Texture { width: 0, height: 0, texels: &[] }.colour([0.0, 0.0]), Vec4::ZERO);
+        let empty = Texture { width: 0, height: 0, texels: &[] };
+        assert_eq!(colour_of(empty, [0.0, 0.0]), [0.0; 4]);
     }
 }
