@@ -128,11 +128,52 @@ fn points_follow_shapes_that_bend_without_a_pattern() {
 }
 
 #[test]
+fn a_pattern_decides_where_the_outline_alone_would_turn_the_shape() {
+    // An oblong of fine stripes that is squeezed until it stands: its outline is that of one that has turned.
+    let striped = |[x, y]: Place| {
+        let [.., alpha] = oblong([x, y]);
+        [0.5 + 0.4 * (0.9 * x).sin(), 0.5 + 0.4 * (0.8 * y).sin(), 0.5, alpha]
+    };
+    let squeezed = |by: f64| move |[x, y]: Place| [48.0 + (x - 48.0) * by, 48.0 + (y - 48.0) / by];
+    let pictures = [drawn(&striped, &|place| place), drawn(&striped, &squeezed(1.0 / 0.6))];
+    let set = proposed(&Folder::new("proposed-squeezed"), &pictures);
+    let [rms, most] = off(&set, &squeezed(0.6));
+    println!("squeezed: {rms:.3} px, at most {most:.3}");
+    assert!(rms < 1.0 && most < 3.0, "{rms} px, at most {most}");
+}
+
+#[test]
+fn points_are_set_in_the_view_in_the_middle_of_the_parameters() {
+    // Views at 0, 1 and 5: the second is the nearest to both others, and its silhouette is cut into triangles.
+    let pictures = [1.0, 0.8, 0.9]
+        .map(|scale| drawn(&oblong, &move |place| similar(0.0, 1.0 / scale, [0.0; 2])(place)));
+    let folder = Folder::new("proposed-middle");
+    let views = (0..3).zip([0.0, 1.0, 5.0]).map(|(number, x)| {
+        let name = format!("{number}.png");
+        fs::write(folder.path(&name), pictures[number].png().unwrap()).unwrap();
+        json!({ "image": name, "x": x })
+    });
+    let set = json!({
+        "image_size": [SIDE, SIDE], "points": "auto", "train": views.collect::<Vec<_>>(),
+    });
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    let set = read(&folder.path("views.json"), None).unwrap();
+    // In the view that is cut the outermost points lie on a grid of whole pixels' corners.
+    let is_whole = |view: usize| {
+        let points = set.maps[0].train[view].points.iter().flatten().flatten();
+        points.filter(|x| x.fract() == 0.0).count()
+    };
+    println!("{:?}", [0, 1, 2].map(is_whole));
+    assert!(is_whole(1) > is_whole(0) && is_whole(1) > is_whole(2));
+}
+
+#[test]
 fn an_iris_that_moves_within_an_eye_does_not_turn_it() {
     let Some(folder) = shared("character-2d") else { return };
     let key = |number: usize| folder.join(format!("key{number}_eye_left.png"));
-    let views: Vec<Value> =
-        (0..5).map(|number| json!({ "image": key(number), "x": number })).collect();
+    let at = [[0, 0], [-1, -1], [1, -1], [-1, 1], [1, 1]];
+    let view = |(number, [turn, nod]): (usize, [i32; 2])| json!({ "image": key(number), "turn": turn, "nod": nod });
+    let views: Vec<Value> = at.into_iter().enumerate().map(view).collect();
     let set = json!({ "image_size": [320, 320], "points": "auto", "train": views });
     let written = Folder::new("proposed-eye");
     fs::write(written.path("views.json"), set.to_string()).unwrap();

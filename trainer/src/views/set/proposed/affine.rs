@@ -14,6 +14,8 @@ const TURN: f64 = 4.0;
 const STRETCH: f64 = 4.0;
 /// Error below which all maps are equally good, of 1.
 const EQUAL: f64 = 0.001;
+/// Cost of a map over the least one up to which it is tried.
+const LIKELY: f64 = 8.0;
 /// Radii over the blur.
 const BLUR: f64 = 6.0;
 /// Steps from each first map.
@@ -39,6 +41,18 @@ impl Affine {
         self.by * (place - self.from) + self.to
     }
 
+    /// Returns what is least for the likeliest map.
+    ///
+    /// - `error`: the difference of the pictures over that of two pictures apart.
+    pub(super) fn cost(&self, error: f64) -> f64 {
+        (error + EQUAL) * (1.0 + distortion(&self.by))
+    }
+
+    /// Returns how far two maps are apart, at the most, on a circle around their origin.
+    fn apart(&self, other: &Self, radius: f64) -> f64 {
+        (self.to - other.to).norm() + radius * (self.by - other.by).singular_values().max()
+    }
+
     /// Returns the map backwards.
     pub(super) fn inverse(&self) -> Self {
         let by = self.by.try_inverse().unwrap_or_else(Matrix2::identity);
@@ -46,24 +60,33 @@ impl Affine {
     }
 }
 
-/// Finds the affine map from a picture to another. Moments give first maps at all angles; then the difference of the
-/// blurred pictures is minimised.
-pub(super) fn affine(rest: &Field, other: &Field) -> Affine {
+/// Finds affine maps from a picture to another, the likeliest first. Moments give first maps at all angles; then the
+/// difference of the blurred pictures is minimised.
+///
+/// Outlines say which map is likeliest. The others turn less, so that a pattern may prevent a turn. It never makes
+/// one: an iris moves in its eye.
+pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
     let [own, target] = [rest.moments(), other.moments()];
     // The blur reaches across the larger shape.
     let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
     let fields = [rest, other].map(|field| field.blurred(sigma));
-    let mut best: Option<(f64, Affine)> = None;
-    for by in starts(&own, &target) {
+    let found = |by: Matrix2<f64>| {
         let start = Affine { from: own.mean, to: target.mean, by };
         let (found, error) = fitted(&fields, start, sigma);
-        let cost = (error + EQUAL) * (1.0 + distortion(&found.by));
-        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            best = Some((cost, found));
+        (found.cost(error), found)
+    };
+    let mut all: Vec<(f64, Affine)> = starts(&own, &target).into_iter().map(found).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (least, likeliest) = all[0];
+    let mut out = vec![likeliest];
+    let others = all.into_iter().take_while(|(cost, _)| *cost <= LIKELY * least);
+    for (_, map) in others.filter(|(_, map)| cosine(&map.by) > cosine(&likeliest.by)) {
+        let is_new = out.iter().all(|other| map.apart(other, own.radius()) > sigma);
+        if is_new {
+            out.push(map);
         }
     }
-    let start = Affine { from: own.mean, to: target.mean, by: Matrix2::identity() };
-    best.map_or(start, |(_, found)| found)
+    out
 }
 
 /// Lists first maps: turns of the whole, and turns between maps that make both pictures round.
@@ -87,12 +110,15 @@ fn starts(own: &Moments, target: &Moments) -> Vec<Matrix2<f64>> {
 
 /// Returns how far a map turns and stretches unevenly; 0 for scales.
 fn distortion(by: &Matrix2<f64>) -> f64 {
-    // The cosine of the rotation nearest to the map.
-    let (along, across) = (by.m11 + by.m22, by.m21 - by.m12);
-    let cosine = along / along.hypot(across).max(f64::MIN_POSITIVE);
     let stretches = by.singular_values();
     let uneven = log(stretches.max() / stretches.min().max(f64::MIN_POSITIVE));
-    0.5 * TURN * (1.0 - cosine) + STRETCH * uneven * uneven
+    0.5 * TURN * (1.0 - cosine(by)) + STRETCH * uneven * uneven
+}
+
+/// Returns the cosine of the rotation nearest to a map.
+fn cosine(by: &Matrix2<f64>) -> f64 {
+    let (along, across) = (by.m11 + by.m22, by.m21 - by.m12);
+    along / along.hypot(across).max(f64::MIN_POSITIVE)
 }
 
 /// A map with its error, and the normal equations of the next step.

@@ -26,25 +26,34 @@ const NEAR: f64 = 0.5;
 
 /// Finds the smooth map from a picture to another.
 ///
-/// - `start`: the affine map that it starts from.
-pub(super) fn bent(rest: &Field, other: &Field, start: &Affine) -> Bent {
+/// - `starts`: affine maps to start from. At each level the worse half is left behind.
+pub(super) fn bent(rest: &Field, other: &Field, starts: &[Affine]) -> Option<Bent> {
     let radius = rest.moments().radius();
     let size = Vector2::from(rest.size.map(|len| len as f64));
     let room = Vector2::repeat(ROOM * size.max());
     let (low, high) = (rest.corner - room, rest.corner + size + room);
     let lattice = |cells: f64| Lattice::new(low, high, cells * (1.0 + 2.0 * ROOM));
-    let mut map = Bent::of(lattice(LEVELS[0].0), |place| start.at(place));
+    let first = |start: &Affine| Bent::of(lattice(LEVELS[0].0), |place| start.at(place));
+    let mut maps: Vec<(&Affine, Bent)> = starts.iter().map(|start| (start, first(start))).collect();
     let mut last = None;
     for (cells, by) in LEVELS {
         let level = (cells, (radius / by).max(LEAST_BLUR));
         if last.replace(level) == Some(level) {
             continue;
         }
-        map = Bent::of(lattice(cells), |place| map.at(place).0);
         let sigma = level.1;
-        improved(&[rest.blurred(sigma), other.blurred(sigma)], &mut map, start, sigma);
+        let fields = [rest.blurred(sigma), other.blurred(sigma)];
+        let mut tried = Vec::new();
+        for (start, map) in maps {
+            let mut map = Bent::of(lattice(cells), |place| map.at(place).0);
+            let error = improved(&fields, &mut map, start, sigma);
+            tried.push((start.cost(error), start, map));
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        tried.truncate(tried.len().div_ceil(2));
+        maps = tried.into_iter().map(|(_, start, map)| (start, map)).collect();
     }
-    map
+    maps.into_iter().next().map(|(_, map)| map)
 }
 
 /// A place of a picture with its difference from the other, and the slopes of that along the moved place.
@@ -63,8 +72,9 @@ struct Tried {
     sources: Vec<Vector2<f64>>,
 }
 
-/// Improves a map by damped steps of Gauss and Newton.
-fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) {
+/// Improves a map by damped steps of Gauss and Newton, and returns its difference and bending over the difference
+/// of two pictures apart.
+fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> f64 {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
     let square = |rgba: &[f64; 4]| rgba.iter().map(|x| x * x).sum::<f64>();
@@ -132,6 +142,7 @@ fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) {
             }
         }
     }
+    (now.error + now.bending) / whole
 }
 
 impl Tried {

@@ -6,7 +6,7 @@ mod bend;
 mod field;
 mod lattice;
 
-use super::data::ViewSet;
+use super::data::{Parameter, ViewSet};
 use super::elements::Element;
 use super::error::SetError;
 use super::silhouette::Silhouette;
@@ -14,7 +14,8 @@ use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use affine::affine;
 use bend::bent;
-use field::{Field, Moments};
+use field::Field;
+use libm::remainder;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
@@ -26,9 +27,8 @@ const MARGIN: usize = 2;
 const MARGIN_PART: f64 = 0.25;
 /// Longer side of the largest picture that is matched, pixels. Larger ones are shrunk.
 const SIDE: f64 = 128.0;
-/// Samples of a picture across and down for the choice of the reference, and how far they reach, in radii.
-const SAMPLES: i32 = 16;
-const REACH: f64 = 2.5;
+/// Share of a sum of distances below which two sums are equal.
+const EQUAL: f64 = 1e-9;
 
 /// Adds points and elements to layers without points.
 ///
@@ -97,7 +97,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
         Field::new(&picture.rgba, size, *corner).scaled(scale)
     };
     let fields: Vec<Field> = shown.par_iter().map(field).collect();
-    let rest = central(&fields);
+    let rest = central(set, &shown.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
     let reference = &shown[rest];
     let across = (sides(reference) as f64 / LEAST).clamp(1.0, ACROSS);
     let side = sides(reference) as f64 / across;
@@ -110,9 +110,12 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
         if number == rest {
             return places.iter().map(|place| (*place).into()).collect();
         }
-        let start = affine(&fields[rest], other);
-        let map = bent(&fields[rest], other, &start);
-        places.iter().map(|place| (map.at(place * scale).0 / scale).into()).collect()
+        let map = bent(&fields[rest], other, &affine(&fields[rest], other));
+        let place = |place: &Vector2<f64>| {
+            let found = map.as_ref().map_or(*place, |map| map.at(place * scale).0 / scale);
+            found.into()
+        };
+        places.iter().map(place).collect()
     };
     let found: Vec<Vec<[f64; 2]>> = fields.par_iter().enumerate().map(matched).collect();
     let mut points = vec![None; keys.len()];
@@ -144,26 +147,36 @@ fn cropped(whole: &Picture) -> Option<(Picture, [usize; 2])> {
     Some((Picture { size, rgba: (low[1]..=high[1]).flat_map(row).collect() }, low))
 }
 
-/// Chooses the picture that is nearest to all others, each about its own centre; the first of equals.
-fn central(fields: &[Field]) -> usize {
-    let moments: Vec<Moments> = fields.iter().map(Field::moments).collect();
-    let radius = moments.iter().map(Moments::radius).fold(0.0, f64::max);
-    let step = 2.0 * REACH * radius / f64::from(SAMPLES);
-    let sampled = |(field, own): (&Field, &Moments)| -> Vec<f64> {
-        let blurred = field.blurred(0.5 * step);
-        let place = |k: i32| {
-            let [x, y] = [k % SAMPLES, k / SAMPLES].map(|k| f64::from(k) + 0.5);
-            own.mean + Vector2::new(x * step, y * step) - Vector2::repeat(REACH * radius)
-        };
-        (0..SAMPLES * SAMPLES).flat_map(|k| blurred.sample(place(k)).0).collect()
-    };
-    let all: Vec<Vec<f64>> = fields.iter().zip(&moments).map(sampled).collect();
-    let apart = |own: &Vec<f64>| -> f64 {
-        let square = |other: &Vec<f64>| -> f64 {
-            own.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum()
-        };
-        all.iter().map(square).sum()
-    };
-    let sums: Vec<f64> = all.iter().map(apart).collect();
-    (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0)
+/// Chooses the view whose parameters are nearest to those of all others; the first of equals.
+///
+/// - `keys`: of each view its motion and its number there.
+fn central(set: &ViewSet, keys: &[(usize, usize)]) -> usize {
+    let mut sums = vec![0.0; keys.len()];
+    for (map, examples) in set.maps.iter().enumerate() {
+        for parameter in &examples.parameters {
+            let is_angle = matches!(parameter, Parameter::Rotation { .. });
+            for name in parameter.names() {
+                let value =
+                    |&(_, view): &(usize, usize)| examples.train[view].values.get(name).copied();
+                let apart = |a: &(usize, usize), b: &(usize, usize)| {
+                    if a.0 != map || b.0 != map {
+                        return None;
+                    }
+                    let change = value(a)? - value(b)?;
+                    Some(if is_angle { remainder(change, 360.0) } else { change })
+                };
+                let all = keys.iter().flat_map(|a| keys.iter().filter_map(|b| apart(a, b)));
+                let most = all.fold(0.0, |most: f64, change| most.max(change.abs()));
+                for (sum, own) in sums.iter_mut().zip(keys).filter(|(_, own)| own.0 == map) {
+                    let changes = keys.iter().map(|other| {
+                        apart(own, other)
+                            .map_or(1.0, |change| (change / most.max(f64::MIN_POSITIVE)).powi(2))
+                    });
+                    *sum += changes.sum::<f64>();
+                }
+            }
+        }
+    }
+    let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
+    sums.iter().position(|sum| *sum <= least * (1.0 + EQUAL)).unwrap_or(0)
 }
