@@ -141,7 +141,9 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
             // The key view that shows most points, the first of equals.
             let most =
                 keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));
-            let frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
+            let mut frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
+            // A point that lies there takes its place.
+            frame.retain(|place| !of(most).points.contains(&Some(*place)));
             let elements = triangulated(of(most), &frame, &set.view_name(most))?;
             out.add_elements(&elements, set.point_len(), &frame);
         } else {

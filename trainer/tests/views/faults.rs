@@ -2,8 +2,10 @@
 
 use super::common::{Folder, examples, view};
 use serde_json::{Value, json};
+use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::set::{Image, Parameter, read, read_drawing, read_lottie};
+use sinew_trainer::views::train::train;
 use std::fs;
 
 /// A set of two views of four points, to be spoiled.
@@ -206,6 +208,23 @@ fn views_that_contradict_each_other_are_named() {
     );
     let refused = fit(&set, &[], FitOptions::default()).unwrap_err().to_string();
     assert_eq!(refused, "train views 1 and 2 have the same parameters");
+}
+
+#[test]
+fn points_on_the_edge_of_a_picture_stand_in_place_of_those_of_its_frame() {
+    let folder = Folder::new("frame");
+    fs::write(folder.path("a.png"), Picture::filled(8, 8, [9; 3]).png().unwrap()).unwrap();
+    let set = json!({
+        "image_size": [8, 8],
+        "train": [
+            { "image": "a.png", "x": 0, "points": [[0, 0], [4, 8], [8, 8], [3, 3]] },
+            { "x": 1, "points": [[1, 0], [4, 7], [8, 8], [3, 4]] },
+        ],
+    });
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    let set = read(&folder.path("views.json"), None).unwrap();
+    // Three of the frame's eight are taken.
+    assert_eq!(train(&set, FitOptions::default()).unwrap().model.mesh.vertices.len(), 4 + 5);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::data::View;
 use super::elements::Element;
 use super::error::SetError;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
+use std::cmp::Ordering;
 
 /// Area, over the square of the longest side, below which an element has none.
 const NO_AREA: f64 = 1e-6;
@@ -26,7 +27,13 @@ pub fn triangulated(
     let mesh: DelaunayTriangulation<Point2<f64>> = DelaunayTriangulation::bulk_load_stable(places)
         .map_err(|error| wrong(error.to_string()))?;
     if mesh.num_vertices() != seen.len() {
-        return Err(wrong("two points lie in one place".to_owned()));
+        let mut sorted = seen.clone();
+        sorted.sort_by(|&a, &b| known[a].partial_cmp(&known[b]).unwrap_or(Ordering::Equal));
+        let pair = sorted.windows(2).find(|pair| known[pair[0]] == known[pair[1]]);
+        let which = pair.map_or_else(String::new, |pair| format!(" {} and {}", pair[0], pair[1]));
+        return Err(wrong(format!(
+            "points{which} lie in one place; leave one out, or write \"elements\""
+        )));
     }
     let corners = mesh.inner_faces().map(|face| face.vertices().map(|v| seen[v.fix().index()]));
     let elements: Vec<Element> = corners.map(Element::Triangle).collect();
@@ -120,12 +127,8 @@ mod tests {
         let refused = triangulated(&view(&line), &[], "view 3").unwrap_err().to_string();
         assert_eq!(refused, "the points of view 3 cannot be triangulated: they lie on a line");
         let twice = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[1]];
-        assert!(
-            triangulated(&view(&twice), &[], "view 3")
-                .unwrap_err()
-                .to_string()
-                .contains("one place")
-        );
+        let refused = triangulated(&view(&twice), &[], "view 3").unwrap_err().to_string();
+        assert!(refused.contains(": points 1 and 3 lie in one place; leave one out"), "{refused}");
     }
 
     #[test]

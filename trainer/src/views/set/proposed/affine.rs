@@ -14,7 +14,7 @@ const TURN: f64 = 4.0;
 const STRETCH: f64 = 4.0;
 /// Error below which all maps are equally good, of 1.
 const EQUAL: f64 = 0.001;
-/// Cost of a map over the least one up to which it is tried.
+/// A map is tried if its cost is at most so many times the least.
 const LIKELY: f64 = 8.0;
 /// Radii over the blur.
 const BLUR: f64 = 6.0;
@@ -41,7 +41,7 @@ impl Affine {
         self.by * (place - self.from) + self.to
     }
 
-    /// Returns what is least for the likeliest map.
+    /// Returns the cost of the map; the likeliest has the least.
     ///
     /// - `error`: the difference of the pictures over that of two pictures apart.
     pub(super) fn cost(&self, error: f64) -> f64 {

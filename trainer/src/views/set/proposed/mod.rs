@@ -6,7 +6,7 @@ mod bend;
 mod field;
 mod lattice;
 
-use super::data::{Parameter, ViewSet};
+use super::data::{Parameter, Values, ViewSet};
 use super::elements::Element;
 use super::error::SetError;
 use super::silhouette::Silhouette;
@@ -147,33 +147,28 @@ fn cropped(whole: &Picture) -> Option<(Picture, [usize; 2])> {
     Some((Picture { size, rgba: (low[1]..=high[1]).flat_map(row).collect() }, low))
 }
 
-/// Chooses the view whose parameters are nearest to those of all others; the first of equals.
+/// Chooses the view whose parameters are nearest to those of the others of its motion; the first of equals.
 ///
-/// - `keys`: of each view its motion and its number there.
+/// - `keys`: motion and number of each view. The first motion has the chosen view.
 fn central(set: &ViewSet, keys: &[(usize, usize)]) -> usize {
-    let mut sums = vec![0.0; keys.len()];
-    for (map, examples) in set.maps.iter().enumerate() {
-        for parameter in &examples.parameters {
-            let is_angle = matches!(parameter, Parameter::Rotation { .. });
-            for name in parameter.names() {
-                let value =
-                    |&(_, view): &(usize, usize)| examples.train[view].values.get(name).copied();
-                let apart = |a: &(usize, usize), b: &(usize, usize)| {
-                    if a.0 != map || b.0 != map {
-                        return None;
-                    }
-                    let change = value(a)? - value(b)?;
-                    Some(if is_angle { remainder(change, 360.0) } else { change })
-                };
-                let all = keys.iter().flat_map(|a| keys.iter().filter_map(|b| apart(a, b)));
-                let most = all.fold(0.0, |most: f64, change| most.max(change.abs()));
-                for (sum, own) in sums.iter_mut().zip(keys).filter(|(_, own)| own.0 == map) {
-                    let changes = keys.iter().map(|other| {
-                        apart(own, other)
-                            .map_or(1.0, |change| (change / most.max(f64::MIN_POSITIVE)).powi(2))
-                    });
-                    *sum += changes.sum::<f64>();
-                }
+    let Some(&(first, _)) = keys.first() else { return 0 };
+    let examples = &set.maps[first];
+    let own = keys.iter().filter(|(map, _)| *map == first);
+    let views: Vec<&Values> = own.map(|(_, view)| &examples.train[*view].values).collect();
+    let mut sums = vec![0.0; views.len()];
+    for parameter in &examples.parameters {
+        let is_angle = matches!(parameter, Parameter::Rotation { .. });
+        for name in parameter.names() {
+            let value = |view: &Values| view.get(name).copied().unwrap_or_default();
+            let square = |a: &Values, b: &Values| {
+                let change = value(a) - value(b);
+                (if is_angle { remainder(change, 360.0) } else { change }).powi(2)
+            };
+            let rows: Vec<Vec<f64>> =
+                views.iter().map(|a| views.iter().map(|b| square(a, b)).collect()).collect();
+            let most = rows.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
+            for (sum, row) in sums.iter_mut().zip(&rows) {
+                *sum += row.iter().sum::<f64>() / most;
             }
         }
     }
