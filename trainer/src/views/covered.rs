@@ -1,6 +1,26 @@
 //! Which pixels of a picture are covered: those with an alpha above 0.
 
+use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
+
+/// Cuts a picture to its covered pixels and `border` pixels around them, and returns the place of its corner; none of a
+/// picture that covers nothing.
+pub(super) fn cropped(whole: &Picture, border: usize) -> Option<(Picture, [usize; 2])> {
+    let [width, height] = [whole.size.width, whole.size.height];
+    let covers = |x: usize, y: usize| whole.rgba[4 * (y * width + x) + 3] > 0;
+    let mut rows = (0..height).filter(|&y| (0..width).any(|x| covers(x, y)));
+    let (top, bottom) = (rows.next()?, rows.next_back());
+    let bottom = bottom.unwrap_or(top);
+    let mut columns = (0..width).filter(|&x| (top..=bottom).any(|y| covers(x, y)));
+    let (left, right) = (columns.next()?, columns.next_back());
+    let right = right.unwrap_or(left);
+    let [left, top] = [left, top].map(|first| first.saturating_sub(border));
+    let [right, bottom] = [(right + 1 + border).min(width), (bottom + 1 + border).min(height)];
+    let rgba = (top..bottom)
+        .flat_map(|y| whole.rgba[4 * (y * width + left)..4 * (y * width + right)].iter().copied());
+    let size = Resolution { width: right - left, height: bottom - top };
+    Some((Picture { size, rgba: rgba.collect() }, [left, top]))
+}
 
 /// Counts of a picture's covered pixels, over all rectangles from its corner.
 pub(super) struct Covered {

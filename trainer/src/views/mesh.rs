@@ -61,20 +61,27 @@ impl Vertex {
 impl Mesh {
     /// Adds a layer of elements between points, and between places that are fixed, numbered from `point_len` on.
     pub fn add_elements(&mut self, elements: &[Element], point_len: usize, fixed: &[[f64; 2]]) {
+        self.add_layer(elements, |point| match point.checked_sub(point_len) {
+            None => Vertex::of_point(point),
+            Some(number) => Vertex { place: fixed[number], weights: Vec::new() },
+        });
+    }
+
+    /// Adds a layer of elements, and a vertex for each number in them.
+    ///
+    /// - `vertex`: makes the vertex of a number.
+    pub(super) fn add_layer(&mut self, elements: &[Element], vertex: impl Fn(usize) -> Vertex) {
         let mut places: HashMap<usize, usize> = HashMap::new();
         let vertices = &mut self.vertices;
-        let mut vertex = |point: usize| {
-            *places.entry(point).or_insert_with(|| {
-                vertices.push(match point.checked_sub(point_len) {
-                    None => Vertex::of_point(point),
-                    Some(number) => Vertex { place: fixed[number], weights: Vec::new() },
-                });
+        let mut numbered = |at: usize| {
+            *places.entry(at).or_insert_with(|| {
+                vertices.push(vertex(at));
                 vertices.len() - 1
             })
         };
         let own = elements.iter().map(|element| match *element {
-            Element::Triangle(points) => Element::Triangle(points.map(&mut vertex)),
-            Element::Quad(points) => Element::Quad(points.map(&mut vertex)),
+            Element::Triangle(corners) => Element::Triangle(corners.map(&mut numbered)),
+            Element::Quad(corners) => Element::Quad(corners.map(&mut numbered)),
         });
         let own = own.collect();
         self.layers.push(own);
@@ -130,7 +137,6 @@ impl Mesh {
         let covered: Vec<(Covered, [usize; 2])> =
             pictures.map(|(picture, corner)| (Covered::of(picture), *corner)).collect();
         let mut elements = Vec::new();
-        let mut numbers: HashMap<usize, usize> = HashMap::new();
         for (row, column) in (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |c| (row, c))) {
             let first = row * across + column;
             let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
@@ -143,20 +149,11 @@ impl Mesh {
                 let low = [0, 1].map(|axis| least(axis).floor() - 1.0);
                 covered.any(low, [0, 1].map(|axis| most(axis).ceil() + 1.0))
             });
-            if !is_seen {
-                continue;
+            if is_seen {
+                elements.extend([Element::Triangle([a, b, c]), Element::Triangle([a, c, d])]);
             }
-            let vertices = &mut self.vertices;
-            let mut vertex = |at: usize| {
-                *numbers.entry(at).or_insert_with(|| {
-                    vertices.push(all[at].clone());
-                    vertices.len() - 1
-                })
-            };
-            let [a, b, c, d] = [a, b, c, d].map(&mut vertex);
-            elements.extend([Element::Triangle([a, b, c]), Element::Triangle([a, c, d])]);
         }
-        self.layers.push(elements);
+        self.add_layer(&elements, |at| all[at].clone());
     }
 
     /// Reads what a file holds.
@@ -215,8 +212,9 @@ fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
 /// is one.
 struct Bend {
     rest: Vec<[f64; 2]>,
-    /// The inverse of the spline's system; none of what is no spline.
-    inverse: Option<DMatrix<f64>>,
+    centre: [f64; 2],
+    /// Of a spline the scale of distances, and the inverse of its system, transposed.
+    spline: Option<(f64, DMatrix<f64>)>,
 }
 
 impl Bend {
@@ -226,7 +224,7 @@ impl Bend {
         let off = DMatrix::from_fn(n, 2, |i, axis| rest[i][axis] - centre[axis]);
         let sides = off.singular_values();
         if n < 3 || sides[1] <= LINE * sides[0] {
-            return Self { rest, inverse: None };
+            return Self { rest, centre, spline: None };
         }
         let scale = sides[0] / (n as f64).sqrt();
         let system = DMatrix::from_fn(n + 3, n + 3, |i, j| match (i < n, j < n) {
@@ -235,7 +233,8 @@ impl Bend {
             (false, true) => [1.0, off[(j, 0)] / scale, off[(j, 1)] / scale][i - n],
             (false, false) => 0.0,
         });
-        Self { rest, inverse: system.try_inverse() }
+        let inverse = system.try_inverse();
+        Self { rest, centre, spline: inverse.map(|inverse| (scale, inverse.transpose())) }
     }
 
     /// Makes a vertex of a place, by numbers of the points.
@@ -252,16 +251,14 @@ impl Bend {
     }
 
     fn weights(&self, place: [f64; 2]) -> ([f64; 2], Vec<Complex<f64>>) {
-        let (n, centre) = (self.rest.len(), mean(&self.rest));
-        if let Some(inverse) = &self.inverse {
-            let off = DMatrix::from_fn(n, 2, |i, axis| self.rest[i][axis] - centre[axis]);
-            let scale = off.singular_values()[0] / (n as f64).sqrt();
-            let [x, y] = [0, 1].map(|axis| (place[axis] - centre[axis]) / scale);
+        let (n, centre) = (self.rest.len(), self.centre);
+        if let Some((scale, inverse)) = &self.spline {
+            let [x, y] = [0, 1].map(|axis| (place[axis] - centre[axis]) / *scale);
             let own = DVector::from_fn(n + 3, |i, _| match i.checked_sub(n) {
-                None => plate(self.rest[i], place, scale),
+                None => plate(self.rest[i], place, *scale),
                 Some(term) => [1.0, x, y][term],
             });
-            let found = inverse.transpose() * own;
+            let found = inverse * own;
             return ([0.0; 2], (0..n).map(|i| Complex::new(found[i], 0.0)).collect());
         }
         let arms: Vec<Complex<f64>> =

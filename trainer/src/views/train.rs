@@ -1,11 +1,10 @@
 //! From a set of views to a model.
 
+use super::covered::cropped;
 use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
 use super::mesh::{Mesh, Shown};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Layer, SetError, View, ViewSet, triangulated};
-use crate::page::camera::Resolution;
-use crate::page::picture::Picture;
 
 /// A model, and how each of its maps was chosen.
 #[derive(Clone, Debug)]
@@ -88,8 +87,9 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
 /// - `predicted`: where the map has its points.
 fn key_view(set: &ViewSet, view: &View, predicted: &[[f64; 2]]) -> Result<KeyView, SetError> {
     let layers = 0..set.layers.len();
-    let picture =
-        |layer| view.picture(layer).map(|image| image.load(set.size).map(|whole| cut(&whole)));
+    let picture = |layer| {
+        view.picture(layer).map(|image| image.load(set.size).map(|whole| cropped(&whole, 1)))
+    };
     let pictures = layers.clone().map(|layer| picture(layer).transpose());
     let pictures: Vec<Option<_>> =
         pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
@@ -104,24 +104,6 @@ fn key_view(set: &ViewSet, view: &View, predicted: &[[f64; 2]]) -> Result<KeyVie
         visible: view.visible.clone(),
         reference: None,
     })
-}
-
-/// Cuts a picture to what it covers and a pixel around it; none of one that covers nothing.
-pub(super) fn cut(whole: &Picture) -> Option<(Picture, [usize; 2])> {
-    let [width, height] = [whole.size.width, whole.size.height];
-    let covers = |x: usize, y: usize| whole.rgba[4 * (y * width + x) + 3] > 0;
-    let mut rows = (0..height).filter(|&y| (0..width).any(|x| covers(x, y)));
-    let (top, bottom) = (rows.next()?, rows.next_back());
-    let bottom = bottom.unwrap_or(top);
-    let mut columns = (0..width).filter(|&x| (top..=bottom).any(|y| covers(x, y)));
-    let (left, right) = (columns.next()?, columns.next_back());
-    let right = right.unwrap_or(left);
-    let [left, top] = [left, top].map(|first| first.saturating_sub(1));
-    let [right, bottom] = [(right + 2).min(width), (bottom + 2).min(height)];
-    let rgba = (top..bottom)
-        .flat_map(|y| whole.rgba[4 * (y * width + left)..4 * (y * width + right)].iter().copied());
-    let size = Resolution { width: right - left, height: bottom - top };
-    Some((Picture { size, rgba: rgba.collect() }, [left, top]))
 }
 
 /// Whether key views have one picture for all layers.

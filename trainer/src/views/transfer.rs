@@ -1,17 +1,17 @@
 //! One object's motion for another of its class (METHOD §6.6): the prototype's maps, the instance's pictures and
 //! references.
 
+use super::covered::cropped;
 use super::deformation::Reference;
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Shown, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Element, Image, LayerView, SetError, View};
-use super::train::cut;
 use crate::kernel::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// An instance that cannot be made of a prototype.
 #[derive(Debug, thiserror::Error)]
@@ -139,7 +139,7 @@ fn key_view(
         return Err(TransferError::Unknown { view: view_name, point });
     }
     check_layers(object, named, view)?;
-    let cut_of = |image: &Image| image.load_any().map(|whole| cut(&whole));
+    let cut_of = |image: &Image| image.load_any().map(|whole| cropped(&whole, 1));
     let pictures = (0..object.layer_len()).map(|layer| view.picture(layer).map(cut_of).transpose());
     let pictures: Vec<Option<_>> =
         pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
@@ -192,7 +192,7 @@ fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
                 let shown = |key| shown(key, number, &points);
                 out.add_bent(&points, &keys.iter().map(shown).collect::<Vec<_>>());
             }
-            None => add(&mut out, prototype, elements),
+            None => out.add_layer(elements, |at| prototype.vertices[at].clone()),
         }
     }
     out
@@ -217,24 +217,6 @@ fn shown<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> Shown<'a> {
         seen: points.iter().filter(|&&point| key.visible[point]).count(),
         picture: key.pictures[layer].as_ref(),
     }
-}
-
-/// Adds the elements of a layer as they are.
-fn add(out: &mut Mesh, prototype: &Mesh, elements: &[Element]) {
-    let mut places = HashMap::new();
-    let vertices = &mut out.vertices;
-    let mut vertex = |at: usize| {
-        *places.entry(at).or_insert_with(|| {
-            vertices.push(prototype.vertices[at].clone());
-            vertices.len() - 1
-        })
-    };
-    let own = elements.iter().map(|element| match *element {
-        Element::Triangle(corners) => Element::Triangle(corners.map(&mut vertex)),
-        Element::Quad(corners) => Element::Quad(corners.map(&mut vertex)),
-    });
-    let own = own.collect();
-    out.layers.push(own);
 }
 
 /// Leaves a map with the scores of some key views.

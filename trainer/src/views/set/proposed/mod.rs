@@ -10,8 +10,8 @@ use super::data::{Parameter, Values, ViewSet};
 use super::elements::Element;
 use super::error::SetError;
 use super::silhouette::Silhouette;
-use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
+use crate::views::covered::cropped;
 use affine::affine;
 use bend::bent;
 use field::Field;
@@ -83,7 +83,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     let mut shown = Vec::new();
     for (key, &(map, view)) in keys.iter().enumerate() {
         let Some(image) = set.maps[map].train[view].picture(layer) else { continue };
-        let cut = cropped(&image.load(set.size)?);
+        let cut = cropped(&image.load(set.size)?, 0);
         shown.extend(cut.map(|(picture, corner)| Shown { key, picture, corner }));
     }
     let sides = |own: &Shown| own.picture.size.width.max(own.picture.size.height);
@@ -123,28 +123,6 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
         points[*key] = Some(found);
     }
     Ok(Proposed { points, triangles: faces })
-}
-
-/// Cuts a picture to its covered pixels; `None` if there are none.
-fn cropped(whole: &Picture) -> Option<(Picture, [usize; 2])> {
-    let [width, height] = [whole.size.width, whole.size.height];
-    let covered = (0..width * height).filter(|at| whole.rgba[4 * at + 3] > 0);
-    let ends = covered.fold(None, |ends: Option<[[usize; 2]; 2]>, at| {
-        let own = [at % width, at / width];
-        let [low, high] = ends.unwrap_or([own, own]);
-        let axes = [0, 1];
-        Some([
-            axes.map(|axis| low[axis].min(own[axis])),
-            axes.map(|axis| high[axis].max(own[axis])),
-        ])
-    });
-    let [low, high] = ends?;
-    let size = Resolution { width: high[0] + 1 - low[0], height: high[1] + 1 - low[1] };
-    let row = |y: usize| {
-        let first = y * width + low[0];
-        whole.rgba[4 * first..4 * (first + size.width)].iter().copied()
-    };
-    Some((Picture { size, rgba: (low[1]..=high[1]).flat_map(row).collect() }, low))
 }
 
 /// Chooses the view whose parameters are nearest to those of the others of its motion; the first of equals.
