@@ -10,6 +10,7 @@ mod golden;
 mod kernel;
 mod normals;
 mod outputs;
+mod pictures;
 mod poses;
 mod reference;
 mod refusals;

@@ -9,12 +9,8 @@ use sinew_runtime::Model;
 /// What a file is off by: points in pixels.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Measured {
-    /// RMS over known points.
-    pub rms: f64,
-    /// The most.
-    pub max: f64,
-    /// Share of points whose visibility is right.
-    pub visibility: f64,
+    /// Of the points, where the views know some.
+    pub points: Option<MeasuredPoints>,
     /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none, or nothing is off.
     pub psnr: Option<f64>,
     /// The same over the pixels that are opaque in what is drawn.
@@ -25,6 +21,17 @@ pub struct Measured {
     pub flipped: usize,
     /// Views.
     pub views: usize,
+}
+
+/// What points are off by, in pixels.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct MeasuredPoints {
+    /// RMS over known points.
+    pub rms: f64,
+    /// The most.
+    pub max: f64,
+    /// Share of points whose visibility is right, in views that know some.
+    pub visibility: f64,
 }
 
 /// What cannot be measured.
@@ -59,7 +66,7 @@ pub enum EvaluateError {
 /// [`EvaluateError`].
 pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, EvaluateError> {
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
-    let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0);
+    let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0u32);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
     // Of all pixels, and of those that are opaque.
     let mut off = [PictureError::default(); 2];
@@ -80,9 +87,12 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
                     (f64::from(*x) - point[0]).powi(2) + (f64::from(*y) - point[1]).powi(2);
                 (squares, most, known) = (squares + square, most.max(square), known + 1);
             }
-            let seen = played.visibility.iter().map(|x| *x > 0.5);
-            right += seen.zip(&view.visible).filter(|(a, b)| a == *b).count();
-            marks += view.visible.len();
+            // Nothing is known where all points are proposed.
+            if view.points.iter().any(Option::is_some) {
+                let seen = played.visibility.iter().map(|x| *x > 0.5);
+                right += seen.zip(&view.visible).filter(|(a, b)| a == *b).count();
+                marks += view.visible.len();
+            }
             count += 1;
             let (picture, drawn) = player.draw(&played).map_err(wrong(number))?;
             flipped += drawn.flipped_len;
@@ -96,10 +106,13 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
         }
     }
     let [psnr, psnr_opaque] = off.map(|off| off.psnr());
-    Ok(Measured {
-        rms: (squares / known.max(1) as f64).sqrt(),
+    let points = (known > 0).then(|| MeasuredPoints {
+        rms: (squares / f64::from(known)).sqrt(),
         max: most.sqrt(),
-        visibility: right as f64 / marks.max(1) as f64,
+        visibility: right as f64 / marks as f64,
+    });
+    Ok(Measured {
+        points,
         psnr,
         psnr_opaque,
         is_training: !is_tested,

@@ -116,7 +116,8 @@ fn figures_of_a_file_are_those_of_its_examples() {
     let found = evaluate(&file, &set).unwrap();
     println!("{found:?}");
     assert_eq!(found.views, 27);
-    assert!(found.rms < 0.001 && found.max < 0.005 && found.visibility > 0.99, "{found:?}");
+    let points = found.points.unwrap();
+    assert!(points.rms < 0.001 && points.max < 0.005 && points.visibility > 0.99, "{points:?}");
     assert!(found.psnr_opaque.is_none_or(|psnr| psnr > 30.0) && found.flipped == 0);
 }
 

@@ -26,9 +26,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let line = |name: &str, value: f64, unit: &str| format!("{name:<24}{value:>10.4}{unit}\n");
     let views = if found.is_training { "views of the training" } else { "test views" };
     let mut text = format!("{views:<24}{:>10}\n", found.views);
-    text += &line("points, RMS", found.rms, " px");
-    text += &line("points, most", found.max, " px");
-    text += &line("visibility", found.visibility, "");
+    text += &match &found.points {
+        Some(points) => {
+            line("points, RMS", points.rms, " px")
+                + &line("points, most", points.max, " px")
+                + &line("visibility", points.visibility, "")
+        }
+        None => format!("{:<24}{:>10}\n", "points", "not known"),
+    };
     let pictures =
         [("PSNR, whole pictures", found.psnr), ("PSNR, where opaque", found.psnr_opaque)];
     for (name, psnr) in pictures {
