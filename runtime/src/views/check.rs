@@ -1,6 +1,8 @@
 //! The checks of an object, in the order that FORMAT.md lists.
 
-use super::counts::{CLIP_ELEMENTS_MAX, CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place};
+use super::counts::{
+    CLIP_ELEMENTS_MAX, CLIPS_MAX, FITS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place,
+};
 use super::view::{Layer, Views};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
@@ -78,7 +80,8 @@ static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 9] = [
     check_textures,
 ];
 
-/// Checks that each element is of one layer, and that no layer is clipped by itself, directly or through others.
+/// Checks that each element is of one layer, that no layer is clipped by itself, directly or through others, and that
+/// elements and key views are not too many to fit.
 fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Layers;
     let ViewsCounts { element_len, layer_len, .. } = views.counts();
@@ -109,7 +112,13 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
             return loading.invalid(section, index);
         }
     }
-    Ok(())
+    let (found, elements) = (views.counts().view_len, clip_len + element_len as usize);
+    let most = FITS_MAX.checked_div(elements).unwrap_or(FITS_MAX) as u32;
+    if found <= most {
+        return Ok(());
+    }
+    let section = SectionKind::ViewsCounts;
+    Err(loading.refuse(Kind::Limit, Some(section), place::VIEWS, [most, found]))
 }
 
 /// Checks that vertices stand by points of the object.

@@ -13,6 +13,8 @@ pub const NOTHING: u32 = u32::MAX;
 pub const CLIPS_MAX: usize = 8;
 /// The most elements that clip, those of every layer that clips one counted once for that one.
 pub const CLIP_ELEMENTS_MAX: usize = 1 << 20;
+/// The most elements, those that clip counted again, times the key views: each is fitted to each.
+pub const FITS_MAX: usize = 1 << 22;
 
 /// Counts of an object, from which every section's length follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

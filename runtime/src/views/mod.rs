@@ -19,7 +19,8 @@ mod view;
 pub use blend::Blend;
 pub(crate) use counts::RULES;
 pub use counts::{
-    CLIP_ELEMENTS_MAX, CLIPS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts, ViewsFit,
+    CLIP_ELEMENTS_MAX, CLIPS_MAX, FITS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts,
+    ViewsFit,
 };
 pub use frame::{Found, Frame, FrameJob};
 pub use render::{Drawn, RenderJob, RenderScratch};

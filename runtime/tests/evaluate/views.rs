@@ -2,9 +2,7 @@
 
 use models::{KernelContent, Pieces, ViewsContent};
 use sinew_runtime::views::Found;
-use sinew_runtime::{
-    Argument, CallError, CallErrorKind as Kind, Frame, FrameJob, Model,
-};
+use sinew_runtime::{Argument, CallError, CallErrorKind as Kind, Frame, FrameJob, Model};
 
 /// A frame of the sample.
 #[derive(Clone, Debug, PartialEq)]

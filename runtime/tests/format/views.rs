@@ -5,7 +5,8 @@ use models::{KernelContent, LayerContent, Pieces, ViewsContent};
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::kernel::{Kernel, OutputKind};
 use sinew_runtime::views::{
-    CLIP_ELEMENTS_MAX, CLIPS_MAX, Element, Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts,
+    CLIP_ELEMENTS_MAX, CLIPS_MAX, Element, FITS_MAX, Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS,
+    ViewsCounts,
 };
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
@@ -316,6 +317,35 @@ fn elements_that_clip_are_not_beyond_number() {
     assert_eq!(clipped(most, &[0; 31]), Ok(()));
     let longer = error(Kind::Invalid, SectionKind::Layers, 32);
     assert_eq!(clipped(most + 1, &[0; 31]), Err(longer));
+}
+
+#[test]
+fn elements_and_key_views_are_not_beyond_number() {
+    let loaded = |element_len: usize, view_len: usize| {
+        with(|content| {
+            let layer = &mut content.layers[0];
+            layer.elements.resize(element_len, [0, 1, 4, NO_VERTEX]);
+            layer.neighbours.resize(element_len, [NO_VERTEX; 4]);
+            content.layers.iter_mut().for_each(|layer| layer.clip = NOTHING);
+            let last = content.views.last().cloned().unwrap();
+            content.views.resize(view_len, last);
+        })
+    };
+    let others: usize = ViewsContent::sample(vec![0], true).layers[1..]
+        .iter()
+        .map(|layer| layer.elements.len())
+        .sum();
+    let most = FITS_MAX / 1024;
+    // Its maps have no scores for so many.
+    assert_eq!(loaded(1024 - others, most).unwrap_err().kind, Kind::Mismatch);
+    let values = [most as u32, most as u32 + 1];
+    let refused = FileError {
+        part: Some(2),
+        expected: values[0],
+        found: values[1],
+        ..error(Kind::Limit, SectionKind::ViewsCounts, 5)
+    };
+    assert_eq!(loaded(1024 - others, most + 1), Err(refused));
 }
 
 /// Loads the sample with so many elements in the first layer, and with layers more that each of a list clips.

@@ -30,7 +30,8 @@ pub struct Control {
     pub rows: Vec<Row>,
 }
 
-/// One way to make pictures, and its PSNR over RGBA times alpha, dB; `None` where nothing is off.
+/// One way to make pictures, and its PSNR over RGBA times alpha, dB; infinite, which JSON has as null, where nothing is
+/// off. `None` where there are no such pixels.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The way.

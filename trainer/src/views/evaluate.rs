@@ -11,7 +11,8 @@ use sinew_runtime::Model;
 pub struct Measured {
     /// Of the points, where the views know some.
     pub points: Option<MeasuredPoints>,
-    /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none, or nothing is off.
+    /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none. Infinite, which JSON has
+    /// as null, where nothing is off.
     pub psnr: Option<f64>,
     /// The same over the pixels that are opaque in what is drawn.
     pub psnr_opaque: Option<f64>,
@@ -90,8 +91,10 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             // Nothing is known where all points are proposed.
             if view.points.iter().any(Option::is_some) {
                 let seen = played.visibility.iter().map(|x| *x > 0.5);
-                right += seen.zip(&view.visible).filter(|(a, b)| a == *b).count();
-                marks += view.visible.len();
+                let marked = seen.zip(view.seen()).filter_map(|(own, seen)| Some(own == seen?));
+                let marked: Vec<bool> = marked.collect();
+                right += marked.iter().filter(|is_right| **is_right).count();
+                marks += marked.len();
             }
             count += 1;
             let (picture, drawn) = player.draw(&played).map_err(wrong(number))?;
@@ -111,12 +114,5 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
         max: most.sqrt(),
         visibility: right as f64 / marks as f64,
     });
-    Ok(Measured {
-        points,
-        psnr,
-        psnr_opaque,
-        is_training: !is_tested,
-        flipped,
-        views: count,
-    })
+    Ok(Measured { points, psnr, psnr_opaque, is_training: !is_tested, flipped, views: count })
 }

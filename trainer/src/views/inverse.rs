@@ -20,6 +20,8 @@ const DAMPING: (f64, f64) = (1e-3, 10.0);
 const MOST_DAMPING: f64 = 1e12;
 /// Change of the error, over itself, below which it is found.
 const FOUND: f64 = 1e-14;
+/// Parameters to begin with, at most, if all places of each are joined with all of the others.
+const STARTS: usize = 1000;
 /// Step of a parameter for its derivative, in the units of the features' change.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -66,34 +68,41 @@ impl ObjectMap<'_> {
     }
 }
 
-/// Lists parameters all over what a map was learned from, to begin with where nothing is known: the ends and the middle
-/// of numbers, angles all round where there is one, else where faces look.
+/// Lists parameters all over what a map was learned from, to begin with where nothing is known: the middle and the ends of
+/// numbers, angles all round where there is one, else where faces look. Of many parameters one at a time is off its
+/// middle.
 pub fn starts(model: &KernelModel) -> Vec<Values> {
-    let mut out = vec![Values::new()];
+    // The middle first.
+    let mut axes: Vec<(&str, Vec<f64>)> = Vec::new();
     let mut feature = 0;
     for input in &model.inputs {
         let [low, high] = model.ranges[feature];
         feature += input.kind.feature_len();
-        let own: Vec<&str> = input
-            .name
-            .splitn(input.kind.given_len(), ',')
-            .filter(|name| !name.is_empty())
-            .collect();
+        let named = input.name.splitn(input.kind.given_len(), ',');
+        let own: Vec<&str> = named.filter(|name| !name.is_empty()).collect();
         let places: Vec<f64> = match (input.kind, own.len()) {
             (InputKind::Rotation { .. }, 1) => (0..12).map(|step| 30.0 * f64::from(step)).collect(),
-            (InputKind::Rotation { .. }, _) => vec![-40.0, -15.0, 0.0, 15.0, 40.0],
-            _ => vec![low, 0.5 * (low + high), high],
+            (InputKind::Rotation { .. }, _) => vec![0.0, -40.0, -15.0, 15.0, 40.0],
+            _ => vec![0.5 * (low + high), low, high],
         };
-        for name in own {
-            let with = |values: &Values| {
-                let values = values.clone();
-                places.iter().map(move |place| {
-                    let mut values = values.clone();
-                    values.insert(name.to_owned(), *place);
-                    values
-                })
-            };
-            out = out.iter().flat_map(with).collect();
+        axes.extend(own.into_iter().map(|name| (name, places.clone())));
+    }
+    let with = |values: &Values, name: &str, place: f64| {
+        let mut values = values.clone();
+        values.insert(name.to_owned(), place);
+        values
+    };
+    let middle: Values =
+        axes.iter().map(|(name, places)| ((*name).to_owned(), places[0])).collect();
+    let mut out = vec![middle.clone()];
+    let all = axes.iter().map(|(_, places)| places.len()).try_fold(1, usize::checked_mul);
+    for (name, places) in &axes {
+        let from = match all {
+            Some(all) if all <= STARTS => out.clone(),
+            _ => vec![middle.clone()],
+        };
+        for values in from {
+            out.extend(places[1..].iter().map(|&place| with(&values, name, place)));
         }
     }
     out

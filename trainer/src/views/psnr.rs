@@ -15,10 +15,10 @@ impl PictureError {
         self.count += truth.len();
     }
 
-    /// Returns the PSNR in dB; `None` where nothing is off, or nothing was added.
+    /// Returns the PSNR in dB, infinite where nothing is off; `None` where nothing was added.
     pub fn psnr(&self) -> Option<f64> {
-        let error = self.squares / self.count.max(1) as f64;
-        (error > 0.0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
+        let error = self.squares / self.count as f64;
+        (self.count > 0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
     }
 }
 
@@ -31,7 +31,7 @@ mod tests {
         let mut error = PictureError::default();
         assert_eq!(error.psnr(), None);
         error.add(&[7, 9], &[7, 9]);
-        assert_eq!(error.psnr(), None);
+        assert_eq!(error.psnr(), Some(f64::INFINITY));
         // Squares of 51 and 0 over four numbers: a mean of 25.5 squared.
         error.add(&[0, 100], &[51, 100]);
         assert!((error.psnr().unwrap() - 20.0).abs() < 1e-12);

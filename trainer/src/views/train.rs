@@ -48,11 +48,11 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         maps.push(fit(examples, &own, options).map_err(wrong)?);
     }
     let mut pictures = Vec::new();
-    for &(map, view) in &keys {
+    for (&(map, view), name) in keys.iter().zip(names(set, &keys)) {
         let examples = &set.maps[map];
         let wrong = |error| TrainError::Fit { map: examples.name.clone(), error };
         let predicted = maps[map].shown(&examples.train[view].values).map_err(wrong)?.points;
-        pictures.push(key_view(set, &examples.train[view], &predicted)?);
+        pictures.push(key_view(set, name, &examples.train[view], &predicted)?);
     }
     let views = || set.maps.iter().flat_map(|map| &map.train);
     let fades = |number: usize| {
@@ -82,23 +82,42 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
     Ok(Trained { model, choices: maps.into_iter().map(|map| map.choice).collect() })
 }
 
+/// Names key views by their pictures, or those of their first layers, without the ending. Those that would have one name
+/// are named by their motions and their numbers in them.
+fn names(set: &ViewSet, keys: &[(usize, usize)]) -> Vec<String> {
+    let stem = |&(map, view): &(usize, usize)| {
+        let own = &set.maps[map].train[view];
+        let image =
+            own.image.as_ref().or_else(|| own.layers.iter().find_map(|layer| layer.image.as_ref()));
+        image?.file.file_stem().map(|stem| stem.to_string_lossy().into_owned())
+    };
+    let stems: Vec<Option<String>> = keys.iter().map(stem).collect();
+    let name = |(stem, &(map, view)): (&Option<String>, &(usize, usize))| match stem {
+        Some(own) if stems.iter().filter(|other| *other == stem).count() == 1 => own.clone(),
+        _ => format!("{} {view}", set.maps[map].name),
+    };
+    stems.iter().zip(keys).map(name).collect()
+}
+
 /// Loads the pictures of a key view, each cut to what it covers.
 ///
 /// - `predicted`: where the map has its points.
-fn key_view(set: &ViewSet, view: &View, predicted: &[[f64; 2]]) -> Result<KeyView, SetError> {
+fn key_view(
+    set: &ViewSet,
+    name: String,
+    view: &View,
+    predicted: &[[f64; 2]],
+) -> Result<KeyView, SetError> {
     let layers = 0..set.layers.len();
     let picture = |layer| {
         view.picture(layer).map(|image| image.load(set.size).map(|whole| cropped(&whole, 1)))
     };
-    let pictures = layers.clone().map(|layer| picture(layer).transpose());
+    let pictures = layers.map(|layer| picture(layer).transpose());
     let pictures: Vec<Option<_>> =
         pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
-    let first = layers.filter_map(|layer| view.picture(layer)).next();
-    let image = view.image.as_ref().or(first).ok_or(SetError::Empty("pictures"))?;
-    let stem = image.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let known = view.points.iter().zip(predicted).map(|(known, found)| known.unwrap_or(*found));
     Ok(KeyView {
-        name: stem.unwrap_or_default(),
+        name,
         pictures,
         points: known.collect(),
         visible: view.visible.clone(),
@@ -125,7 +144,12 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
                 keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));
             let mut frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
             // A point that lies there takes its place.
-            frame.retain(|place| !of(most).points.contains(&Some(*place)));
+            let view = of(most);
+            let seen: Vec<[f64; 2]> = (0..view.points.len())
+                .filter(|&k| view.visible[k])
+                .filter_map(|k| view.points[k])
+                .collect();
+            frame.retain(|place| !seen.contains(place));
             let elements = triangulated(of(most), &frame, &set.view_name(most))?;
             out.add_elements(&elements, set.point_len(), &frame);
         } else {
@@ -166,8 +190,10 @@ fn reached(set: &ViewSet, maps: &[FittedMap]) -> Reached {
     for (examples, map) in set.maps.iter().zip(maps) {
         for view in &examples.train {
             let Ok(shown) = map.shown(&view.values) else { continue };
-            right += shown.visible.iter().zip(&view.visible).filter(|(a, b)| a == b).count();
-            count += view.visible.len();
+            for (own, seen) in shown.visible.iter().zip(view.seen()) {
+                let Some(seen) = seen else { continue };
+                (right, count) = (right + usize::from(*own == seen), count + 1);
+            }
         }
     }
     Reached {

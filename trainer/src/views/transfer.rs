@@ -6,7 +6,7 @@ use super::deformation::Reference;
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Shown, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Element, Image, LayerView, SetError, View};
+use super::set::{Element, LayerView, SetError, View};
 use crate::kernel::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
@@ -139,10 +139,21 @@ fn key_view(
         return Err(TransferError::Unknown { view: view_name, point });
     }
     check_layers(object, named, view)?;
-    let cut_of = |image: &Image| image.load_any().map(|whole| cropped(&whole, 1));
-    let pictures = (0..object.layer_len()).map(|layer| view.picture(layer).map(cut_of).transpose());
-    let pictures: Vec<Option<_>> =
-        pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
+    // As large as the first.
+    let mut size = None;
+    let mut pictures = Vec::new();
+    for layer in 0..object.layer_len() {
+        let Some(image) = view.picture(layer) else {
+            pictures.push(None);
+            continue;
+        };
+        let whole = match size {
+            None => image.load_any()?,
+            Some(size) => image.load(size)?,
+        };
+        size = Some([whole.size.width, whole.size.height]);
+        pictures.push(cropped(&whole, 1));
+    }
     let own = (0..).map_while(|point| object.reference(number, point));
     let own: Vec<[f64; 2]> = own.map(|point| point.map(f64::from)).collect();
     let points = view.known();

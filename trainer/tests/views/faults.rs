@@ -91,9 +91,24 @@ fn faults_are_named_by_view_and_index() {
         ("element", |set| set["elements"] = json!([[0, 1, 9]]), "element 0: point 9, of 4"),
         ("empty", |set| set["train"] = json!([]), "there are no views under \"train\""),
         (
-            "depths",
-            |set| set["train"][0]["depth"] = json!([1, 2]),
-            "main, train view 0: expected 4 depths, found 2",
+            "test-alone",
+            |set| set["maps"] = json!([{ "map": "walk", "test": set["train"] }]),
+            "walk: \"test\" has views, and \"train\" none to learn from",
+        ),
+        (
+            "unsaid",
+            |set| set["train"][1]["visible"] = json!([true, true, null, false]),
+            "main, train view 1: point 2 has a place, and \"visible\" does not say whether it is seen",
+        ),
+        (
+            "misspelt",
+            |set| set["train"][1]["visable"] = json!([true, true, true, true]),
+            "main, train view 1: \"visable\" is neither a parameter nor one of image, mask, points, visible, depth, layers",
+        ),
+        (
+            "mask-alone",
+            |set| set["train"][1]["mask"] = json!("m.png"),
+            "main, train view 1: \"mask\" is the mask of an image, and there is none",
         ),
     ] {
         assert_eq!(refused(name, spoil), expected, "{name}");
@@ -168,10 +183,28 @@ fn faults_of_layers_are_named() {
             "layer \"front\": main, train view 0 has no picture of it, but shows point 1: name a picture, or mark its points as not visible",
         ),
         (
-            "layer-hidden",
+            "layer-image",
+            |set| set["train"][1]["image"] = json!("b.png"),
+            "main, train view 1: \"image\" is one picture of all layers: name pictures of them under \"layers\"",
+        ),
+        (
+            "layer-nowhere",
             |set| {
                 set["train"][0]["layers"] = json!({ "back": "b.png" });
                 set["train"][0]["visible"] = json!([true, false, false, true]);
+            },
+            "layer \"front\": no view has a picture of it: name one, or leave it out",
+        ),
+        (
+            "layer-opacity",
+            |set| set["train"][1]["layers"] = json!({ "front": { "opacity": 1.5 } }),
+            "layer \"front\": main, train view 1 gives it the opacity 1.5, expected 0 to 1",
+        ),
+        (
+            "layer-hidden",
+            |set| {
+                set["train"][1]["layers"] = json!({ "back": "b.png" });
+                set["train"][1]["visible"] = json!([true, false, false, true]);
             },
             "taken",
         ),
@@ -182,6 +215,73 @@ fn faults_of_layers_are_named() {
         });
         assert_eq!(found, expected, "{name}");
     }
+}
+
+#[test]
+fn fields_of_layers_that_nobody_reads_are_named() {
+    let fault = |name: &str, spoil: fn(&mut Value)| {
+        refused(name, |set| {
+            in_layers(set);
+            spoil(set);
+        })
+    };
+    let found = fault("layer-field", |set| set["layers"][1]["clips"] = json!("back"));
+    assert!(found.starts_with("unknown field `clips`, expected one of `name`"), "{found}");
+    let words =
+        "layers of a view: expected the name of a picture, or \"image\", \"opacity\" and \"order\"";
+    for value in [json!({ "file": "f.png" }), json!(3)] {
+        let folder = Folder::new("layer-view");
+        let mut set = set();
+        in_layers(&mut set);
+        set["train"][0]["layers"]["front"] = value;
+        fs::write(folder.path("views.json"), set.to_string()).unwrap();
+        let found = read(&folder.path("views.json"), None).unwrap_err().to_string();
+        assert!(found.starts_with(words), "{found}");
+    }
+}
+
+#[test]
+fn layers_are_clipped_by_eight_others_at_most() {
+    let chain = |len: usize| {
+        refused(&format!("chain-{len}"), |set| {
+            let layer = |at: usize| match at {
+                0 => json!({ "name": "l0", "points": [0] }),
+                _ => {
+                    json!({ "name": format!("l{at}"), "points": [at], "clip": format!("l{}", at - 1) })
+                }
+            };
+            let named = |at: usize| (format!("l{at}"), json!("a.png"));
+            *set = json!({
+                "image_size": [8, 8],
+                "layers": (0..=len).map(layer).collect::<Vec<_>>(),
+                "train": [{
+                    "x": 0,
+                    "points": (0..=len).map(|at| [at, 0]).collect::<Vec<_>>(),
+                    "layers": (0..=len).map(named).collect::<serde_json::Map<_, _>>(),
+                }],
+            });
+        })
+    };
+    assert_eq!(chain(8), "taken");
+    assert_eq!(chain(9), "layer \"l9\": 9 layers clip it, each the one before: expected at most 8");
+}
+
+#[test]
+fn a_mesh_without_the_vertices_of_points_and_a_broken_one_are_named() {
+    let folder = Folder::new("views-mesh");
+    let mut set = set();
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    fs::write(folder.path("mesh.obj"), "v 0 0\n").unwrap();
+    let read = || {
+        read(&folder.path("views.json"), Some(&folder.path("mesh.obj"))).unwrap_err().to_string()
+    };
+    assert_eq!(
+        read(),
+        "there are no vertices under \"mesh_vertex_index\": list that of each point"
+    );
+    set["mesh_vertex_index"] = json!([0, 0, 0, 0]);
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    assert!(read().contains("mesh.obj: "), "{}", read());
 }
 
 #[test]

@@ -93,6 +93,8 @@ fn an_instance_in_layers_shows_its_own_pictures_where_the_prototypes_layers_go()
 fn layers_that_are_not_the_prototypes_are_refused() {
     let folder = Folder::new("instance-refused");
     let (_, prototype) = made(&in_layers(&folder));
+    let small = Picture::filled(4, 4, [90; 3]).png().unwrap();
+    fs::write(folder.path("small.png"), small).unwrap();
     let refused = |spoil: fn(&mut Value)| match instance(&folder, spoil) {
         Err(told) => told,
         Ok(views) => transfer(&prototype, "x", &views, false).unwrap_err().to_string(),
@@ -114,8 +116,13 @@ fn layers_that_are_not_the_prototypes_are_refused() {
             "view \"back0\" of the instance: layer \"arm\" has an opacity or an order, which are the prototype's: leave them out",
         ),
         (|view| view["layers"] = json!({ "arm": { "image": null } }), "there are no pictures"),
+        (
+            |view| view["layers"]["face"] = json!("small.png"),
+            "small.png: expected 96 x 96 pixels, found 4 x 4",
+        ),
     ] {
-        assert_eq!(refused(spoil), expected);
+        let found = refused(spoil);
+        assert!(found.ends_with(expected), "{found}");
     }
     let mut views = instance(&folder, |_| {}).unwrap();
     views[0].1.layers.pop();

@@ -4,7 +4,7 @@ use super::common::Folder;
 use serde_json::{Value, json};
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::FitOptions;
-use sinew_trainer::views::set::{SetError, ViewSet, as_json, read};
+use sinew_trainer::views::set::{SetError, ViewSet, as_json, read, read_instance};
 use sinew_trainer::views::train::train;
 use std::fs::{self, File};
 use std::io::Write;
@@ -134,6 +134,123 @@ fn layers_are_given_points_beside_layers_whose_points_are_proposed() {
 }
 
 #[test]
+fn a_layer_is_drawn_where_its_files_have_it_and_not_where_they_hide_it() {
+    let folder = Folder::new("painted-order");
+    let path = set(&folder, json!({ "points": "auto" }));
+    ora(&folder.path("b.ora"), &[ROWS[1], ROWS[0]], [32, 24]);
+    let found = read(&path, None).unwrap();
+    let orders = |view: usize| [0, 1].map(|layer| found.maps[0].train[view].layers[layer].order);
+    assert_eq!([orders(0), orders(1)], [[None; 2], [Some(1.0), Some(0.0)]]);
+    let model = train(&found, FitOptions::default()).unwrap();
+    let numbers = |x: f64| {
+        let map = &model.model.maps[0];
+        let given = map.evaluate(&[x]).unwrap().numbers;
+        given[given.len() - 4..].to_vec()
+    };
+    for (x, expected) in [(0.0, [1.0, 0.5, 0.0, 1.0]), (1.0, [1.0, 0.5, 1.0, 0.0])] {
+        let own = numbers(x);
+        let off = own.iter().zip(expected).map(|(own, other)| (own - other).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-9, "{own:?}");
+    }
+    let hidden = [ROWS[0], ("front", "x='4' y='6' visibility='hidden'", 1)];
+    ora(&folder.path("b.ora"), &hidden, [32, 24]);
+    let found = read(&path, None).unwrap();
+    assert_eq!(found.maps[0].train[1].layers[1].opacity, Some(0.0));
+    ora(&folder.path("a.ora"), &hidden, [32, 24]);
+    assert_eq!(read(&path, None).unwrap().layers.len(), 1, "hidden in both");
+}
+
+#[test]
+fn a_file_for_one_layer_gives_that_layer() {
+    let folder = Folder::new("painted-one");
+    let path = set(
+        &folder,
+        json!({
+            "layers": [{ "name": "front", "points": [0] }],
+            "train": [{ "x": 0, "points": [[8, 10]], "layers": { "front": "a.ora" } }],
+        }),
+    );
+    let found = read(&path, None).unwrap();
+    let own = found.maps[0].train[0].picture(0).unwrap().load([32, 24]).unwrap();
+    let covered = own.rgba.chunks(4).filter(|pixel| pixel[3] > 0).count();
+    assert_eq!(covered, 64);
+}
+
+#[test]
+fn an_instance_may_be_a_picture_in_layers() {
+    let folder = Folder::new("painted-instance");
+    set(&folder, json!({}));
+    let view = json!({ "view": "a", "image": "b.ora", "points": [[5, 8]] });
+    fs::write(folder.path("own.json"), json!({ "views": [view] }).to_string()).unwrap();
+    let found = read_instance(&folder.path("own.json"), &["back", "front"]).unwrap();
+    let (name, own) = &found[0];
+    assert_eq!(name, "a");
+    for (layer, covered) in [(0, 20 * 16), (1, 64)] {
+        let picture = own.picture(layer).unwrap().load([32, 24]).unwrap();
+        assert_eq!(picture.rgba.chunks(4).filter(|pixel| pixel[3] > 0).count(), covered);
+        assert_eq!(own.layers[layer].opacity, None, "it is the prototype's");
+    }
+    let refused = read_instance(&folder.path("own.json"), &["back", "nose"]).unwrap_err();
+    assert!(refused.to_string().contains("has no layer \"nose\""));
+}
+
+#[test]
+fn views_without_pictures_say_nothing_of_what_is_proposed() {
+    let folder = Folder::new("painted-between");
+    let train_views = json!([
+        { "image": "a.ora", "x": 0 },
+        { "x": 0.5, "layers": { "front": { "opacity": 0.8 } } },
+        { "image": "b.ora", "x": 1 },
+    ]);
+    let path = set(&folder, json!({ "points": "auto", "train": train_views }));
+    let found = read(&path, None).unwrap();
+    let views = &found.maps[0].train;
+    assert!(
+        views[1].seen().all(|seen| seen.is_none())
+            && views[0].seen().all(|seen| seen == Some(true))
+    );
+    let numbers = |set: &ViewSet, x: f64| {
+        let map = &train(set, FitOptions::default()).unwrap().model.maps[0];
+        map.evaluate(&[x]).unwrap().numbers
+    };
+    let seen = numbers(&found, 0.5);
+    let len = found.point_len();
+    // Visible, and as opaque as it says; the other layer's is not 0.5 of anything.
+    assert!(seen[3 * len..4 * len].iter().all(|seen| (seen - 1.0).abs() < 1e-9), "{seen:?}");
+    let front = seen[seen.len() - 3];
+    assert!((front - 0.8).abs() < 1e-9, "{front}");
+    // A view that pictures nothing does not make a layer opaque.
+    let mut silent = found.clone();
+    silent.maps[0].train[1].layers[1].opacity = None;
+    let faded = numbers(&silent, 0.5);
+    assert!((faded[faded.len() - 3] - 0.5).abs() < 1e-9, "{faded:?}");
+    let text = as_json(&found, &folder.path("")).to_string();
+    fs::write(folder.path("points.json"), text).unwrap();
+    let again = read(&folder.path("points.json"), None).unwrap();
+    assert_eq!(again.maps[0].train, found.maps[0].train);
+}
+
+#[test]
+fn key_views_whose_pictures_have_one_name_are_named_by_their_motion() {
+    let folder = Folder::new("painted-names");
+    let mut all = Vec::new();
+    for (number, name) in ["left", "right"].into_iter().enumerate() {
+        fs::create_dir(folder.path(name)).unwrap();
+        let picture = Picture::filled(8, 8, [90; 3]).png().unwrap();
+        fs::write(folder.path(name).join("back.png"), picture).unwrap();
+        let file = format!("{name}/back.png");
+        all.push(json!({ "x": number, "points": [[1, 1]], "layers": { "back": file } }));
+    }
+    let more = json!({
+        "image_size": [8, 8], "layers": [{ "name": "back", "points": [0] }], "train": all,
+    });
+    let found = read(&written(&folder, more), None).unwrap();
+    let model = train(&found, FitOptions::default()).unwrap().model;
+    let names: Vec<&str> = model.keys.iter().map(|key| key.name.as_str()).collect();
+    assert_eq!(names, ["main 0", "main 1"]);
+}
+
+#[test]
 fn layers_that_a_picture_clips_are_clipped() {
     let folder = Folder::new("painted-clip");
     let path = set(&folder, json!({ "points": "auto" }));
@@ -171,15 +288,28 @@ fn pictures_that_contradict_a_set_are_refused() {
         refused(read(&path, None)),
         "layer \"front\": it is in a.ora, and not in b.ora: add it there, empty if it is not seen"
     );
-    ora(&folder.path("b.ora"), &[ROWS[1], ROWS[0]], [32, 24]);
+    let clipped = [ROWS[0], ("front", "composite-op='svg:src-atop'", 1)];
+    ora(&folder.path("b.ora"), &clipped, [32, 24]);
     assert_eq!(
         refused(read(&path, None)),
-        "layer \"front\": it has another place in b.ora than in a.ora: order them alike"
+        "layer \"front\": a.ora clips it to nothing, and b.ora to \"back\": clip it alike, or write its \"clip\""
     );
+    ora(&folder.path("b.ora"), &ROWS, [32, 24]);
+    let back = written(&folder, json!({ "layers": [{ "name": "back", "points": "auto" }] }));
+    assert_eq!(
+        refused(read(&back, None)),
+        "layer \"front\": a.ora shows it, and the set has no such layer: name it, or hide it there"
+    );
+    let path = written(&folder, auto());
     ora(&folder.path("b.ora"), &ROWS, [33, 24]);
     assert_eq!(refused(read(&path, None)), "b.ora: expected 32 x 24 pixels, found 33 x 24");
     fs::write(folder.path("b.ora"), "nothing").unwrap();
     assert!(refused(read(&path, None)).starts_with("b.ora: expected an OpenRaster file"));
+    let masked = json!([{ "image": "a.ora", "mask": "m.png", "x": 0 }]);
+    assert_eq!(
+        refused(read(&written(&folder, json!({ "points": "auto", "train": masked })), None)),
+        "main, train view 0: \"mask\" is the mask of a picture in layers: leave it out"
+    );
     let wrong = written(&folder, json!({ "points": "automatic" }));
     let text = read(&wrong, None).unwrap_err().to_string();
     assert_eq!(

@@ -234,6 +234,7 @@ fn a_layer_that_no_view_shows_is_refused() {
     );
     let mut with_points = set.clone();
     with_points["layers"] = json!([{ "name": "all", "points": "auto", "elements": [[0, 1, 2]] }]);
+    with_points["train"][0] = json!({ "layers": { "all": "0.png" }, "x": 0 });
     assert_eq!(said(&with_points), "layer \"all\": it has elements, but no points yet");
 }
 

@@ -18,8 +18,7 @@ pub(super) fn run(set: &SetArguments, options: FitOptions, output: Output) -> an
         true => ["key view, left out", "key views, each left out"],
         false => ["test view", "test views"],
     };
-    let figure =
-        |psnr: Option<f64>| psnr.map_or("exact".to_owned(), |psnr| format!("{psnr:.2} dB"));
+    let figure = |psnr: Option<f64>| psnr.map_or_else(String::new, |psnr| format!("{psnr:.2} dB"));
     let mut text =
         "negative control: networks over pixels (S1, appendix 2); no file is written\n".to_owned();
     let mut line = |name: &str, whole: &str, opaque: &str| {

@@ -29,6 +29,9 @@ pub enum LayeredError {
     /// The picture or a part of it is too large.
     #[error("is too large: {0}")]
     TooLarge(String),
+    /// There are no layers.
+    #[error("has no layers: save it with layers, or save a PNG")]
+    Empty,
     /// Two layers have one name.
     #[error("has two layers \"{0}\": give each its own name")]
     Twice(String),
@@ -51,8 +54,10 @@ pub enum LayeredError {
     /// The name is a group's.
     #[error("\"{0}\" is a group: merge it, or name its layers")]
     Group(String),
-    /// A layer is clipped to a group, or to nothing.
-    #[error("layer \"{layer}\" is clipped to {base}: merge the group, or clip to a layer")]
+    /// A layer is clipped to a group, to several layers, or to nothing.
+    #[error(
+        "layer \"{layer}\" is clipped to {base}, expected one layer: merge what it is clipped to"
+    )]
     Clip {
         /// The layer.
         layer: String,

@@ -11,7 +11,7 @@ pub use error::LayeredError;
 pub(crate) use tree::PaintedLayer;
 
 use super::error::{FileError, FormatError};
-use super::pixels::{Pixels, product};
+use super::pixels::Pixels;
 use std::fs::File;
 use std::path::Path;
 
@@ -115,37 +115,40 @@ impl LayeredPicture {
         Ok(canvas)
     }
 
-    /// Draws the layers that are not hidden over each other.
+    /// Draws the layers over each other.
     ///
     /// # Errors
     /// Those of [`Self::picture`].
     pub(crate) fn flattened(&self) -> Result<Pixels, LayeredError> {
         let [width, height] = self.size;
         let mut sum = vec![[0.0f32; 4]; width * height];
-        let mut shapes: Vec<Vec<u8>> = Vec::new();
+        let mut shapes: Vec<Vec<f32>> = vec![Vec::new(); self.layers.len()];
+        // The last layer that is clipped to each.
+        let mut lasts = vec![0; self.layers.len()];
         for (number, layer) in self.layers.iter().enumerate() {
-            let is_base = self.layers.iter().any(|other| other.clip == Some(number));
-            if layer.is_hidden && !is_base {
-                shapes.push(Vec::new());
-                continue;
-            }
-            let mut picture = self.picture(number)?;
+            layer.clip.into_iter().for_each(|base| lasts[base] = number);
+        }
+        for (number, layer) in self.layers.iter().enumerate().filter(|(_, own)| own.opacity > 0.0) {
+            let picture = self.picture(number)?;
+            let alphas = picture.rgba.chunks(4).map(|pixel| f32::from(pixel[3]) / 255.0);
+            let mut shape: Vec<f32> = alphas.map(|alpha| layer.opacity as f32 * alpha).collect();
             if let Some(base) = layer.clip {
-                for (pixel, base) in picture.rgba.chunks_mut(4).zip(&shapes[base]) {
-                    pixel[3] = product(pixel[3], *base);
+                // Nothing of a layer that is hidden.
+                shapes[base].resize(shape.len(), 0.0);
+                shape.iter_mut().zip(&shapes[base]).for_each(|(own, base)| *own *= base);
+                if lasts[base] == number {
+                    shapes[base] = Vec::new();
                 }
             }
-            if !layer.is_hidden {
-                for (sum, pixel) in sum.iter_mut().zip(picture.rgba.chunks(4)) {
-                    let alpha = layer.opacity as f32 * f32::from(pixel[3]) / 255.0;
-                    for (channel, sum) in sum.iter_mut().enumerate() {
-                        let own = if channel == 3 { 255.0 } else { f32::from(pixel[channel]) };
-                        *sum = alpha * own + (1.0 - alpha) * *sum;
-                    }
+            for ((sum, pixel), alpha) in sum.iter_mut().zip(picture.rgba.chunks(4)).zip(&shape) {
+                for (channel, sum) in sum.iter_mut().enumerate() {
+                    let own = if channel == 3 { 255.0 } else { f32::from(pixel[channel]) };
+                    *sum = alpha * own + (1.0 - alpha) * *sum;
                 }
             }
-            let shape = picture.rgba.chunks(4).map(|pixel| pixel[3]);
-            shapes.push(if is_base { shape.collect() } else { Vec::new() });
+            if lasts[number] > number {
+                shapes[number] = shape;
+            }
         }
         let straight = |[r, g, b, a]: [f32; 4]| {
             let by = if a > 0.0 { 255.0 / a } else { 0.0 };

@@ -3,16 +3,14 @@
 use super::error::LayeredError;
 use super::tree::{DEPTH, Node};
 use crate::formats::pixels::{Pixels, check_size, read_png};
-use roxmltree::{Document, ParsingOptions};
+use roxmltree::Document;
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use zip::ZipArchive;
 
-/// Most bytes of `stack.xml`.
-const LIST: u64 = 1 << 24;
-/// Most nodes of `stack.xml`.
-const NODES: u32 = 1 << 18;
+/// Most bytes of `stack.xml`: thousands of layers. Time grows with the square of one element's attributes.
+const LIST: u64 = 1 << 19;
 /// Most bytes of a layer's PNG.
 const PICTURE: u64 = 1 << 29;
 /// Blend mode of layers that lie over the others.
@@ -42,9 +40,8 @@ impl Archive {
         let zip = RefCell::new(zip.map_err(|error| LayeredError::Archive(error.to_string()))?);
         let text = String::from_utf8(entry(&zip, "stack.xml", LIST)?)
             .map_err(|error| LayeredError::Stack(error.to_string()))?;
-        let options = ParsingOptions { nodes_limit: NODES, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(&text, options)
-            .map_err(|error| LayeredError::Stack(error.to_string()))?;
+        let document =
+            Document::parse(&text).map_err(|error| LayeredError::Stack(error.to_string()))?;
         let image = document.root_element();
         let size = ["w", "h"].map(|name| number::<usize>(image, name).transpose());
         let [Some(width), Some(height)] = size else {
@@ -138,5 +135,14 @@ fn members(
         });
     }
     out.reverse();
+    // What shows only within all that is below it.
+    let mut below = 0;
+    for node in &out {
+        if node.is_clipped && below > 1 {
+            let base = format!("all of {below} layers below it");
+            return Err(LayeredError::Clip { layer: node.name.clone(), base });
+        }
+        below += usize::from(!node.is_clipped);
+    }
     Ok(out)
 }

@@ -40,14 +40,10 @@ fn files_of_drawing_programs_have_their_layers() {
         let layers: Vec<_> = found
             .layers
             .iter()
-            .map(|own| (own.path.as_str(), own.is_hidden, (255.0 * own.opacity).round()))
+            .map(|own| (own.path.as_str(), (255.0 * own.opacity).round()))
             .collect();
-        let expected = [
-            ("back", false, 255.0),
-            ("head/face", false, 255.0),
-            ("head/eye", true, 255.0),
-            ("head/mouth", false, 128.0),
-        ];
+        let expected =
+            [("back", 255.0), ("head/face", 255.0), ("head/eye", 0.0), ("head/mouth", 128.0)];
         assert_eq!(layers, expected, "{name}");
         for (layer, area, colour) in [
             ("back", [0, 2, 21, 15], [200, 40, 40, 255]),
@@ -136,6 +132,12 @@ fn open_raster_files_with_faults_are_refused() {
         list("<layer name='a' src='a.png'/><layer name='a' src='b.png'/>"),
         "has two layers \"a\": give each its own name"
     );
+    assert_eq!(
+        list(
+            "<layer name='a' src='' composite-op='svg:src-atop'/><layer name='b' src=''/><layer name='c' src=''/>"
+        ),
+        "layer \"a\" is clipped to all of 2 layers below it, expected one layer: merge what it is clipped to"
+    );
     assert!(list(&"<stack>".repeat(70)).starts_with("stack.xml: "), "unclosed");
     let deep = ["<stack>".repeat(70), "</stack>".repeat(70)].concat();
     assert_eq!(list(&deep), "stack.xml: groups within groups, more than 64 deep");
@@ -143,9 +145,9 @@ fn open_raster_files_with_faults_are_refused() {
     let bomb =
         "<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><image>&b;</image>";
     assert!(said(&[("stack.xml", bomb.as_bytes())]).contains("DTD"));
-    let long = vec![b' '; (1 << 24) + 1];
+    let long = vec![b' '; (1 << 19) + 1];
     let found = said(&[("stack.xml", &long)]);
-    assert_eq!(found, "is too large: stack.xml, expected at most 16777216 bytes");
+    assert_eq!(found, "is too large: stack.xml, expected at most 524288 bytes");
     // A picture that says it is larger than memory.
     let mut png =
         b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\x7f\xff\xff\xff\x7f\xff\xff\xff\x08\x06\0\0\0".to_vec();
@@ -161,13 +163,13 @@ fn crc(bytes: &[u8]) -> u32 {
     crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
 }
 
-/// A layer of a PSD file: its name, its flag of clipping, its kind of section and its blend mode.
-type Row<'a> = (&'a str, u8, u32, &'a [u8; 4]);
+/// A layer of a PSD file: its name, its opacity and flag of clipping, its kind of section and its blend mode.
+type Row<'a> = (&'a str, [u8; 2], u32, &'a [u8; 4]);
 
 /// Writes a PSD file of 2 x 1 pixels, whose layers are grey.
 fn psd(depth: u16, mode: u16, rows: &[Row<'_>]) -> Vec<u8> {
     let mut layers = (rows.len() as i16).to_be_bytes().to_vec();
-    for (name, clipping, section, blend) in rows {
+    for (name, [opacity, clipping], section, blend) in rows {
         let words =
             |words: &[u32]| words.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<_>>();
         layers.extend(words(&[0, 0, 1, 2]));
@@ -178,7 +180,7 @@ fn psd(depth: u16, mode: u16, rows: &[Row<'_>]) -> Vec<u8> {
         }
         layers.extend(b"8BIM");
         layers.extend(*blend);
-        layers.extend([255, *clipping, 0, 0]);
+        layers.extend([*opacity, *clipping, 0, 0]);
         let mut extra = words(&[0, 0]);
         extra.push(name.len() as u8);
         extra.extend(name.bytes());
@@ -203,12 +205,12 @@ fn psd(depth: u16, mode: u16, rows: &[Row<'_>]) -> Vec<u8> {
 fn clipped_layers_of_photoshop_files_name_their_base() {
     let folder = Folder::new("layered-clip");
     let rows: [Row<'_>; 6] = [
-        ("skin", 0, 0, b"norm"),
-        ("", 0, 3, b"norm"),
-        ("shade", 0, 0, b"norm"),
-        ("light", 0, 0, b"mul "),
-        ("on skin", 1, 1, b"pass"),
-        ("line", 1, 0, b"norm"),
+        ("skin", [255, 0], 0, b"norm"),
+        ("", [255, 0], 3, b"norm"),
+        ("shade", [255, 0], 0, b"norm"),
+        ("light", [255, 0], 0, b"mul "),
+        ("on skin", [255, 1], 1, b"pass"),
+        ("line", [255, 1], 0, b"norm"),
     ];
     let path = folder.write("made.psd", psd(8, 1, &rows));
     let found = LayeredPicture::open(&path).unwrap();
@@ -225,9 +227,57 @@ fn clipped_layers_of_photoshop_files_name_their_base() {
 }
 
 #[test]
+fn a_clipped_layer_is_as_opaque_as_its_base() {
+    let folder = Folder::new("layered-opacity");
+    let rows: [Row<'_>; 2] = [("skin", [102, 0], 0, b"norm"), ("line", [255, 1], 0, b"norm")];
+    let mut bytes = psd(8, 1, &rows);
+    // Every sample is 255.
+    let channels = bytes.len() - 4 * 2 * rows.len();
+    bytes[channels..].chunks_mut(4).for_each(|channel| channel[2..].fill(255));
+    let path = folder.write("made.psd", bytes);
+    let whole = LayeredPicture::open(&path).unwrap().flattened().unwrap();
+    // 102 of 255 over 102 of 255.
+    assert_eq!(whole.rgba[3], 163);
+}
+
+#[test]
+fn layers_whose_pixels_are_not_all_are_refused() {
+    let folder = Folder::new("layered-unread");
+    let rows: [Row<'_>; 1] = [("a", [255, 0], 0, b"norm")];
+    for (key, what) in
+        [(b"lfx2", "a layer style"), (b"vmsk", "a vector mask"), (b"curv", "an adjustment")]
+    {
+        let mut bytes = psd(8, 1, &rows);
+        let at = bytes.windows(4).position(|own| own == b"lsct").unwrap();
+        bytes[at..at + 4].copy_from_slice(key);
+        let found = LayeredPicture::open(&folder.write("made.psd", bytes)).unwrap();
+        assert_eq!(
+            found.picture(0).unwrap_err().to_string(),
+            format!("layer \"a\": \"a\" has {what}, expected pixels: rasterise or merge it")
+        );
+    }
+}
+
+#[test]
+fn photoshop_files_without_layers_are_refused() {
+    let folder = Folder::new("layered-flat");
+    let whole = psd(8, 1, &[]);
+    // The length of the section of layers, then of the layers.
+    let at = whole.len() - 2 - 8;
+    let flat = [&whole[..at], &[0; 4]].concat();
+    let empty = [&whole[..at], &[0, 0, 0, 8], &[0; 8]].concat();
+    let short = [&whole[..at], &[0, 0, 0, 4], &[0; 4]].concat();
+    for bytes in [whole, flat, empty, short] {
+        let said =
+            LayeredPicture::open(&folder.write("made.psd", bytes)).err().unwrap().to_string();
+        assert!(said.ends_with("has no layers: save it with layers, or save a PNG"), "{said}");
+    }
+}
+
+#[test]
 fn photoshop_files_of_other_kinds_are_refused() {
     let said = |bytes: Vec<u8>| psd::Document::read(bytes).err().unwrap().to_string();
-    let one: [Row<'_>; 1] = [("a", 0, 0, b"norm")];
+    let one: [Row<'_>; 1] = [("a", [255, 0], 0, b"norm")];
     assert_eq!(said(b"BM".to_vec()), "expected a Photoshop file, which begins with 8BPS");
     assert_eq!(
         said(psd(8, 4, &one)),
@@ -244,8 +294,8 @@ fn photoshop_files_of_other_kinds_are_refused() {
     large[14..22].fill(0x7f);
     assert!(said(large).starts_with("is too large: "));
     for (rows, what) in [
-        (&[("a", 0, 3, b"norm")][..], "is damaged: a group has no end"),
-        (&[("a", 0, 1, b"norm")], "is damaged: group \"a\" has no beginning"),
+        (&[("a", [255, 0], 3, b"norm")][..], "is damaged: a group has no end"),
+        (&[("a", [255, 0], 1, b"norm")], "is damaged: group \"a\" has no beginning"),
     ] {
         assert_eq!(said(psd(8, 3, rows)), what);
     }
@@ -253,7 +303,8 @@ fn photoshop_files_of_other_kinds_are_refused() {
 
 #[test]
 fn no_bytes_of_a_photoshop_file_make_the_reader_panic() {
-    let rows: [Row<'_>; 3] = [("", 0, 3, b"norm"), ("a", 0, 0, b"norm"), ("group", 0, 1, b"pass")];
+    let rows: [Row<'_>; 3] =
+        [("", [255, 0], 3, b"norm"), ("a", [255, 0], 0, b"norm"), ("group", [255, 0], 1, b"pass")];
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/views/pictures");
     for whole in [psd(8, 1, &rows), std::fs::read(folder.join("gimp16.psd")).unwrap()] {
         spoil(&whole, |bytes| {

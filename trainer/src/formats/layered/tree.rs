@@ -4,6 +4,10 @@ use super::error::LayeredError;
 
 /// Most groups within each other.
 pub(super) const DEPTH: usize = 64;
+/// Most layers of a file.
+const LAYERS: usize = 8192;
+/// Most bytes of a layer's name with those of its groups.
+const PATH: usize = 4096;
 
 /// A layer or a group.
 pub(super) struct Node {
@@ -28,11 +32,10 @@ pub(crate) struct PaintedLayer {
     pub(crate) path: String,
     /// Its name.
     pub(crate) name: String,
-    /// From 0 to 1, its groups' opacities included.
+    /// From 0 to 1, the opacities of its groups included, but not of those that contain the layer it is clipped to. It
+    /// is 0 if the layer or one of its groups is hidden.
     pub(crate) opacity: f64,
-    /// Whether it or one of its groups is hidden.
-    pub(crate) is_hidden: bool,
-    /// Index of the layer that it is clipped to.
+    /// Index of the layer that it is clipped to. Its coverage is multiplied with the coverage and opacity of that layer.
     pub(crate) clip: Option<usize>,
     /// Its blend mode or that of a group, unless normal.
     pub(super) blend: Option<String>,
@@ -45,14 +48,13 @@ pub(crate) struct PaintedLayer {
 /// Lists the layers of a tree, the hindmost first, and the paths of its groups.
 ///
 /// # Errors
-/// [`LayeredError::Twice`] and [`LayeredError::Clip`].
+/// [`LayeredError::Twice`], [`LayeredError::Clip`], [`LayeredError::TooLarge`] and [`LayeredError::Empty`].
 pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>), LayeredError> {
     let mut out = Lists::default();
     let root = PaintedLayer {
         path: String::new(),
         name: String::new(),
         opacity: 1.0,
-        is_hidden: false,
         clip: None,
         blend: None,
         source: 0,
@@ -63,6 +65,7 @@ pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>
     paths.sort_unstable();
     match paths.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(twice) => Err(LayeredError::Twice(twice[0].to_owned())),
+        None if out.layers.is_empty() => Err(LayeredError::Empty),
         None => Ok((out.layers, out.groups)),
     }
 }
@@ -89,6 +92,14 @@ impl Lists {
                 true => node.name.clone(),
                 false => format!("{}/{}", group.path, node.name),
             };
+            if path.len() > PATH {
+                let what =
+                    format!("the name of a layer, expected at most {PATH} bytes with its groups");
+                return Err(LayeredError::TooLarge(what));
+            }
+            if self.layers.len() == LAYERS {
+                return Err(LayeredError::TooLarge(format!("expected at most {LAYERS} layers")));
+            }
             let clip = match (node.is_clipped, &base) {
                 (false, _) => group.clip,
                 (true, Base::Layer(layer)) => Some(*layer),
@@ -100,10 +111,11 @@ impl Lists {
                     return Err(LayeredError::Clip { layer: path, base });
                 }
             };
+            let opacity = if node.is_hidden { 0.0 } else { node.opacity };
             let own = PaintedLayer {
                 name: node.name,
-                opacity: group.opacity * node.opacity,
-                is_hidden: group.is_hidden || node.is_hidden,
+                // The layer that it is clipped to has the group's.
+                opacity: if node.is_clipped { opacity } else { group.opacity * opacity },
                 clip,
                 blend: node.blend.or_else(|| group.blend.clone()),
                 source: node.source,
@@ -149,26 +161,30 @@ mod tests {
 
     #[test]
     fn layers_take_over_from_their_groups() {
-        let inner = vec![node("a", false, None), node("b", true, None), node("c", true, None)];
+        let inner = vec![
+            node("a", false, None),
+            node("b", true, None),
+            node("c", true, None),
+            node("hidden", false, None),
+        ];
         let nodes = vec![
             node("back", false, None),
-            node("hidden", true, Some(inner)),
+            node("group", true, Some(inner)),
             node("front", true, None),
         ];
         let (layers, groups) = listed(nodes).unwrap();
-        let found: Vec<_> = layers
-            .iter()
-            .map(|own| (own.path.as_str(), own.opacity, own.is_hidden, own.clip))
-            .collect();
+        let found: Vec<_> =
+            layers.iter().map(|own| (own.path.as_str(), own.opacity, own.clip)).collect();
         let expected = [
-            ("back", 0.5, false, None),
-            ("hidden/a", 0.25, true, Some(0)),
-            ("hidden/b", 0.25, true, Some(1)),
-            ("hidden/c", 0.25, true, Some(1)),
-            ("front", 0.5, false, Some(0)),
+            ("back", 0.5, None),
+            ("group/a", 0.25, Some(0)),
+            ("group/b", 0.5, Some(1)),
+            ("group/c", 0.5, Some(1)),
+            ("group/hidden", 0.0, Some(0)),
+            ("front", 0.5, Some(0)),
         ];
         assert_eq!(found, expected);
-        assert_eq!(groups, ["hidden"]);
+        assert_eq!(groups, ["group"]);
     }
 
     #[test]
@@ -178,8 +194,21 @@ mod tests {
         assert!(said(vec![node("x", true, None)]).starts_with("layer \"x\" is clipped to nothing"));
         assert_eq!(
             said(vec![group(), node("x", true, None)]),
-            "layer \"x\" is clipped to group \"g\": merge the group, or clip to a layer"
+            "layer \"x\" is clipped to group \"g\", expected one layer: merge what it is clipped to"
         );
+        assert_eq!(said(vec![]), "has no layers: save it with layers, or save a PNG");
         assert_eq!(said(vec![group(), group()]), "has two layers \"g/a\": give each its own name");
+    }
+    #[test]
+    fn files_of_more_layers_or_longer_names_than_any_program_writes_are_refused() {
+        let said = |nodes| listed(nodes).unwrap_err().to_string();
+        let many = (0..=LAYERS).map(|at| node(&at.to_string(), false, None));
+        assert_eq!(said(many.collect()), "is too large: expected at most 8192 layers");
+        let long = "x".repeat(2048);
+        let inner = vec![node(&long, false, None)];
+        assert_eq!(
+            said(vec![node(&long, false, Some(inner))]),
+            "is too large: the name of a layer, expected at most 4096 bytes with its groups"
+        );
     }
 }

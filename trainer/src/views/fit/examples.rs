@@ -13,7 +13,7 @@ use crate::kernel::scattered::matrix::distances;
 use crate::kernel::scattered::scaling::{Block as Inputs, Scaling};
 use crate::kernel::sum::KernelSum;
 use crate::numeric::columns::ends;
-use crate::views::set::{Examples, Values, View};
+use crate::views::set::{Examples, LayerView, Values, View};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -383,18 +383,22 @@ fn depths(views: &[View]) -> Vec<Vec<Option<f64>>> {
 }
 
 fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
-    let of =
-        |view: &View| view.visible.iter().map(|seen| Some(f64::from(u8::from(*seen)))).collect();
-    views.iter().map(of).collect()
+    let seen = |seen: Option<bool>| seen.map(|seen| f64::from(u8::from(seen)));
+    views.iter().map(|view| view.seen().map(seen).collect()).collect()
 }
 
 /// Whether a point is seen in some views and not in others.
 fn changes(views: &[View]) -> bool {
-    views.windows(2).any(|pair| pair[0].visible != pair[1].visible)
+    let sees = |view: &View, point: usize| view.seen().nth(point).flatten();
+    let points = views.first().map_or(0, |view| view.points.len());
+    (0..points).any(|point| {
+        let mut known = views.iter().filter_map(|view| sees(view, point));
+        known.next().is_some_and(|first| known.any(|other| other != first))
+    })
 }
 
-/// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and what is said of layers;
-/// where nothing is said a layer is opaque, and drawn in its place.
+/// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and opacity and order of
+/// layers. Of a view that does not say them and has a picture of the layer, these are 1 and the layer's number.
 fn numbers(views: &[View], keys: &[Option<usize>], layers: usize) -> Vec<Vec<Option<f64>>> {
     let of = |(number, view): (usize, &View)| {
         let is_own = keys.contains(&Some(number));
@@ -402,11 +406,16 @@ fn numbers(views: &[View], keys: &[Option<usize>], layers: usize) -> Vec<Vec<Opt
             Some(key) => is_own.then_some(f64::from(u8::from(*key == number))),
             None => Some(0.0),
         };
-        let said = |layer: usize| view.layers.get(layer);
-        let opacity = |layer| said(layer).and_then(|own| own.opacity).unwrap_or(1.0);
-        let order = |layer| said(layer).and_then(|own| own.order).unwrap_or(layer as f64);
+        let number = |layer: usize, said: fn(&LayerView) -> Option<f64>, default: f64| {
+            let own = |view: &View| view.layers.get(layer).and_then(said);
+            let is_default =
+                view.picture(layer).is_some() || views.iter().all(|view| own(view).is_none());
+            own(view).or(is_default.then_some(default))
+        };
+        let opacity = |layer| number(layer, |own| own.opacity, 1.0);
+        let order = |layer| number(layer, |own| own.order, layer as f64);
         let layers = (0..layers).map(opacity).chain((0..layers).map(order));
-        keys.iter().map(score).chain(layers.map(Some)).collect()
+        keys.iter().map(score).chain(layers).collect()
     };
     views.iter().enumerate().map(of).collect()
 }

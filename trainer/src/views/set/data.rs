@@ -77,7 +77,7 @@ pub struct View {
     pub values: Values,
     /// K points in pixels, y down; none where nobody knows.
     pub points: Vec<Option<[f64; 2]>>,
-    /// K: whether each is seen.
+    /// K: whether each is seen. One that is seen without a place was proposed in other views, and nobody knows.
     pub visible: Vec<bool>,
     /// K depths in pixels, growing away from the viewer; empty where there are none.
     pub depths: Vec<f64>,
@@ -163,6 +163,12 @@ impl View {
             [] => self.image.as_ref(),
             layers => layers.get(layer)?.image.as_ref(),
         }
+    }
+
+    /// Lists of each point whether it is seen; none where nobody knows.
+    pub fn seen(&self) -> impl Iterator<Item = Option<bool>> {
+        let points = self.visible.iter().zip(&self.points);
+        points.map(|(seen, place)| (!seen || place.is_some()).then_some(*seen))
     }
 
     /// Returns the points, and the origin for those that nobody knows.

@@ -40,9 +40,27 @@ pub enum SetError {
         /// What is wrong.
         what: &'static str,
     },
+    /// A view has something that does not belong there.
+    #[error("{view}: \"{name}\" {what}")]
+    Field {
+        /// The view.
+        view: String,
+        /// Its name in the file.
+        name: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A point is not known, but said to be seen.
     #[error("{view}: point {point} is visible and has no place")]
     Unknown {
+        /// The view.
+        view: String,
+        /// The point.
+        point: usize,
+    },
+    /// A point has a place, and nobody says whether it is seen.
+    #[error("{view}: point {point} has a place, and \"visible\" does not say whether it is seen")]
+    Unsaid {
         /// The view.
         view: String,
         /// The point.

@@ -27,6 +27,12 @@ impl Image {
         Self { file, mask: None, layer: None }
     }
 
+    /// Names the picture of a layer: a picture in layers has it by the layer's name.
+    pub fn of_layer(file: PathBuf, layer: &str) -> Self {
+        let layer = is_layered(&file).then(|| layer.to_owned());
+        Self { layer, ..Self::of_file(file) }
+    }
+
     /// Loads the picture, whatever its size.
     ///
     /// # Errors

@@ -69,7 +69,7 @@ struct WrittenView {
     mask: Option<String>,
     #[serde(default)]
     points: Vec<Option<[f64; 2]>>,
-    visible: Option<Vec<bool>>,
+    visible: Option<Vec<Option<bool>>>,
     depth: Option<Vec<f64>>,
     #[serde(default)]
     layers: BTreeMap<String, WrittenLayerView>,
@@ -107,8 +107,12 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         Some(Value::String(word)) if word == AUTO => true,
         Some(found) => return Err(SetError::Points { found: found.to_string() }),
     };
-    let all: Vec<WrittenMap> =
-        std::iter::once(own).chain(maps).filter(|map| !map.train.is_empty()).collect();
+    let all: Vec<WrittenMap> = std::iter::once(own).chain(maps).collect();
+    if let Some(map) = all.iter().find(|map| map.train.is_empty() && !map.test.is_empty()) {
+        let what = "has views, and \"train\" none to learn from".to_owned();
+        return Err(SetError::Field { view: map.name.clone(), name: "test".to_owned(), what });
+    }
+    let all: Vec<WrittenMap> = all.into_iter().filter(|map| !map.train.is_empty()).collect();
     let painted = painted_files(&all, folder);
     let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
     let mut layers = match layers {
@@ -120,9 +124,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     if is_auto {
         layers.iter_mut().for_each(WrittenLayer::propose);
     }
-    if let Some(first) = painted.first() {
-        painted::clip(first, &mut layers)?;
-    }
+    painted::clip(&painted, &mut layers)?;
     let layer_names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
     let maps: Vec<Examples> =
         all.into_iter().map(|map| examples(map, &layer_names, folder)).collect::<Result<_, _>>()?;
@@ -135,8 +137,9 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     let has_layers = !layers.is_empty();
     let is_proposed = is_auto || layers.iter().any(WrittenLayer::is_proposed);
     check_points(&set, is_proposed)?;
-    if let (Some(mesh), Some(vertices)) = (mesh, mesh_vertex_index) {
-        add_depths(&mut set, mesh, &vertices)?;
+    if let Some(mesh) = mesh {
+        let missing = "vertices under \"mesh_vertex_index\": list that of each point";
+        add_depths(&mut set, mesh, &mesh_vertex_index.ok_or(SetError::Empty(missing))?)?;
     }
     let auto = if has_layers {
         let (layers, auto) = layered(&set, layers)?;
@@ -150,6 +153,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         return Err(SetError::Depths);
     }
     proposed::add(&mut set, &auto)?;
+    check_points(&set, false)?;
     Ok(set)
 }
 
@@ -160,8 +164,8 @@ fn painted_files(maps: &[WrittenMap], folder: &Path) -> Vec<PathBuf> {
     files.filter(|file| is_layered(file)).collect()
 }
 
-/// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture or pictures of the
-/// prototype's layers.
+/// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture, which may have
+/// layers, or pictures of the prototype's layers.
 ///
 /// - `layers`: their names.
 ///
@@ -189,8 +193,13 @@ pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>
             );
             return Err(SetError::Layer { layer: layer.clone(), what });
         }
-        let layers = if own.layers.is_empty() { &[] } else { layers };
-        let read = view(own, &[], layers, folder, &name)?;
+        let file = own.image.as_ref().map(|file| folder.join(file)).filter(|file| is_layered(file));
+        let has_layers = !own.layers.is_empty() || (file.is_some() && layers.len() > 1);
+        let layers = if has_layers { layers } else { &[] };
+        let mut read = view(own, &[], layers, folder, &name)?;
+        if let Some(file) = file {
+            painted::add_pictures(&file, layers, &mut read.layers)?;
+        }
         Ok((name, read))
     };
     written.views.into_iter().map(one).collect()
@@ -206,11 +215,20 @@ fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples,
         let one = |(number, own): (usize, WrittenView)| {
             let named = format!("{name}, {split} view {number}");
             let mut view = view(own, &parameters, layers, folder, &named)?;
-            if let (Some(image), "train") = (&view.image, split)
-                && !layers.is_empty()
-                && is_layered(&image.file)
-            {
+            let Some(image) =
+                view.image.as_ref().filter(|_| split == "train" && !layers.is_empty())
+            else {
+                return Ok(view);
+            };
+            if is_layered(&image.file) {
                 painted::add(&image.file, layers, &mut view.layers)?;
+            } else if !view.is_key() {
+                let what = "is one picture of all layers: name pictures of them under \"layers\"";
+                return Err(SetError::Field {
+                    view: named,
+                    name: "image".to_owned(),
+                    what: what.to_owned(),
+                });
             }
             Ok(view)
         };
@@ -277,10 +295,39 @@ fn view(
         let number = own.ok_or_else(|| wrong("missing"))?.as_f64();
         values.insert(name.to_owned(), number.ok_or_else(|| wrong("no number"))?);
     }
-    let all_known = || points.iter().map(Option::is_some).collect();
+    let field = |name: &str, what: &str| {
+        let (view, name) = (named.to_owned(), name.to_owned());
+        Err(SetError::Field { view, name, what: what.to_owned() })
+    };
+    // A number may be a parameter of another map.
+    if let Some((name, _)) = all.iter().find(|(_, value)| !value.is_number()) {
+        return field(
+            name,
+            "is neither a parameter nor one of image, mask, points, visible, depth, layers",
+        );
+    }
+    match image.as_ref().map(|file| is_layered(Path::new(file))) {
+        None if mask.is_some() => {
+            return field("mask", "is the mask of an image, and there is none");
+        }
+        Some(true) if mask.is_some() => {
+            return field("mask", "is the mask of a picture in layers: leave it out");
+        }
+        _ => {}
+    }
+    let all_known = || points.iter().map(|point| Some(point.is_some())).collect();
+    let visible: Vec<Option<bool>> = visible.unwrap_or_else(all_known);
+    let is_unsaid = |(seen, point): (&Option<bool>, &Option<_>)| seen.is_none() && point.is_some();
+    if let Some(point) = visible.iter().zip(&points).position(is_unsaid) {
+        return Err(SetError::Unsaid { view: named.to_owned(), point });
+    }
+    let unknown = visible
+        .iter()
+        .zip(&points)
+        .position(|(seen, point)| *seen == Some(true) && point.is_none());
     let view = View {
         values,
-        visible: visible.unwrap_or_else(all_known),
+        visible: visible.into_iter().map(|seen| seen.unwrap_or(true)).collect(),
         points,
         depths: depth.unwrap_or_default(),
         image: image.map(|file| Image {
@@ -297,10 +344,10 @@ fn view(
             return Err(SetError::Length { view: named.to_owned(), what, expected, found });
         }
     }
-    if let Some(point) = (0..expected).find(|&k| view.visible[k] && view.points[k].is_none()) {
-        return Err(SetError::Unknown { view: named.to_owned(), point });
+    match unknown {
+        Some(point) => Err(SetError::Unknown { view: named.to_owned(), point }),
+        None => Ok(view),
     }
-    Ok(view)
 }
 
 /// Lists all views with what they are called.
@@ -345,7 +392,7 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
         let view = "mesh_vertex_index".to_owned();
         return Err(SetError::Length { view, what: "vertices", expected, found });
     }
-    let mesh = obj::load(mesh).map_err(|error| error.error)?;
+    let mesh = obj::load(mesh)?;
     let vertex_len = mesh.positions.len();
     if let Some(point) = (0..found).find(|&k| vertices[k] >= vertex_len) {
         return Err(SetError::Vertex { point, vertex: vertices[point], vertices: vertex_len });

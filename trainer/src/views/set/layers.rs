@@ -6,11 +6,13 @@ use super::error::SetError;
 use super::image::Image;
 use super::joined::check_elements;
 use serde::Deserialize;
+use sinew_runtime::views::CLIPS_MAX;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A layer of a set.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct WrittenLayer {
     pub(super) name: String,
     points: Option<WrittenPoints>,
@@ -58,16 +60,27 @@ impl WrittenLayer {
 
 /// A layer of a view: its picture, and what else is known of it.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "layers of a view: expected the name of a picture, or \"image\", \"opacity\" and \"order\""
+)]
 pub(super) enum WrittenLayerView {
     Picture(String),
-    Whole { image: Option<String>, opacity: Option<f64>, order: Option<f64> },
+    Whole(WholeLayerView),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WholeLayerView {
+    image: Option<String>,
+    opacity: Option<f64>,
+    order: Option<f64>,
 }
 
 /// Takes what a view says of its layers.
 ///
 /// # Errors
-/// [`SetError::Layer`] of a name that no layer has.
+/// [`SetError::Layer`] of a name that no layer has, and of an opacity beyond 0 to 1.
 pub(super) fn layer_views(
     written: BTreeMap<String, WrittenLayerView>,
     names: &[&str],
@@ -78,18 +91,21 @@ pub(super) fn layer_views(
         let what = format!("{named} has a picture of it, and the set no such layer");
         return Err(SetError::Layer { layer: unknown.clone(), what });
     }
-    let image = |file: String| Image::of_file(folder.join(file));
     let mut written = written;
-    let own = |name: &&str| match written.remove(*name) {
-        None => LayerView::default(),
-        Some(WrittenLayerView::Picture(file)) => {
-            LayerView { image: Some(image(file)), ..LayerView::default() }
+    let own = |name: &&str| {
+        let (file, opacity, order) = match written.remove(*name) {
+            None => (None, None, None),
+            Some(WrittenLayerView::Picture(file)) => (Some(file), None, None),
+            Some(WrittenLayerView::Whole(own)) => (own.image, own.opacity, own.order),
+        };
+        if let Some(opacity) = opacity.filter(|opacity| !(0.0..=1.0).contains(opacity)) {
+            let what = format!("{named} gives it the opacity {opacity}, expected 0 to 1");
+            return Err(SetError::Layer { layer: (*name).to_owned(), what });
         }
-        Some(WrittenLayerView::Whole { image: file, opacity, order }) => {
-            LayerView { image: file.map(image), opacity, order }
-        }
+        let image = file.map(|file| Image::of_layer(folder.join(file), name));
+        Ok(LayerView { image, opacity, order })
     };
-    Ok(names.iter().map(own).collect())
+    names.iter().map(own).collect()
 }
 
 /// Makes the layers of a set whose views are read, and lists those without points, which are to be proposed.
@@ -178,7 +194,7 @@ fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     }
 }
 
-/// Checks that no layer is clipped by itself, directly or through others.
+/// Checks that no layer is clipped by itself, directly or through others, or by too many.
 fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     for (number, layer) in layers.iter().enumerate() {
         let (mut at, mut way) = (layer.clip, vec![layer.name.as_str()]);
@@ -190,11 +206,18 @@ fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
             }
             at = layers[clip].clip;
         }
+        let clips = way.len() - 1;
+        if clips > CLIPS_MAX {
+            let what = format!(
+                "{clips} layers clip it, each the one before: expected at most {CLIPS_MAX}"
+            );
+            return Err(SetError::Layer { layer: layer.name.clone(), what });
+        }
     }
     Ok(())
 }
 
-/// Checks that a key view has a picture of each layer of which a point is seen.
+/// Checks that each layer has a picture, and that a key view has one of each layer of which a point is seen.
 fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     for (map, number) in set.key_views() {
         let view = &set.maps[map].train[number];
@@ -210,5 +233,15 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
             }
         }
     }
-    Ok(())
+    let keys = set.key_views();
+    let shown = |layer: usize| {
+        keys.iter().any(|&(map, view)| set.maps[map].train[view].picture(layer).is_some())
+    };
+    match (0..layers.len()).find(|&layer| !shown(layer)) {
+        Some(layer) if !keys.is_empty() => {
+            let what = "no view has a picture of it: name one, or leave it out".to_owned();
+            Err(SetError::Layer { layer: layers[layer].name.clone(), what })
+        }
+        _ => Ok(()),
+    }
 }

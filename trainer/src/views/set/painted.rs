@@ -6,90 +6,147 @@ use super::image::Image;
 use super::layers::WrittenLayer;
 use crate::formats::layered::LayeredPicture;
 use crate::formats::{FileError, LayeredError};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Makes the layers of a set that names none. All its pictures must have the same layers; points are proposed.
+/// Makes the layers of a set that names none. All its pictures must have the same layers, in any order;
+/// points are proposed. A layer that is hidden in all of them is left out, unless others are clipped to it.
 ///
 /// # Errors
 /// [`SetError::File`] of a picture, and [`SetError::Layer`] of a layer that some picture lacks.
 pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
-    let mut first: Option<(&Path, LayeredPicture)> = None;
-    for file in files {
-        let own = LayeredPicture::open(file)?;
-        let Some((other, known)) = &first else {
-            first = Some((file, own));
-            continue;
-        };
-        let paths = |picture: &LayeredPicture| -> Vec<String> {
-            picture.layers.iter().map(|layer| layer.path.clone()).collect()
-        };
-        let (known, own) = (paths(known), paths(&own));
-        let [other, file] = [*other, *file].map(|file| file.display().to_string());
-        for (has, lacks, has_name, lacks_name) in
-            [(&known, &own, &other, &file), (&own, &known, &file, &other)]
-        {
-            if let Some(layer) = has.iter().find(|layer| !lacks.contains(layer)) {
+    let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?));
+    let pictures = files.iter().map(open).collect::<Result<Vec<_>, SetError>>()?;
+    let Some(((first, picture), others)) = pictures.split_first() else { return Ok(Vec::new()) };
+    let has =
+        |picture: &LayeredPicture, path: &str| picture.layers.iter().any(|own| own.path == path);
+    for (other, second) in others {
+        let lists = [(picture, second, first, other), (second, picture, other, first)];
+        for (has_it, lacks_it, own, other) in lists {
+            if let Some(layer) = has_it.layers.iter().find(|layer| !has(lacks_it, &layer.path)) {
                 let what = format!(
-                    "it is in {has_name}, and not in {lacks_name}: add it there, empty if it is not seen"
+                    "it is in {own}, and not in {other}: add it there, empty if it is not seen"
                 );
-                return Err(SetError::Layer { layer: layer.clone(), what });
+                return Err(SetError::Layer { layer: layer.path.clone(), what });
             }
         }
-        if let Some(at) = (0..own.len()).find(|&at| own[at] != known[at]) {
-            let what = format!("it has another place in {file} than in {other}: order them alike");
-            return Err(SetError::Layer { layer: own[at].clone(), what });
-        }
     }
-    let Some((_, picture)) = first else { return Ok(Vec::new()) };
     let layers = &picture.layers;
+    let is_drawn = |at: &usize| {
+        let mut all = pictures.iter().flat_map(|(_, picture)| &picture.layers);
+        all.any(|own| own.path == layers[*at].path && own.opacity > 0.0)
+            || layers.iter().any(|own| own.clip == Some(*at))
+    };
     let name = |at: usize| {
         let is_only = layers.iter().filter(|other| other.name == layers[at].name).count() == 1;
         if is_only { layers[at].name.clone() } else { layers[at].path.clone() }
     };
-    Ok((0..layers.len()).map(|at| WrittenLayer::proposed(name(at))).collect())
+    let drawn = (0..layers.len()).filter(is_drawn);
+    Ok(drawn.map(|at| WrittenLayer::proposed(name(at))).collect())
 }
 
-/// Adds the layers of a view's picture, unless the view itself has a picture of them.
+/// Adds the layers of a view's picture, unless the view itself has a picture of them, with their opacities, and their
+/// order if that is not the set's.
 ///
 /// # Errors
-/// [`SetError::File`].
+/// [`SetError::File`], and [`SetError::Layer`] of a layer that the picture shows and the set does not have.
 pub(super) fn add(file: &Path, names: &[&str], views: &mut [LayerView]) -> Result<(), SetError> {
-    let picture = LayeredPicture::open(file)?;
-    for (name, own) in names.iter().zip(views) {
-        if own.image.is_some() {
-            continue;
+    let (picture, places) = add_pictures(file, names, views)?;
+    let known: BTreeSet<usize> = names.iter().filter_map(|name| picture.find(name).ok()).collect();
+    let is_new = |at: &usize| !known.contains(at) && picture.layers[*at].opacity > 0.0;
+    if let Some(at) = (0..picture.layers.len()).find(is_new) {
+        let file = file.display();
+        let what =
+            format!("{file} shows it, and the set has no such layer: name it, or hide it there");
+        return Err(SetError::Layer { layer: picture.layers[at].path.clone(), what });
+    }
+    let numbers = (0..names.len()).filter(|&layer| places[layer].is_some());
+    let mut sorted: Vec<usize> = places.iter().copied().flatten().collect();
+    let is_reordered = !sorted.is_sorted();
+    sorted.sort_unstable();
+    // The number of the layer that is at each place of the set's order.
+    let numbers: BTreeMap<usize, usize> = sorted.into_iter().zip(numbers).collect();
+    for (view, place) in views.iter_mut().zip(&places) {
+        let Some(place) = place else { continue };
+        let opacity = picture.layers[*place].opacity;
+        if opacity < 1.0 {
+            view.opacity.get_or_insert(opacity);
         }
-        let found = picture.find(name).map_err(|error| named(file, error))?;
-        let layer = Some((*name).to_owned());
-        own.image = Some(Image { layer, ..Image::of_file(file.to_owned()) });
-        let opacity = picture.layers[found].opacity;
-        if own.opacity.is_none() && opacity < 1.0 {
-            own.opacity = Some(opacity);
+        if is_reordered {
+            view.order.get_or_insert(numbers[place] as f64);
         }
     }
     Ok(())
 }
 
-/// Clips layers as the first picture does, unless the set says so itself.
+/// Adds the pictures of a view's layers, unless the view itself has a picture of them, and lists which layer of the file
+/// each is.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`]: the set does not name the layer that another is clipped to.
-pub(super) fn clip(file: &Path, layers: &mut [WrittenLayer]) -> Result<(), SetError> {
+/// [`SetError::File`].
+pub(super) fn add_pictures(
+    file: &Path,
+    names: &[&str],
+    views: &mut [LayerView],
+) -> Result<(LayeredPicture, Vec<Option<usize>>), SetError> {
     let picture = LayeredPicture::open(file)?;
-    // A layer that is not in the file has pictures of its own, or is reported with its view.
-    let places: Vec<Option<usize>> =
-        layers.iter().map(|own| picture.find(&own.name).ok()).collect();
+    let mut places = vec![None; views.len()];
+    for ((name, view), place) in names.iter().zip(views).zip(&mut places) {
+        if view.image.is_none() {
+            *place = Some(picture.find(name).map_err(|error| named(file, error))?);
+            view.image = Some(Image::of_layer(file.to_owned(), name));
+        }
+    }
+    Ok((picture, places))
+}
+
+/// Clips layers as the pictures do, unless the set says so itself.
+///
+/// # Errors
+/// [`SetError::File`], and [`SetError::Layer`]: the set does not name the layer that another is clipped to, or two
+/// pictures clip one differently.
+pub(super) fn clip(files: &[&Path], layers: &mut [WrittenLayer]) -> Result<(), SetError> {
     let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
-    for (own, &place) in layers.iter_mut().zip(&places) {
-        let base = place.and_then(|place| picture.layers[place].clip);
-        let (None, Some(base)) = (&own.clip, base) else { continue };
-        let found = places.iter().position(|other| *other == Some(base));
-        let unknown = || {
-            let base = &picture.layers[base].path;
-            let what = format!("{} clips it to \"{base}\", no layer of the set", file.display());
-            SetError::Layer { layer: own.name.clone(), what }
+    let mut first: Option<(&Path, Vec<Option<String>>)> = None;
+    for file in files {
+        let picture = LayeredPicture::open(file)?;
+        // A layer that is not in the file has pictures of its own, or is reported with its view.
+        let places: Vec<Option<usize>> = names.iter().map(|name| picture.find(name).ok()).collect();
+        let base = |layer: usize| -> Result<Option<String>, SetError> {
+            let clip = places[layer].and_then(|place| picture.layers[place].clip);
+            let Some(clip) = clip.filter(|_| layers[layer].clip.is_none()) else { return Ok(None) };
+            let found = places.iter().position(|other| *other == Some(clip));
+            let unknown = || {
+                let base = &picture.layers[clip].path;
+                let what =
+                    format!("{} clips it to \"{base}\", no layer of the set", file.display());
+                SetError::Layer { layer: names[layer].clone(), what }
+            };
+            Ok(Some(names[found.ok_or_else(unknown)?].clone()))
         };
-        own.clip = Some(names[found.ok_or_else(unknown)?].clone());
+        let bases = (0..names.len()).map(base).collect::<Result<Vec<_>, _>>()?;
+        let Some((other, known)) = &first else {
+            first = Some((file, bases));
+            continue;
+        };
+        let differs = |layer: &usize| places[*layer].is_some() && bases[*layer] != known[*layer];
+        if let Some(layer) = (0..names.len()).find(differs) {
+            let said = |base: &Option<String>| match base {
+                Some(base) => format!("to \"{base}\""),
+                None => "to nothing".to_owned(),
+            };
+            let what = format!(
+                "{} clips it {}, and {} {}: clip it alike, or write its \"clip\"",
+                other.display(),
+                said(&known[layer]),
+                file.display(),
+                said(&bases[layer])
+            );
+            return Err(SetError::Layer { layer: names[layer].clone(), what });
+        }
+    }
+    for (own, base) in layers.iter_mut().zip(first.into_iter().flat_map(|(_, bases)| bases)) {
+        own.clip = own.clip.take().or(base);
     }
     Ok(())
 }

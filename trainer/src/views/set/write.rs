@@ -104,7 +104,7 @@ fn view(view: &View, layers: &[Layer], folder: &Path) -> Value {
     }
     out.extend(view.values.iter().map(|(name, value)| (name.clone(), json!(value))));
     out.insert("points".to_owned(), json!(view.points));
-    out.insert("visible".to_owned(), json!(view.visible));
+    out.insert("visible".to_owned(), json!(view.seen().collect::<Vec<_>>()));
     if !view.depths.is_empty() {
         out.insert("depth".to_owned(), json!(view.depths));
     }

@@ -100,9 +100,15 @@ impl Document {
     /// Multiplies the coverage of a whole picture with the mask of a layer or group, if it has one.
     ///
     /// # Errors
-    /// The fault in words.
+    /// The fault in words: what else it has must be a part of its pixels.
     pub(super) fn mask(&self, source: usize, canvas: &mut Pixels) -> Result<(), String> {
         let own = &self.records[source];
+        if let Some(what) = own.unread {
+            return Err(format!(
+                "\"{}\" has {what}, expected pixels: rasterise or merge it",
+                own.name
+            ));
+        }
         let (Some(mask), Some(range)) = (&own.mask, own.channel(-2)) else { return Ok(()) };
         let Area { corner, size } = mask.area;
         let mut found = Vec::new();

@@ -4,8 +4,19 @@ use super::super::error::LayeredError;
 use super::bytes::{Bytes, blocks};
 use std::ops::Range;
 
-/// Most layers of a file.
-const MOST: u16 = 8192;
+/// Blocks that change what a layer shows, and what they are.
+const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
+    ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
+    ("a vector mask", &[b"vmsk", b"vsms"]),
+    ("a fill", &[b"SoCo", b"GdFl", b"PtFl"]),
+    (
+        "an adjustment",
+        &[
+            b"levl", b"curv", b"hue2", b"hue ", b"brit", b"blnc", b"selc", b"thrs", b"nvrt",
+            b"post", b"grdm", b"phfl", b"mixr", b"expA", b"vibA", b"clrL", b"blwh",
+        ],
+    ),
+];
 
 /// A layer, the end of a group, or its beginning.
 pub(super) struct Record {
@@ -17,6 +28,8 @@ pub(super) struct Record {
     pub(super) is_hidden: bool,
     pub(super) is_clipped: bool,
     pub(super) section: Section,
+    /// What changes its pixels and is not read.
+    pub(super) unread: Option<&'static str>,
     mode: [u8; 4],
     /// Channels and where their bytes are in the file: 0 to 2 colours, -1 alpha, -2 the mask.
     channels: Vec<(i16, Range<usize>)>,
@@ -69,9 +82,6 @@ impl Record {
 pub(super) fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, LayeredError> {
     // A negative number says that the flattened picture is transparent.
     let len = left.i16()?.unsigned_abs();
-    if len > MOST {
-        return Err(LayeredError::TooLarge(format!("{len} layers, expected at most {MOST}")));
-    }
     let mut out = (0..len).map(|_| record(&mut left)).collect::<Result<Vec<_>, _>>()?;
     for (_, range) in out.iter_mut().flat_map(|own| &mut own.channels) {
         let data = left.take(range.len())?;
@@ -120,6 +130,14 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
         Some(3) => Section::Begin,
         _ => Section::Layer,
     };
+    let mut unread = None;
+    for (what, keys) in UNREAD {
+        for key in keys {
+            if blocks(extra, key, 1)?.is_some() {
+                unread = Some(what);
+            }
+        }
+    }
     Ok(Record {
         name,
         area,
@@ -128,6 +146,7 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
         is_hidden: flags & 2 != 0,
         is_clipped: clipping != 0,
         section,
+        unread,
         mode,
         channels,
     })

@@ -48,7 +48,8 @@ pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
         for map in &mut set.maps {
             for view in map.train.iter_mut().chain(&mut map.test) {
                 view.points.resize(first + len, None);
-                view.visible.resize(first + len, false);
+                // Nobody knows in views without pictures.
+                view.visible.resize(first + len, !view.is_key());
             }
         }
         for (&(map, view), points) in keys.iter().zip(points) {
