@@ -7,7 +7,7 @@ use super::bake::parts;
 use super::fit::FitOptions;
 use super::naive::{NETWORKS, mixed, weights};
 use super::player::{PlayError, Player, multiplied};
-use super::psnr::PictureError;
+use super::psnr::{PictureError, add_picture};
 use super::set::{SetError, View, ViewSet};
 use super::train::{TrainError, train};
 use crate::bake::{BakeError, bake};
@@ -215,15 +215,10 @@ impl Case {
             let networks = networks.map(|weights| Some(bytes(&mixed(&weights?, &pictures))));
             let found = std::iter::once(Some(picture.rgba.clone())).chain(networks);
             for (error, found) in errors.iter_mut().zip(found) {
-                let (Some([whole, opaque]), Some(found)) = (&mut *error, found) else {
-                    *error = None;
-                    continue;
-                };
-                whole.add(&truth.rgba, &found);
-                let pixels = truth.rgba.chunks(4).zip(found.chunks(4)).zip(picture.rgba.chunks(4));
-                pixels
-                    .filter(|(_, own)| own[3] == 0xff)
-                    .for_each(|((truth, found), _)| opaque.add(truth, found));
+                match (&mut *error, found) {
+                    (Some(own), Some(found)) => add_picture(own, &truth, &found, &picture),
+                    _ => *error = None,
+                }
             }
         }
         Ok(())

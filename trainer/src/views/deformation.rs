@@ -38,19 +38,6 @@ impl Reference {
         };
         own.iter().enumerate().map(point).collect()
     }
-
-    /// Blends two references, a share of the other: continuous where views switch.
-    pub fn blended(&self, other: &Self, share: f64) -> Self {
-        let mix = |a: f64, b: f64| a + share * (b - a);
-        let points = |a: &[[f64; 2]], b: &[[f64; 2]]| {
-            a.iter().zip(b).map(|(a, b)| [0, 1].map(|axis| mix(a[axis], b[axis]))).collect()
-        };
-        Self {
-            prototype: points(&self.prototype, &other.prototype),
-            instance: points(&self.instance, &other.instance),
-            scale: mix(self.scale, other.scale),
-        }
-    }
 }
 
 /// How a transferred object is deformed from its prototype, by key view.
@@ -153,16 +140,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn a_blend_goes_from_one_reference_to_the_other() {
-        let (a, b) = (Reference::new(&FIGURE, &OTHER, true), Reference::new(&OTHER, &FIGURE, true));
-        assert_eq!(a.blended(&b, 0.0), a);
-        let moved = waved(&FIGURE);
-        let [half, start, end] = [0.5, 0.0, 1.0].map(|share| a.blended(&b, share));
-        assert!(far(&end.moved(&moved), &b.moved(&moved)) < 1e-13);
-        let (near, of) = (a.blended(&b, 1e-9).moved(&moved), start.moved(&moved));
-        assert!(far(&near, &of) < 1e-7 && far(&half.moved(&moved), &of) > 0.1);
     }
 }

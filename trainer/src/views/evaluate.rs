@@ -1,7 +1,7 @@
 //! A model file held against views, by the runtime.
 
 use super::player::{PlayError, Player, multiplied};
-use super::psnr::PictureError;
+use super::psnr::{PictureError, add_picture};
 use super::set::{SetError, View, ViewSet};
 use serde::Serialize;
 use sinew_runtime::Model;
@@ -101,10 +101,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             flipped += drawn.flipped_len;
             if let Some(image) = &view.image {
                 let truth = multiplied(&image.load(player.size())?);
-                for (own, found) in truth.rgba.chunks(4).zip(picture.rgba.chunks(4)) {
-                    let covered = usize::from(found[3] == 255);
-                    off[..=covered].iter_mut().for_each(|off| off.add(own, found));
-                }
+                add_picture(&mut off, &truth, &picture.rgba, &picture);
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Peak over RMS error of pictures, dB.
 
+use crate::page::picture::Picture;
+
 /// Squares of errors of bytes, added up picture by picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PictureError {
@@ -20,6 +22,21 @@ impl PictureError {
         let error = self.squares / self.count as f64;
         (self.count > 0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
     }
+}
+
+/// Adds a picture's errors to those of whole pictures, and to those of the pixels that are opaque in what is drawn.
+///
+/// - `drawn`: the picture that says which pixels are opaque.
+pub(super) fn add_picture(
+    [whole, opaque]: &mut [PictureError; 2],
+    truth: &Picture,
+    found: &[u8],
+    drawn: &Picture,
+) {
+    whole.add(&truth.rgba, found);
+    let pixels = truth.rgba.chunks(4).zip(found.chunks(4)).zip(drawn.rgba.chunks(4));
+    let pixels = pixels.filter(|(_, drawn)| drawn[3] == u8::MAX);
+    pixels.for_each(|((truth, found), _)| opaque.add(truth, found));
 }
 
 #[cfg(test)]

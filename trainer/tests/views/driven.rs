@@ -37,6 +37,33 @@ fn near(found: &[f64], expected: &[f64], tolerance: f64) {
 }
 
 #[test]
+fn a_search_begins_at_no_more_places_than_parameters_deserve() {
+    for (parameters, expected) in [(2, 9), (6, 729), (7, 15)] {
+        let names: Vec<String> = (0..parameters).map(|at| format!("p{at}")).collect();
+        // Each parameter moves its own point, and the examples move one at a time.
+        let at = |moved: Option<usize>| {
+            let value = |at| f64::from(u8::from(moved == Some(at)));
+            let values: Vec<(&str, f64)> =
+                names.iter().enumerate().map(|(at, name)| (name.as_str(), value(at))).collect();
+            let point = |at: usize| [10.0 * at as f64, 3.0 * value(at)];
+            let still = [[-20.0, 0.0], [-20.0, 40.0]];
+            view(&values, still.into_iter().chain((0..parameters).map(point)).collect())
+        };
+        let train = std::iter::once(None).chain((0..parameters).map(Some)).map(at).collect();
+        let inputs = names.iter().cloned().map(Parameter::Scalar).collect();
+        let map = fit(&examples(inputs, train), &[Some(0)], FitOptions::default()).unwrap();
+        let all = starts(&map.model);
+        assert_eq!(all.len(), expected, "{parameters}");
+        for (at, values) in all.iter().enumerate() {
+            assert!(values.len() == parameters && !all[..at].contains(values));
+        }
+        let points: Vec<_> = at(Some(1)).points;
+        let found = find(&map.model, map.outputs, &points, &all).unwrap();
+        assert!((found.values["p1"] - 1.0).abs() < 1e-6 && found.values["p0"].abs() < 1e-6);
+    }
+}
+
+#[test]
 fn points_on_a_line_of_key_views_weigh_the_two_that_they_lie_between() {
     // A square that grows taller: three key views along one parameter.
     let at = |x: f64| {

@@ -4,7 +4,7 @@ use super::common::{Folder, examples, view};
 use serde_json::{Value, json};
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::set::{Image, Parameter, read, read_drawing, read_lottie};
+use sinew_trainer::views::set::{Image, Parameter, ViewSet, read, read_drawing, read_lottie};
 use sinew_trainer::views::train::train;
 use std::fs;
 
@@ -323,8 +323,13 @@ fn points_on_the_edge_of_a_picture_stand_in_place_of_those_of_its_frame() {
     });
     fs::write(folder.path("views.json"), set.to_string()).unwrap();
     let set = read(&folder.path("views.json"), None).unwrap();
+    let vertices =
+        |set: &ViewSet| train(set, FitOptions::default()).unwrap().model.mesh.vertices.len();
     // Three of the frame's eight are taken.
-    assert_eq!(train(&set, FitOptions::default()).unwrap().model.mesh.vertices.len(), 4 + 5);
+    assert_eq!(vertices(&set), 4 + 5);
+    let mut hidden = set;
+    hidden.maps[0].train[0].visible[0] = false;
+    assert_eq!(vertices(&hidden), 3 + 6, "a hidden point takes no corner");
 }
 
 #[test]

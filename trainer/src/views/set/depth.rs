@@ -9,11 +9,7 @@ use nalgebra::{DMatrix, Matrix2x4, RowVector4, Vector3};
 ///
 /// # Errors
 /// [`SetError::Triangulation`]: the known points do not determine it.
-pub fn project(
-    view: &View,
-    positions: &[[f64; 3]],
-    named: &str,
-) -> Result<Matrix2x4<f64>, SetError> {
+fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4<f64>, SetError> {
     let known: Vec<(usize, [f64; 2])> =
         view.points.iter().enumerate().filter_map(|(k, point)| Some((k, (*point)?))).collect();
     let row = |(k, _): &(usize, [f64; 2])| {
@@ -39,7 +35,11 @@ pub fn project(
 ///
 /// # Errors
 /// That of [`project`].
-pub fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, SetError> {
+pub(super) fn depths(
+    view: &View,
+    positions: &[[f64; 3]],
+    named: &str,
+) -> Result<Vec<f64>, SetError> {
     let projection = project(view, positions, named)?;
     let [x, y] = [0, 1].map(|r| Vector3::from_fn(|c, _| projection[(r, c)]));
     // Right x down points away; its length is that of a pixel's square.

@@ -46,7 +46,7 @@ pub fn triangulated(
 ///
 /// # Errors
 /// [`SetError::NoArea`], [`SetError::Concave`] and [`SetError::Crossed`].
-pub fn check_elements(
+pub(super) fn check_elements(
     elements: &[Element],
     sources: &[usize],
     view: &View,

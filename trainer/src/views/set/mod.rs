@@ -16,12 +16,11 @@ mod silhouette;
 mod write;
 
 pub use data::{Examples, Layer, LayerView, Parameter, Values, View, ViewSet};
-pub use depth::{depths, project};
 pub use drawing::read_drawing;
 pub use elements::Element;
 pub use error::SetError;
 pub use image::Image;
-pub use joined::{check_elements, triangulated};
+pub use joined::triangulated;
 pub use json::{read, read_instance};
 pub use lottie::{AnimatedPath, read_lottie};
 pub use write::as_json;

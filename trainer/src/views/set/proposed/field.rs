@@ -31,15 +31,27 @@ pub(super) struct Moments {
 pub(super) type Sample = ([f64; 4], [Vector2<f64>; 4]);
 
 impl Field {
-    /// Takes a cropped picture, straight RGBA.
-    pub(super) fn new(rgba: &[u8], size: [usize; 2], corner: [usize; 2]) -> Self {
-        let premultiplied = |pixel: &[u8]| {
+    /// Takes a cropped picture, straight RGBA: the mean of each square of pixels.
+    ///
+    /// - `side`: of a square, pixels; places are divided by it.
+    pub(super) fn new(
+        rgba: &[u8],
+        [width, height]: [usize; 2],
+        corner: [usize; 2],
+        side: usize,
+    ) -> Self {
+        let size = [width, height].map(|len| len.div_ceil(side));
+        let mut means = vec![[0.0; 4]; size[0] * size[1]];
+        for (at, pixel) in rgba.chunks(4).enumerate() {
+            let mean = &mut means[at / width / side * size[0] + at % width / side];
             let alpha = f64::from(pixel[3]) / 255.0;
-            let own = |channel: usize| alpha * f64::from(pixel[channel]) / 255.0;
-            [own(0), own(1), own(2), alpha]
-        };
-        let corner = Vector2::from(corner.map(|x| x as f64));
-        Self { corner, size, rgba: rgba.chunks(4).map(premultiplied).collect() }
+            (0..3).for_each(|channel| mean[channel] += alpha * f64::from(pixel[channel]) / 255.0);
+            mean[3] += alpha;
+        }
+        let area = (side * side) as f64;
+        means.as_flattened_mut().iter_mut().for_each(|sum| *sum /= area);
+        let corner = Vector2::from(corner.map(|x| x as f64 / side as f64));
+        Self { corner, size, rgba: means }
     }
 
     /// Shrinks the picture.
@@ -149,5 +161,22 @@ fn spread(out: &mut [[f64; 4]], start: usize, stride: usize, kernel: &[f64], pix
     for (number, weight) in kernel.iter().enumerate() {
         let out = &mut out[start + number * stride];
         (0..4).for_each(|k| out[k] += weight * pixel[k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_of_pixels_become_their_mean() {
+        let pixel = |at: u8| [at, 0, 255, if at < 3 { 255 } else { 0 }];
+        let rgba: Vec<u8> = (0..6).flat_map(pixel).collect();
+        let own = Field::new(&rgba, [3, 2], [5, 8], 2);
+        assert_eq!((own.size, own.corner), ([2, 1], Vector2::new(2.5, 4.0)));
+        let expected = [[0.25 / 255.0, 0.0, 0.5, 0.5], [0.5 / 255.0, 0.0, 0.25, 0.25]];
+        assert_eq!(own.rgba, expected);
+        let plain = Field::new(&rgba, [3, 2], [5, 8], 1);
+        assert_eq!((plain.rgba[1], plain.rgba[4]), ([1.0 / 255.0, 0.0, 1.0, 1.0], [0.0; 4]));
     }
 }

@@ -95,7 +95,9 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     let scale = (SIDE / longest as f64).min(1.0);
     let field = |Shown { picture, corner, .. }: &Shown| {
         let size = [picture.size.width, picture.size.height];
-        Field::new(&picture.rgba, size, *corner).scaled(scale)
+        // Small enough to be blurred in f64.
+        let side = (0.5 / scale).max(1.0) as usize;
+        Field::new(&picture.rgba, size, *corner, side).scaled(scale * side as f64)
     };
     let fields: Vec<Field> = shown.par_iter().map(field).collect();
     let rest = central(set, &shown.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
