@@ -13,6 +13,7 @@ mod instances;
 mod layered;
 mod left_out;
 mod painted;
+mod pictures;
 mod pixels;
 mod proposed;
 mod puppets;

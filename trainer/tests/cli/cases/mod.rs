@@ -93,8 +93,8 @@ fn off_as_exported(folder: &Folder, file: &str) -> [f64; 2] {
     })
 }
 
-/// Cases of later issues, and the picture of one of them.
-const LATER: [&str; 4] = ["squash_leaf", "views-hidden-hole", "sq.png", "rigs"];
+/// Cases of later issues.
+const LATER: [&str; 2] = ["squash_leaf", "rigs"];
 
 /// Cases that a test of the same kind covers with problems of its own.
 const COVERED: [(&str, &str); 1] =

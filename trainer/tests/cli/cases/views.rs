@@ -1,8 +1,22 @@
 //! Cases of the folder `views`.
 
-use super::with_cases;
+use super::{run, with_cases};
 use serde_json::{Value, json};
+use sinew_trainer::views::set::Image;
 use std::fs;
+
+#[test]
+fn one_hidden_point_opens_no_hole() {
+    let files = ["views/views-hidden-hole.json", "views/sq.png"];
+    let Some(folder) = with_cases("views-hidden-hole", &files) else { return };
+    run(&folder, "views train views-hidden-hole.json -o v.sinew");
+    run(&folder, "views render v.sinew --set a=0.51 -o v.png");
+    let picture = Image::of_file(folder.path("v.png")).load([64, 64]).unwrap();
+    for (at, pixel) in picture.rgba.chunks(4).enumerate() {
+        let is_inside = [at % 64, at / 64].iter().all(|place| (4..60).contains(place));
+        assert!(!is_inside || pixel[3] == 255, "{}, {}: {pixel:?}", at % 64, at / 64);
+    }
+}
 
 /// The file's elements 0 and 4 have more corners than four, so that triangles are made of them.
 #[test]

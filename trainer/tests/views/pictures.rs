@@ -1,0 +1,137 @@
+//! Pictures between key views, held against true ones: PSNR is of premultiplied RGBA.
+
+use super::flat::{drawn, psnr};
+use super::shared::shared;
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+use sinew_trainer::bake::bake;
+use sinew_trainer::page::picture::Picture;
+use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::fit::FitOptions;
+use sinew_trainer::views::player::multiplied;
+use sinew_trainer::views::psnr::PictureError;
+use sinew_trainer::views::set::{Layer, Values, ViewSet, read};
+use sinew_trainer::views::train::train;
+
+/// The character's test views: mean and worst in dB, and in one layer.
+const LAYERS: [f64; 2] = [34.0, 31.0];
+const FLAT: f64 = 24.0;
+/// Its test views by plain interpolation of pixels, dB.
+const MIXED: [f64; 3] = [22.1, 21.6, 21.1];
+/// Largest change along a path over the median.
+const JUMP: f64 = 1.5;
+/// The head's left-out views: mean and worst in dB, and pixels without coverage.
+const HEAD: [f64; 2] = [34.0, 28.0];
+const HOLES: usize = 27;
+
+fn model(set: &ViewSet) -> Model<Vec<u8>> {
+    let trained = train(set, FitOptions::default()).unwrap();
+    Model::from_bytes(bake(Space::default(), &parts(&trained.model).unwrap()).unwrap()).unwrap()
+}
+
+fn mean_and_worst(all: &[f64]) -> [f64; 2] {
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    [mean, all.iter().copied().fold(f64::INFINITY, f64::min)]
+}
+
+/// Measures the test views of a set of one motion.
+fn tested(set: &ViewSet, model: &Model<Vec<u8>>) -> Vec<f64> {
+    let one = |view: &sinew_trainer::views::set::View| {
+        let truth = view.image.as_ref().unwrap().load(set.size).unwrap();
+        psnr(&drawn(model, &view.values), &multiplied(&truth))
+    };
+    set.maps[0].test.iter().map(one).collect()
+}
+
+#[test]
+fn a_character_in_layers_turns_as_it_is_drawn_and_does_not_jump() {
+    let Some(file) = shared("character-2d/character.json") else { return };
+    let set = read(&file, None).unwrap();
+    let model = model(&set);
+    let all = tested(&set, &model);
+    let [mean, worst] = mean_and_worst(&all);
+    println!("character in layers: {mean:.2} dB, worst {worst:.2}");
+    assert!(mean >= LAYERS[0] && worst >= LAYERS[1], "{all:?}");
+    let turn = (0..41).map(|step| [f64::from(step) / 20.0 - 1.0, 0.0]);
+    let angle = |step: i32| f64::from(step) / 60.0 * std::f64::consts::TAU;
+    let circle = (0..61).map(|step| [0.7 * angle(step).cos(), 0.7 * angle(step).sin()]);
+    for (path, places) in [("turn", turn.collect::<Vec<_>>()), ("circle", circle.collect())] {
+        let at = |[turn, nod]: &[f64; 2]| {
+            let values: Values = [("turn".to_owned(), *turn), ("nod".to_owned(), *nod)].into();
+            drawn(&model, &values)
+        };
+        let pictures: Vec<Picture> = places.iter().map(at).collect();
+        let apart = |pair: &[Picture]| 10f64.powf(-psnr(&pair[0], &pair[1]) / 20.0);
+        let mut changes: Vec<f64> = pictures.windows(2).map(apart).collect();
+        changes.sort_by(f64::total_cmp);
+        let jump = changes[changes.len() - 1] / changes[changes.len() / 2];
+        println!("character, {path}: largest change over median {jump:.2}");
+        assert!(jump <= JUMP, "{path}: {jump}");
+    }
+}
+
+#[test]
+fn a_character_in_one_layer_is_nearer_than_pixels_that_are_mixed() {
+    let Some(file) = shared("character-2d/character.json") else { return };
+    let mut set = read(&file, None).unwrap();
+    set.layers = vec![Layer::whole("all", set.point_len(), Vec::new())];
+    set.maps[0].train.iter_mut().for_each(|view| view.layers.clear());
+    let all = tested(&set, &model(&set));
+    let [mean, _] = mean_and_worst(&all);
+    println!("character in one layer: {mean:.2} dB, {all:.2?}");
+    assert!(mean >= FLAT && all.iter().zip(MIXED).all(|(own, mixed)| *own > mixed), "{all:?}");
+}
+
+/// Lists the pixels within the hull of a view's visible points.
+fn hull(points: &[[f64; 2]], [width, height]: [usize; 2]) -> Vec<bool> {
+    let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| {
+        (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+    };
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut out: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while out.len() > 1 && cross(out[out.len() - 2], out[out.len() - 1], point) <= 0.0 {
+                out.pop();
+            }
+            out.push(point);
+        }
+        out.pop();
+        out
+    };
+    let lower = half(&mut sorted.iter().copied());
+    let upper = half(&mut sorted.iter().rev().copied());
+    let ring = [lower, upper].concat();
+    (0..width * height)
+        .map(|at| {
+            let p = [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5];
+            (0..ring.len()).all(|i| cross(ring[i], ring[(i + 1) % ring.len()], p) >= 0.0)
+        })
+        .collect()
+}
+
+#[test]
+fn views_of_a_head_that_are_left_out_look_as_they_should() {
+    let Some(file) = shared("ict-views/views.json") else { return };
+    let set = read(&file, None).unwrap();
+    let (mut all, mut holes) = (Vec::new(), 0);
+    for number in 0..set.maps[0].train.len() {
+        let mut rest = set.clone();
+        let view = rest.maps[0].train.remove(number);
+        let found = drawn(&model(&rest), &view.values);
+        let truth = multiplied(&view.image.as_ref().unwrap().load(set.size).unwrap());
+        let seen = view.known().into_iter().zip(&view.visible).filter(|(_, seen)| **seen);
+        let within = hull(&seen.map(|(point, _)| point).collect::<Vec<_>>(), set.size);
+        let mut error = PictureError::default();
+        let pixels = found.rgba.chunks(4).zip(truth.rgba.chunks(4)).zip(&within);
+        for ((found, truth), _) in pixels.filter(|(_, within)| **within) {
+            error.add(truth, found);
+            holes += usize::from(truth[3] > 127 && found[3] < 128);
+        }
+        all.push(error.psnr().unwrap());
+    }
+    let [mean, worst] = mean_and_worst(&all);
+    println!("head, each view left out: {mean:.2} dB, worst {worst:.2}, {holes} pixels without");
+    assert!(mean >= HEAD[0] && worst >= HEAD[1] && holes <= HOLES, "{all:?} {holes}");
+}
