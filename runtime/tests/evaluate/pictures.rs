@@ -300,7 +300,7 @@ fn with_depth_the_near_hides_the_far() {
         (far, asked.painted(&model))
     };
     assert_eq!((far.0, near.0), (near.0, Drawn { element_len: 2, flipped_len: 1 }));
-    // What is folded shows the right half of the texture, mirrored.
+    // The folded part shows the right half of the texture, mirrored.
     let own = texel(&content.textures[0], 3 * SIDE + 1);
     let other = texel(&content.textures[0], 3 * SIDE + 6);
     for (pixels, expected) in [(&far.1, own), (&near.1, other)] {

@@ -1,6 +1,7 @@
 //! Which files load, which are refused and why; who may keep a file's bytes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod changing;
 #[path = "../common/mod.rs"]
 mod common;
 mod content;

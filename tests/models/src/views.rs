@@ -31,7 +31,7 @@ pub struct ViewsContent {
     pub fit: [f32; 3],
 }
 
-/// A place of its own, and points by number, each with its weight.
+/// A place, and points by number, each with its weight.
 pub type VertexContent = ([f32; 2], Vec<(u32, [f32; 2])>);
 
 /// A layer in plain lists.

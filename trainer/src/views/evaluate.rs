@@ -10,6 +10,7 @@ use sinew_runtime::Model;
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Measured {
     /// Of the points, where the views know some.
+    #[serde(flatten)]
     pub points: Option<MeasuredPoints>,
     /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none. Infinite, which JSON has
     /// as null, where nothing is off.

@@ -68,8 +68,8 @@ impl ObjectMap<'_> {
     }
 }
 
-/// Lists parameters all over what a map was learned from, to begin with where nothing is known: the middle and the ends of
-/// numbers, angles all round where there is one, else where faces look. Of many parameters one at a time is off its
+/// Lists parameters to begin with where nothing is known, all over the range of the examples: the middle and the ends of
+/// numbers; angles all round where there is one, else where faces look. Of many parameters one at a time is off its
 /// middle.
 pub fn starts(model: &KernelModel) -> Vec<Values> {
     // The middle first.

@@ -24,7 +24,7 @@ impl PictureError {
     }
 }
 
-/// Adds a picture's errors to those of whole pictures, and to those of the pixels that are opaque in what is drawn.
+/// Adds a picture's errors to those of whole pictures, and to those of the pixels that are opaque in the drawn picture.
 ///
 /// - `drawn`: the picture that says which pixels are opaque.
 pub(super) fn add_picture(

@@ -217,7 +217,7 @@ fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Checks that each layer has a picture, and that a key view has one of each layer of which a point is seen.
+/// Checks that each layer has a picture, and that a key view has one of each layer that shows a point.
 fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     for (map, number) in set.key_views() {
         let view = &set.maps[map].train[number];

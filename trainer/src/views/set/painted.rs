@@ -110,7 +110,7 @@ pub(super) fn clip(files: &[&Path], layers: &mut [WrittenLayer]) -> Result<(), S
     let mut first: Option<(&Path, Vec<Option<String>>)> = None;
     for file in files {
         let picture = LayeredPicture::open(file)?;
-        // A layer that is not in the file has pictures of its own, or is reported with its view.
+        // A layer that is not in the file has its own pictures, or is reported with its view.
         let places: Vec<Option<usize>> = names.iter().map(|name| picture.find(name).ok()).collect();
         let base = |layer: usize| -> Result<Option<String>, SetError> {
             let clip = places[layer].and_then(|place| picture.layers[place].clip);

@@ -16,6 +16,9 @@ fn one_hidden_point_opens_no_hole() {
         let is_inside = [at % 64, at / 64].iter().all(|place| (4..60).contains(place));
         assert!(!is_inside || pixel[3] == 255, "{}, {}: {pixel:?}", at % 64, at / 64);
     }
+    // The key view's picture is its own.
+    let exact = run(&folder, "views eval v.sinew views-hidden-hole.json").out;
+    assert!(exact.contains("PSNR, whole pictures           inf dB"), "{exact}");
 }
 
 /// The file's elements 0 and 4 have more corners than four, so that triangles are made of them.

@@ -4,7 +4,7 @@ use super::super::error::LayeredError;
 use super::bytes::{Bytes, blocks};
 use std::ops::Range;
 
-/// Blocks that change what a layer shows, and what they are.
+/// Names of blocks that change the look of a layer, and their keys.
 const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
     ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
     ("a vector mask", &[b"vmsk", b"vsms"]),
@@ -28,7 +28,7 @@ pub(super) struct Record {
     pub(super) is_hidden: bool,
     pub(super) is_clipped: bool,
     pub(super) section: Section,
-    /// What changes its pixels and is not read.
+    /// The name of a block that changes its look and is not read.
     pub(super) unread: Option<&'static str>,
     mode: [u8; 4],
     /// Channels and where their bytes are in the file: 0 to 2 colours, -1 alpha, -2 the mask.
