@@ -5,6 +5,7 @@ use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
 use super::mesh::{Mesh, Shown};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Layer, SetError, View, ViewSet, triangulated};
+use std::collections::BTreeSet;
 
 /// A model, and how each of its maps was chosen.
 #[derive(Clone, Debug)]
@@ -82,21 +83,19 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
     Ok(Trained { model, choices: maps.into_iter().map(|map| map.choice).collect() })
 }
 
-/// Names key views by their pictures, or those of their first layers, without the ending. Those that would have one name
-/// are named by their motions and their numbers in them.
+/// Names key views by their pictures, or those of their first layers, without the ending; by their motions and their
+/// numbers in them if two would have one name.
 fn names(set: &ViewSet, keys: &[(usize, usize)]) -> Vec<String> {
     let stem = |&(map, view): &(usize, usize)| {
         let own = &set.maps[map].train[view];
-        let image =
-            own.image.as_ref().or_else(|| own.layers.iter().find_map(|layer| layer.image.as_ref()));
-        image?.file.file_stem().map(|stem| stem.to_string_lossy().into_owned())
+        let first = || own.layers.iter().find_map(|layer| layer.image.as_ref());
+        let stem = own.image.as_ref().or_else(first)?.file.file_stem()?;
+        Some(stem.to_string_lossy().into_owned())
     };
-    let stems: Vec<Option<String>> = keys.iter().map(stem).collect();
-    let name = |(stem, &(map, view)): (&Option<String>, &(usize, usize))| match stem {
-        Some(own) if stems.iter().filter(|other| *other == stem).count() == 1 => own.clone(),
-        _ => format!("{} {view}", set.maps[map].name),
-    };
-    stems.iter().zip(keys).map(name).collect()
+    let stems: BTreeSet<String> = keys.iter().filter_map(stem).collect();
+    let number = |&(map, view): &(usize, usize)| format!("{} {view}", set.maps[map].name);
+    let is_unique = stems.len() == keys.len();
+    keys.iter().map(|key| stem(key).filter(|_| is_unique).unwrap_or_else(|| number(key))).collect()
 }
 
 /// Loads the pictures of a key view, each cut to what it covers.

@@ -98,7 +98,20 @@ fn faults_are_named_by_view_and_index() {
         (
             "unsaid",
             |set| set["train"][1]["visible"] = json!([true, true, null, false]),
-            "main, train view 1: point 2 has a place, and \"visible\" does not say whether it is seen",
+            "main, train view 1: point 2: \"visible\" is null, expected true or false where there is a place or a picture",
+        ),
+        (
+            "unsaid-key",
+            |set| {
+                set["train"][0]["points"][3] = Value::Null;
+                set["train"][0]["visible"] = json!([true, true, true, null]);
+            },
+            "main, train view 0: point 3: \"visible\" is null, expected true or false where there is a place or a picture",
+        ),
+        (
+            "maps-of-one-name",
+            |set| set["maps"] = json!([{ "train": set["train"] }]),
+            "main: \"map\" is the name of two motions: give each its own",
         ),
         (
             "misspelt",

@@ -292,7 +292,7 @@ fn pictures_that_contradict_a_set_are_refused() {
     ora(&folder.path("b.ora"), &clipped, [32, 24]);
     assert_eq!(
         refused(read(&path, None)),
-        "layer \"front\": a.ora clips it to nothing, and b.ora to \"back\": clip it alike, or write its \"clip\""
+        "layer \"front\": a.ora does not clip it, b.ora clips it to \"back\": clip it alike, or write its \"clip\""
     );
     ora(&folder.path("b.ora"), &ROWS, [32, 24]);
     let back = written(&folder, json!({ "layers": [{ "name": "back", "points": "auto" }] }));

@@ -55,9 +55,7 @@ pub enum LayeredError {
     #[error("\"{0}\" is a group: merge it, or name its layers")]
     Group(String),
     /// A layer is clipped to a group, to several layers, or to nothing.
-    #[error(
-        "layer \"{layer}\" is clipped to {base}, expected one layer: merge what it is clipped to"
-    )]
+    #[error("layer \"{layer}\" is clipped to {base}, expected one layer below it in its group")]
     Clip {
         /// The layer.
         layer: String,

@@ -128,13 +128,12 @@ impl LayeredPicture {
         for (number, layer) in self.layers.iter().enumerate() {
             layer.clip.into_iter().for_each(|base| lasts[base] = number);
         }
-        for (number, layer) in self.layers.iter().enumerate().filter(|(_, own)| own.opacity > 0.0) {
+        let shown = self.layers.iter().enumerate().filter(|(_, own)| own.is_shown(&self.layers));
+        for (number, layer) in shown {
             let picture = self.picture(number)?;
             let alphas = picture.rgba.chunks(4).map(|pixel| f32::from(pixel[3]) / 255.0);
             let mut shape: Vec<f32> = alphas.map(|alpha| layer.opacity as f32 * alpha).collect();
             if let Some(base) = layer.clip {
-                // Nothing of a layer that is hidden.
-                shapes[base].resize(shape.len(), 0.0);
                 shape.iter_mut().zip(&shapes[base]).for_each(|(own, base)| *own *= base);
                 if lasts[base] == number {
                     shapes[base] = Vec::new();

@@ -9,8 +9,11 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use zip::ZipArchive;
 
-/// Most bytes of `stack.xml`: thousands of layers. Time grows with the square of one element's attributes.
+/// Most bytes of `stack.xml`: thousands of layers. Time grows with the square of one element's attributes, and with that
+/// of all namespaces.
 const LIST: u64 = 1 << 19;
+/// Most declarations of namespaces.
+const SPACES: usize = 64;
 /// Most bytes of a layer's PNG.
 const PICTURE: u64 = 1 << 29;
 /// Blend mode of layers that lie over the others.
@@ -40,6 +43,11 @@ impl Archive {
         let zip = RefCell::new(zip.map_err(|error| LayeredError::Archive(error.to_string()))?);
         let text = String::from_utf8(entry(&zip, "stack.xml", LIST)?)
             .map_err(|error| LayeredError::Stack(error.to_string()))?;
+        let spaces = text.matches("xmlns").count();
+        if spaces > SPACES {
+            let what = format!("stack.xml: {spaces} namespaces, expected at most {SPACES}");
+            return Err(LayeredError::TooLarge(what));
+        }
         let document =
             Document::parse(&text).map_err(|error| LayeredError::Stack(error.to_string()))?;
         let image = document.root_element();
@@ -138,7 +146,7 @@ fn members(
     // What shows only within all that is below it.
     let mut below = 0;
     for node in &out {
-        if node.is_clipped && below > 1 {
+        if node.is_clipped && !node.is_hidden && below > 1 {
             let base = format!("all of {below} layers below it");
             return Err(LayeredError::Clip { layer: node.name.clone(), base });
         }

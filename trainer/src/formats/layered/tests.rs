@@ -136,7 +136,7 @@ fn open_raster_files_with_faults_are_refused() {
         list(
             "<layer name='a' src='' composite-op='svg:src-atop'/><layer name='b' src=''/><layer name='c' src=''/>"
         ),
-        "layer \"a\" is clipped to all of 2 layers below it, expected one layer: merge what it is clipped to"
+        "layer \"a\" is clipped to all of 2 layers below it, expected one layer below it in its group"
     );
     assert!(list(&"<stack>".repeat(70)).starts_with("stack.xml: "), "unclosed");
     let deep = ["<stack>".repeat(70), "</stack>".repeat(70)].concat();
@@ -145,6 +145,9 @@ fn open_raster_files_with_faults_are_refused() {
     let bomb =
         "<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><image>&b;</image>";
     assert!(said(&[("stack.xml", bomb.as_bytes())]).contains("DTD"));
+    let spaces = stack(&"<layer xmlns:a='b'/>".repeat(65));
+    let found = said(&[("stack.xml", &spaces)]);
+    assert_eq!(found, "is too large: stack.xml: 65 namespaces, expected at most 64");
     let long = vec![b' '; (1 << 19) + 1];
     let found = said(&[("stack.xml", &long)]);
     assert_eq!(found, "is too large: stack.xml, expected at most 524288 bytes");

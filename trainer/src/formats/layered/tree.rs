@@ -70,6 +70,15 @@ pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>
     }
 }
 
+impl PaintedLayer {
+    /// Whether it is drawn: neither it nor a layer that it is clipped to is hidden.
+    ///
+    /// - `all`: the layers of the file.
+    pub(crate) fn is_shown(&self, all: &[Self]) -> bool {
+        self.opacity > 0.0 && self.clip.is_none_or(|base| all[base].is_shown(all))
+    }
+}
+
 /// The node that clipped layers show within.
 enum Base {
     Nothing,
@@ -194,7 +203,7 @@ mod tests {
         assert!(said(vec![node("x", true, None)]).starts_with("layer \"x\" is clipped to nothing"));
         assert_eq!(
             said(vec![group(), node("x", true, None)]),
-            "layer \"x\" is clipped to group \"g\", expected one layer: merge what it is clipped to"
+            "layer \"x\" is clipped to group \"g\", expected one layer below it in its group"
         );
         assert_eq!(said(vec![]), "has no layers: save it with layers, or save a PNG");
         assert_eq!(said(vec![group(), group()]), "has two layers \"g/a\": give each its own name");

@@ -389,11 +389,11 @@ fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
 
 /// Whether a point is seen in some views and not in others.
 fn changes(views: &[View]) -> bool {
-    let sees = |view: &View, point: usize| view.seen().nth(point).flatten();
-    let points = views.first().map_or(0, |view| view.points.len());
-    (0..points).any(|point| {
-        let mut known = views.iter().filter_map(|view| sees(view, point));
-        known.next().is_some_and(|first| known.any(|other| other != first))
+    let mut known: Vec<Option<bool>> = Vec::new();
+    views.iter().any(|view| {
+        known.resize(view.points.len(), None);
+        let mut points = known.iter_mut().zip(view.seen());
+        points.any(|(known, seen)| seen.is_some_and(|seen| *known.get_or_insert(seen) != seen))
     })
 }
 

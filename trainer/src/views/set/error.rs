@@ -58,8 +58,10 @@ pub enum SetError {
         /// The point.
         point: usize,
     },
-    /// A point has a place, and nobody says whether it is seen.
-    #[error("{view}: point {point} has a place, and \"visible\" does not say whether it is seen")]
+    /// Nobody says whether a point is seen that has a place, or is one of a view with a picture.
+    #[error(
+        "{view}: point {point}: \"visible\" is null, expected true or false where there is a place or a picture"
+    )]
     Unsaid {
         /// The view.
         view: String,

@@ -113,6 +113,16 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         return Err(SetError::Field { view: map.name.clone(), name: "test".to_owned(), what });
     }
     let all: Vec<WrittenMap> = all.into_iter().filter(|map| !map.train.is_empty()).collect();
+    if let Some(twice) =
+        (1..all.len()).find(|&at| all[..at].iter().any(|map| map.name == all[at].name))
+    {
+        let what = "is the name of two motions: give each its own".to_owned();
+        return Err(SetError::Field {
+            view: all[twice].name.clone(),
+            name: "map".to_owned(),
+            what,
+        });
+    }
     let painted = painted_files(&all, folder);
     let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
     let mut layers = match layers {
@@ -316,18 +326,10 @@ fn view(
         _ => {}
     }
     let all_known = || points.iter().map(|point| Some(point.is_some())).collect();
-    let visible: Vec<Option<bool>> = visible.unwrap_or_else(all_known);
-    let is_unsaid = |(seen, point): (&Option<bool>, &Option<_>)| seen.is_none() && point.is_some();
-    if let Some(point) = visible.iter().zip(&points).position(is_unsaid) {
-        return Err(SetError::Unsaid { view: named.to_owned(), point });
-    }
-    let unknown = visible
-        .iter()
-        .zip(&points)
-        .position(|(seen, point)| *seen == Some(true) && point.is_none());
+    let marks: Vec<Option<bool>> = visible.unwrap_or_else(all_known);
     let view = View {
         values,
-        visible: visible.into_iter().map(|seen| seen.unwrap_or(true)).collect(),
+        visible: marks.iter().map(|seen| seen.unwrap_or(true)).collect(),
         points,
         depths: depth.unwrap_or_default(),
         image: image.map(|file| Image {
@@ -344,10 +346,17 @@ fn view(
             return Err(SetError::Length { view: named.to_owned(), what, expected, found });
         }
     }
-    match unknown {
-        Some(point) => Err(SetError::Unknown { view: named.to_owned(), point }),
-        None => Ok(view),
+    let has_picture = view.image.is_some() || view.is_key();
+    for (point, (seen, place)) in marks.into_iter().zip(&view.points).enumerate() {
+        let view = || named.to_owned();
+        match (seen, place) {
+            (Some(true), None) => return Err(SetError::Unknown { view: view(), point }),
+            (None, Some(_)) => return Err(SetError::Unsaid { view: view(), point }),
+            (None, None) if has_picture => return Err(SetError::Unsaid { view: view(), point }),
+            _ => {}
+        }
     }
+    Ok(view)
 }
 
 /// Lists all views with what they are called.

@@ -4,26 +4,26 @@ use super::data::LayerView;
 use super::error::SetError;
 use super::image::Image;
 use super::layers::WrittenLayer;
-use crate::formats::layered::LayeredPicture;
+use crate::formats::layered::{LayeredPicture, PaintedLayer};
 use crate::formats::{FileError, LayeredError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Makes the layers of a set that names none. All its pictures must have the same layers, in any order;
-/// points are proposed. A layer that is hidden in all of them is left out, unless others are clipped to it.
+/// points are proposed. A layer that is drawn in none of them is left out.
 ///
 /// # Errors
 /// [`SetError::File`] of a picture, and [`SetError::Layer`] of a layer that some picture lacks.
 pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
-    let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?));
+    let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?.layers));
     let pictures = files.iter().map(open).collect::<Result<Vec<_>, SetError>>()?;
-    let Some(((first, picture), others)) = pictures.split_first() else { return Ok(Vec::new()) };
-    let has =
-        |picture: &LayeredPicture, path: &str| picture.layers.iter().any(|own| own.path == path);
+    let Some(((first, layers), others)) = pictures.split_first() else { return Ok(Vec::new()) };
     for (other, second) in others {
-        let lists = [(picture, second, first, other), (second, picture, other, first)];
-        for (has_it, lacks_it, own, other) in lists {
-            if let Some(layer) = has_it.layers.iter().find(|layer| !has(lacks_it, &layer.path)) {
+        for (own, other, has, lacks) in
+            [(first, other, layers, second), (other, first, second, layers)]
+        {
+            let is_lacking = |layer: &&PaintedLayer| lacks.iter().all(|own| own.path != layer.path);
+            if let Some(layer) = has.iter().find(is_lacking) {
                 let what = format!(
                     "it is in {own}, and not in {other}: add it there, empty if it is not seen"
                 );
@@ -31,11 +31,10 @@ pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
             }
         }
     }
-    let layers = &picture.layers;
     let is_drawn = |at: &usize| {
-        let mut all = pictures.iter().flat_map(|(_, picture)| &picture.layers);
-        all.any(|own| own.path == layers[*at].path && own.opacity > 0.0)
-            || layers.iter().any(|own| own.clip == Some(*at))
+        pictures.iter().any(|(_, own)| {
+            own.iter().any(|layer| layer.path == layers[*at].path && layer.is_shown(own))
+        })
     };
     let name = |at: usize| {
         let is_only = layers.iter().filter(|other| other.name == layers[at].name).count() == 1;
@@ -53,7 +52,7 @@ pub(super) fn written(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
 pub(super) fn add(file: &Path, names: &[&str], views: &mut [LayerView]) -> Result<(), SetError> {
     let (picture, places) = add_pictures(file, names, views)?;
     let known: BTreeSet<usize> = names.iter().filter_map(|name| picture.find(name).ok()).collect();
-    let is_new = |at: &usize| !known.contains(at) && picture.layers[*at].opacity > 0.0;
+    let is_new = |at: &usize| !known.contains(at) && picture.layers[*at].is_shown(&picture.layers);
     if let Some(at) = (0..picture.layers.len()).find(is_new) {
         let file = file.display();
         let what =
@@ -92,7 +91,7 @@ pub(super) fn add_pictures(
     let picture = LayeredPicture::open(file)?;
     let mut places = vec![None; views.len()];
     for ((name, view), place) in names.iter().zip(views).zip(&mut places) {
-        if view.image.is_none() {
+        if view.image.as_ref().is_none_or(|image| image.file == file) {
             *place = Some(picture.find(name).map_err(|error| named(file, error))?);
             view.image = Some(Image::of_layer(file.to_owned(), name));
         }
@@ -107,46 +106,46 @@ pub(super) fn add_pictures(
 /// pictures clip one differently.
 pub(super) fn clip(files: &[&Path], layers: &mut [WrittenLayer]) -> Result<(), SetError> {
     let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
-    let mut first: Option<(&Path, Vec<Option<String>>)> = None;
+    // Of each layer the first file that has it, and the layer that it is clipped to there.
+    let mut known: Vec<Option<(&Path, Option<String>)>> = vec![None; layers.len()];
     for file in files {
         let picture = LayeredPicture::open(file)?;
         // A layer that is not in the file has its own pictures, or is reported with its view.
         let places: Vec<Option<usize>> = names.iter().map(|name| picture.find(name).ok()).collect();
-        let base = |layer: usize| -> Result<Option<String>, SetError> {
-            let clip = places[layer].and_then(|place| picture.layers[place].clip);
-            let Some(clip) = clip.filter(|_| layers[layer].clip.is_none()) else { return Ok(None) };
-            let found = places.iter().position(|other| *other == Some(clip));
-            let unknown = || {
-                let base = &picture.layers[clip].path;
-                let what =
-                    format!("{} clips it to \"{base}\", no layer of the set", file.display());
-                SetError::Layer { layer: names[layer].clone(), what }
+        for (layer, known) in known.iter_mut().enumerate() {
+            let Some(place) = places[layer].filter(|_| layers[layer].clip.is_none()) else {
+                continue;
             };
-            Ok(Some(names[found.ok_or_else(unknown)?].clone()))
-        };
-        let bases = (0..names.len()).map(base).collect::<Result<Vec<_>, _>>()?;
-        let Some((other, known)) = &first else {
-            first = Some((file, bases));
-            continue;
-        };
-        let differs = |layer: &usize| places[*layer].is_some() && bases[*layer] != known[*layer];
-        if let Some(layer) = (0..names.len()).find(differs) {
-            let said = |base: &Option<String>| match base {
-                Some(base) => format!("to \"{base}\""),
-                None => "to nothing".to_owned(),
+            let wrong = |what: String| SetError::Layer { layer: names[layer].clone(), what };
+            let base = match picture.layers[place].clip {
+                None => None,
+                Some(clip) => {
+                    let found = places.iter().position(|other| *other == Some(clip));
+                    let unknown = || {
+                        let base = &picture.layers[clip].path;
+                        wrong(format!(
+                            "{} clips it to \"{base}\", no layer of the set",
+                            file.display()
+                        ))
+                    };
+                    Some(names[found.ok_or_else(unknown)?].clone())
+                }
             };
-            let what = format!(
-                "{} clips it {}, and {} {}: clip it alike, or write its \"clip\"",
-                other.display(),
-                said(&known[layer]),
-                file.display(),
-                said(&bases[layer])
-            );
-            return Err(SetError::Layer { layer: names[layer].clone(), what });
+            let (first, expected) = known.get_or_insert_with(|| (file, base.clone()));
+            if base != *expected {
+                let said = |file: &Path, base: &Option<String>| match base {
+                    Some(base) => format!("{} clips it to \"{base}\"", file.display()),
+                    None => format!("{} does not clip it", file.display()),
+                };
+                let (first, second) = (said(first, expected), said(file, &base));
+                return Err(wrong(format!(
+                    "{first}, {second}: clip it alike, or write its \"clip\""
+                )));
+            }
         }
     }
-    for (own, base) in layers.iter_mut().zip(first.into_iter().flat_map(|(_, bases)| bases)) {
-        own.clip = own.clip.take().or(base);
+    for (own, known) in layers.iter_mut().zip(known) {
+        own.clip = own.clip.take().or_else(|| known?.1);
     }
     Ok(())
 }
