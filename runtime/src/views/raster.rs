@@ -169,9 +169,8 @@ fn clockwise_quad(
     let g_f = area(p, r, s) - area(p, q, s);
     let form = Form {
         ring,
-        // Outside along a border an edge function is negative, and the share that of the border.
         edges: |[above, beyond, below, before]: [i64; 4]| {
-            [before.max(0), above.max(0), beyond + before - e_g, below + above - g_f]
+            [before, above, beyond + before - e_g, below + above - g_f]
         },
         shares: |[left, top, across, down]: [Lanes; 4]| {
             [
@@ -331,8 +330,8 @@ fn flips(steps: i64, other: f32) -> bool {
     steps > 0 && other < 0.0 || steps < 0 && other > 0.0
 }
 
-/// Returns the share in [0, 1] of a way across a convex quad that a pixel has gone, of the edge functions at the quad's two
-/// ends of that way, neither negative, of which `slope` is the sum less `bend`.
+/// Returns the share in [0, 1] of a way across a convex quad that a pixel has gone: 0 outside its beginning, where `before`
+/// is negative. `before` is the edge function there, and `slope` the sum of those at both ends less `bend`.
 ///
 /// The share x solves `bend x² + slope x - before = 0`, which is negative at 0 and positive at 1: of the two roots the one
 /// at which it rises. Each form keeps its last places where the other would lose them; neither divides by what is

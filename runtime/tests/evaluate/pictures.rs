@@ -97,7 +97,7 @@ impl Asked {
     }
 }
 
-/// Runs a job with scratch of so many vertices, numbers, depths, pixels and clips.
+/// Runs a job with scratch of these lengths: vertices, numbers, depths, pixels and clips.
 fn run(job: &RenderJob<'_>, lens: [usize; 5], out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
     let [vertices, order, depths, group, clips] = lens;
     let scratch = RenderScratch {
@@ -307,6 +307,27 @@ fn with_depth_the_near_hides_the_far() {
         let apart = pixels[3 * SIDE + 1].iter().zip(expected);
         assert!(apart.map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max) <= 1.0);
     }
+}
+
+#[test]
+fn a_fold_is_soft_in_a_layer_with_depth_unless_it_is_thin() {
+    let alpha = |flags: u32, folded: f32| {
+        let mut content = board(&[(WHOLE, [0; 3])], plain(&[[9; 3]]));
+        content.layers[0].elements = vec![[0, 1, 4, 3], [1, 2, 5, 4]];
+        content.layers[0].flags = flags;
+        content.meet();
+        let mut asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]]);
+        // The fold, a quarter of a pixel before the centre of one, and the right half, which lies behind.
+        asked.points[1][0] = 4.25;
+        asked.points[4][0] = 4.25;
+        (asked.points[2], asked.points[5]) = ([folded, 0.0, 1.0], [folded, 8.0, 1.0]);
+        asked.painted(&loaded(&content)).1[3 * SIDE + 4][3]
+    };
+    assert_eq!(alpha(0, 0.0), 0, "without depth");
+    // Each covers a quarter of the pixel.
+    assert_eq!(alpha(Layer::DEPTH, 0.0), (255.0f64 * (1.0 - 0.75 * 0.75)).round() as u8);
+    // 0.4 pixels wide: it is soft, and the half that it folds back over is not.
+    assert_eq!(alpha(Layer::DEPTH, 3.85), (255.0f64 * 0.25).round() as u8);
 }
 
 #[test]

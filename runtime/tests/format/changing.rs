@@ -40,8 +40,7 @@ impl AsRef<[u8]> for Changing {
 /// More than this a test does not allocate, whatever a changed file says.
 const MOST: usize = 1 << 12;
 
-/// Evaluates everything of a model whose bytes change, and tells whether indices of it would have led
-/// out of its arrays.
+/// Evaluates everything of a model whose bytes change, and returns whether its indices would have led out of its arrays.
 fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     let model = Model::from_bytes(Changing::new(first, then.clone())).unwrap();
     assert_eq!(model.as_bytes(), then, "the second reading gives other bytes");
@@ -49,7 +48,7 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     let _ = model.sections().map(|section| section.bytes.len()).sum::<usize>();
     let _ = format!("{model:?}");
     let mut astray = Astray::default();
-    // What loading found is as it was; what is listed anew is read of the changed bytes.
+    // Layouts are those of loading; lists are read of the changed bytes.
     let first_envelope: Option<Envelope<'_>> = model.envelope();
     for envelope in first_envelope.into_iter().chain(model.envelopes()) {
         astray.joined(read_envelope(&envelope));

@@ -272,6 +272,24 @@ fn borders_are_soft_and_edges_within_are_not() {
 }
 
 #[test]
+fn a_soft_border_has_the_colours_of_its_edge() {
+    // Of texels beyond the quad nothing is seen: red grows by 60 a texel from the fourth on.
+    let n = 16;
+    let red = |i: usize| 60 * i.saturating_sub(3).min(4) as u8;
+    let texels: Vec<_> = (0..n * n).map(|i| [red((i % n).min(i / n)), 0, 0, 255]).collect();
+    let texture = Texture { width: n, height: n, texels: &texels };
+    let ring = [[4.7, 4.7], [12.0, 4.7], [12.0, 12.0], [4.7, 12.0]];
+    let mut pixels = vec![[0; 4]; n * n];
+    quad(&mut blended(n, &mut pixels), bordered(ring), &source(texture, ring));
+    for at in [8 * n + 4, 4 * n + 8] {
+        let [red, _, _, alpha] = pixels[at].map(f32::from);
+        // The edge is at 4.7, 1.2 texels from the centre of the third; the pixel's centre is at 4.5.
+        let (found, expected) = (255.0 * red / alpha, 60.0 * 1.2);
+        assert!(alpha > 60.0 && (found - expected).abs() < 3.0, "{found} {alpha}");
+    }
+}
+
+#[test]
 fn a_quad_that_is_cut_in_two_has_no_border_within() {
     let white = [[255; 4]];
     for first in 0..4 {

@@ -14,7 +14,7 @@ const TURN: f64 = 4.0;
 const STRETCH: f64 = 4.0;
 /// Error below which all maps are equally good, of 1.
 const EQUAL: f64 = 0.001;
-/// The most that a map may cost to be tried, over the least cost.
+/// Highest cost of a map that is tried, over the least cost.
 const LIKELY: f64 = 8.0;
 /// Radii over the blur.
 const BLUR: f64 = 6.0;
