@@ -2,7 +2,7 @@
 
 use crate::common::{IDENTITY, apart, confident_palette, job, output};
 use crate::ownership::version;
-use models::{KernelContent, Pieces, Rng, SMALL, Shape, seal};
+use models::{KernelContent, Pieces, Rng, SMALL, TINY, seal};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
@@ -275,22 +275,14 @@ fn read_skin(skin: Skin<'_>) -> Astray {
 
 /// A sample of each predictor, one of several parts, small, one of kernels, and one of key views.
 fn sound() -> Vec<Vec<u8>> {
-    let shape = Shape {
-        vertices: 2,
-        joints: 3,
-        proxies: 2,
-        influences: 2,
-        tangents: true,
-        coefficients: true,
-    };
-    let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, shape));
+    let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, TINY));
     let several = samples.each_ref().map(Pieces::clone).into_iter();
     let several = several.reduce(|mut all, next| {
         all.append(next);
         all
     });
     let mut several = several.unwrap();
-    several.append(Pieces::loose(shape));
+    several.append(Pieces::loose(TINY));
     let kernels = [KernelContent::servo(), KernelContent::every(Kernel::Cubic)];
     let [_, views] = Pieces::viewed();
     samples
@@ -317,7 +309,7 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
                 seen.joined(evaluate_changed(&first, then));
             }
         }
-        // Nothing but ones, zeros, or noise.
+        // Only ones, zeros, or noise.
         let mut rng = Rng(41);
         for value in [0, 0x7f, 0xff] {
             seen.joined(evaluate_changed(&first, vec![value; first.len()]));

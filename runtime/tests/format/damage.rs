@@ -2,7 +2,7 @@
 
 use crate::common::{apart, exercise, file_error};
 use crate::error;
-use models::{Pieces, Rng, Shape, head, seal};
+use models::{Pieces, Rng, TINY, head, seal};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, SectionRow};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
@@ -67,15 +67,7 @@ fn extra_bytes_are_refused() {
 
 #[test]
 fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
-    let shape = Shape {
-        vertices: 2,
-        joints: 3,
-        proxies: 2,
-        influences: 2,
-        tangents: true,
-        coefficients: true,
-    };
-    let bytes = Pieces::sample(Predictor::Rotational, shape).bytes();
+    let bytes = Pieces::sample(Predictor::Rotational, TINY).bytes();
     let mut loaded = 0;
     for bit in (0..8 * bytes.len()).step_by(apart(499)) {
         let mut flipped = bytes.clone();

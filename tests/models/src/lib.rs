@@ -36,7 +36,7 @@ pub use priors::{FACE_NAME, PriorContent};
 pub use records::RecordContent;
 pub use rng::Rng;
 pub use sample::direction;
-pub use shape::{SMALL, Shape};
+pub use shape::{SMALL, Shape, TINY};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
 pub use views::{
     LayerContent, TextureContent, VIEWED_NAMES, VertexContent, ViewContent, ViewsContent,

@@ -17,6 +17,10 @@ pub struct Shape {
     pub coefficients: bool,
 }
 
+/// As few of everything as a file can be damaged in, bit by bit.
+pub const TINY: Shape =
+    Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true, coefficients: true };
+
 /// A few of everything.
 pub const SMALL: Shape =
     Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true, coefficients: true };

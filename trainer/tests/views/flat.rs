@@ -11,7 +11,7 @@ use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::model::ViewsModel;
 use sinew_trainer::views::player::Player;
-use sinew_trainer::views::set::{Values, read};
+use sinew_trainer::views::set::{Values, ViewSet, read};
 use sinew_trainer::views::train::{Trained, train};
 use std::path::{Path, PathBuf};
 
@@ -113,6 +113,12 @@ pub(crate) fn psnr(a: &Picture, b: &Picture) -> f64 {
     assert_eq!(a.size, b.size);
     let apart = a.rgba.iter().zip(&b.rgba).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
     10.0 * (255.0f64.powi(2) * a.rgba.len() as f64 / apart.sum::<f64>()).log10()
+}
+
+/// Returns the mean and the least of some PSNR.
+pub(crate) fn mean_and_worst(all: &[f64]) -> [f64; 2] {
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    [mean, all.iter().copied().fold(f64::INFINITY, f64::min)]
 }
 
 /// Returns the model's picture, by the runtime.
@@ -257,8 +263,12 @@ pub(crate) fn in_layers(folder: &Folder) -> PathBuf {
 
 /// Trains a set, and bakes it.
 pub(crate) fn made(file: &Path) -> (Trained, Model<Vec<u8>>) {
-    let set = read(file, None).unwrap();
-    let trained = train(&set, FitOptions::default()).unwrap();
+    made_of(&read(file, None).unwrap())
+}
+
+/// Trains a set.
+pub(crate) fn made_of(set: &ViewSet) -> (Trained, Model<Vec<u8>>) {
+    let trained = train(set, FitOptions::default()).unwrap();
     let bytes = bake(Space::default(), &parts(&trained.model).unwrap()).unwrap();
     (trained, Model::from_bytes(bytes).unwrap())
 }

@@ -1,7 +1,7 @@
 //! Objects in layers as Inochi2D puppets.
 
 use super::common::Folder;
-use super::flat::{SCREEN, Sheet, draw, drawn, in_layers, made, psnr};
+use super::flat::{SCREEN, Sheet, draw, drawn, in_layers, made, mean_and_worst, psnr};
 use super::puppets::posed;
 use super::shared::shared;
 use inochi2d_parser::prelude::Puppet;
@@ -92,8 +92,7 @@ fn a_character_s_puppet_is_what_the_model_draws() {
         let expected = drawn(&file, &shown.values);
         all.push(psnr(&found, &expected));
     }
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let [mean, worst] = mean_and_worst(&all);
     println!("puppet of the character over the model, 25 nodes: {mean:.2} dB, worst {worst:.2}");
     // Halfway between nodes.
     let mut between = Vec::new();

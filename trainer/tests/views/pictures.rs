@@ -1,17 +1,12 @@
 //! Pictures between key views, held against true ones: PSNR is of premultiplied RGBA.
 
-use super::flat::{drawn, psnr};
+use super::flat::{drawn, made_of, mean_and_worst, psnr};
 use super::shared::shared;
 use sinew_runtime::Model;
-use sinew_runtime::format::Space;
-use sinew_trainer::bake::bake;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
-use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::player::multiplied;
 use sinew_trainer::views::psnr::PictureError;
 use sinew_trainer::views::set::{Layer, Values, ViewSet, read};
-use sinew_trainer::views::train::train;
 
 /// The character's test views: mean and worst in dB, and in one layer.
 const LAYERS: [f64; 2] = [34.0, 31.0];
@@ -23,16 +18,6 @@ const JUMP: f64 = 1.5;
 /// The head's left-out views: mean and worst in dB, and pixels without coverage.
 const HEAD: [f64; 2] = [34.0, 28.0];
 const HOLES: usize = 27;
-
-fn model(set: &ViewSet) -> Model<Vec<u8>> {
-    let trained = train(set, FitOptions::default()).unwrap();
-    Model::from_bytes(bake(Space::default(), &parts(&trained.model).unwrap()).unwrap()).unwrap()
-}
-
-fn mean_and_worst(all: &[f64]) -> [f64; 2] {
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    [mean, all.iter().copied().fold(f64::INFINITY, f64::min)]
-}
 
 /// Measures the test views of a set of one motion.
 fn tested(set: &ViewSet, model: &Model<Vec<u8>>) -> Vec<f64> {
@@ -47,7 +32,7 @@ fn tested(set: &ViewSet, model: &Model<Vec<u8>>) -> Vec<f64> {
 fn a_character_in_layers_turns_as_it_is_drawn_and_does_not_jump() {
     let Some(file) = shared("character-2d/character.json") else { return };
     let set = read(&file, None).unwrap();
-    let model = model(&set);
+    let (_, model) = made_of(&set);
     let all = tested(&set, &model);
     let [mean, worst] = mean_and_worst(&all);
     println!("character in layers: {mean:.2} dB, worst {worst:.2}");
@@ -76,7 +61,7 @@ fn a_character_in_one_layer_is_nearer_than_pixels_that_are_mixed() {
     let mut set = read(&file, None).unwrap();
     set.layers = vec![Layer::whole("all", set.point_len(), Vec::new())];
     set.maps[0].train.iter_mut().for_each(|view| view.layers.clear());
-    let all = tested(&set, &model(&set));
+    let all = tested(&set, &made_of(&set).1);
     let [mean, _] = mean_and_worst(&all);
     println!("character in one layer: {mean:.2} dB, {all:.2?}");
     assert!(mean >= FLAT && all.iter().zip(MIXED).all(|(own, mixed)| *own > mixed), "{all:?}");
@@ -119,7 +104,7 @@ fn views_of_a_head_that_are_left_out_look_as_they_should() {
     for number in 0..set.maps[0].train.len() {
         let mut rest = set.clone();
         let view = rest.maps[0].train.remove(number);
-        let found = drawn(&model(&rest), &view.values);
+        let found = drawn(&made_of(&rest).1, &view.values);
         let truth = multiplied(&view.image.as_ref().unwrap().load(set.size).unwrap());
         let seen = view.known().into_iter().zip(&view.visible).filter(|(_, seen)| **seen);
         let within = hull(&seen.map(|(point, _)| point).collect::<Vec<_>>(), set.size);

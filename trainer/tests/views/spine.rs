@@ -1,7 +1,7 @@
 //! Spine JSON, read back by the format's public description ("JSON export format", esotericsoftware.com).
 
 use super::common::Folder;
-use super::flat::{SCREEN, Sheet, draw, drawn, found, in_layers, made, psnr};
+use super::flat::{SCREEN, Sheet, draw, drawn, found, in_layers, made, mean_and_worst, psnr};
 use super::puppets::decoded;
 use super::shared::shared;
 use serde_json::Value;
@@ -247,8 +247,7 @@ fn a_character_walks_its_path_as_the_model_draws_it() {
         let found = draw([320, 320], &pose.sheets, &pose.order);
         all.push(psnr(&found, &drawn(&file, values)));
     }
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let [mean, worst] = mean_and_worst(&all);
     println!("spine of the character over the model, 9 frames: {mean:.2} dB, worst {worst:.2}");
     assert!(mean > 36.0 && worst > 33.0, "{all:?}");
 }

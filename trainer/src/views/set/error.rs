@@ -194,3 +194,16 @@ pub enum SetError {
     #[error("{0}")]
     Lottie(&'static str),
 }
+
+impl SetError {
+    /// Makes a [`SetError::Field`].
+    pub(super) fn field(view: &str, name: &str, what: &str) -> Self {
+        Self::Field { view: view.to_owned(), name: name.to_owned(), what: what.to_owned() }
+    }
+
+    /// Makes the error of a layer that no view shows.
+    pub(super) fn never_shown(layer: &str) -> Self {
+        let what = "no view has a picture of it: name one, or leave it out".to_owned();
+        Self::Layer { layer: layer.to_owned(), what }
+    }
+}

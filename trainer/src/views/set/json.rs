@@ -109,19 +109,15 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     };
     let all: Vec<WrittenMap> = std::iter::once(own).chain(maps).collect();
     if let Some(map) = all.iter().find(|map| map.train.is_empty() && !map.test.is_empty()) {
-        let what = "has views, and \"train\" none to learn from".to_owned();
-        return Err(SetError::Field { view: map.name.clone(), name: "test".to_owned(), what });
+        let what = "has views, and \"train\" none to learn from";
+        return Err(SetError::field(&map.name, "test", what));
     }
     let all: Vec<WrittenMap> = all.into_iter().filter(|map| !map.train.is_empty()).collect();
     if let Some(twice) =
         (1..all.len()).find(|&at| all[..at].iter().any(|map| map.name == all[at].name))
     {
-        let what = "is the name of two motions: give each its own".to_owned();
-        return Err(SetError::Field {
-            view: all[twice].name.clone(),
-            name: "map".to_owned(),
-            what,
-        });
+        let what = "is the name of two motions: give each its own";
+        return Err(SetError::field(&all[twice].name, "map", what));
     }
     let painted = painted_files(&all, folder);
     let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
@@ -234,11 +230,7 @@ fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples,
                 painted::add(&image.file, layers, &mut view.layers)?;
             } else if !view.is_key() {
                 let what = "is one picture of all layers: name pictures of them under \"layers\"";
-                return Err(SetError::Field {
-                    view: named,
-                    name: "image".to_owned(),
-                    what: what.to_owned(),
-                });
+                return Err(SetError::field(&named, "image", what));
             }
             Ok(view)
         };
@@ -305,10 +297,7 @@ fn view(
         let number = own.ok_or_else(|| wrong("missing"))?.as_f64();
         values.insert(name.to_owned(), number.ok_or_else(|| wrong("no number"))?);
     }
-    let field = |name: &str, what: &str| {
-        let (view, name) = (named.to_owned(), name.to_owned());
-        Err(SetError::Field { view, name, what: what.to_owned() })
-    };
+    let field = |name: &str, what: &str| Err(SetError::field(named, name, what));
     // A number may be a parameter of another map.
     if let Some((name, _)) = all.iter().find(|(_, value)| !value.is_number()) {
         return field(

@@ -238,10 +238,7 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
         keys.iter().any(|&(map, view)| set.maps[map].train[view].picture(layer).is_some())
     };
     match (0..layers.len()).find(|&layer| !shown(layer)) {
-        Some(layer) if !keys.is_empty() => {
-            let what = "no view has a picture of it: name one, or leave it out".to_owned();
-            Err(SetError::Layer { layer: layers[layer].name.clone(), what })
-        }
+        Some(layer) if !keys.is_empty() => Err(SetError::never_shown(&layers[layer].name)),
         _ => Ok(()),
     }
 }

@@ -89,8 +89,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     }
     let sides = |own: &Shown| own.picture.size.width.max(own.picture.size.height);
     let Some(longest) = shown.iter().map(sides).max() else {
-        let what = "no view has a picture of it: name one, or leave it out".to_owned();
-        return Err(SetError::Layer { layer: set.layers[layer].name.clone(), what });
+        return Err(SetError::never_shown(&set.layers[layer].name));
     };
     let scale = (SIDE / longest as f64).min(1.0);
     let field = |Shown { picture, corner, .. }: &Shown| {
