@@ -43,8 +43,7 @@ void main() {
 
     uint row = params.groups + 8u * group;
     uint joint = blob[row] & 0xffffu;
-    uint kernel = (blob[row] >> 16u) & 0xfu;
-    uint caution = (blob[row] >> 20u) & 0xfu;
+    uint kernel = (blob[row] >> 16u) & 0xffu;
     uint d = blob[row + 1u] & 0xffffu;
     uint n = blob[row + 1u] >> 16u;
     uint rank = blob[row + 2u] & 0xffffu;
@@ -144,8 +143,7 @@ void main() {
     barrier();
 
     precise float known = 1.0 + scratch[evidence];
-    precise float doubted = float(1u << caution) * scratch[evidence + 1u];
-    precise float sure = known / (known + doubted);
+    precise float sure = known / (known + scratch[evidence + 1u]);
     precise float w = smooth_step(min(1.0, 8.0 * sure));
     if (w > 0.0) {
         uint first = params.palette_len - params.proxy_len;

@@ -33,8 +33,7 @@ fn main(
 
     let row = params.groups + 8u * group;
     let joint = blob[row] & 0xffffu;
-    let kernel = (blob[row] >> 16u) & 0xfu;
-    let caution = (blob[row] >> 20u) & 0xfu;
+    let kernel = (blob[row] >> 16u) & 0xffu;
     let d = blob[row + 1u] & 0xffffu;
     let n = blob[row + 1u] >> 16u;
     let rank = blob[row + 2u] & 0xffffu;
@@ -127,7 +126,7 @@ fn main(
     storageBarrier();
 
     let known = 1.0 + scratch[evidence];
-    let sure = known / (known + f32(1u << caution) * scratch[evidence + 1u]);
+    let sure = known / (known + scratch[evidence + 1u]);
     let w = smooth_step(min(1.0, 8.0 * sure));
     if w > 0.0 {
         var first = params.palette_len - params.proxy_len;

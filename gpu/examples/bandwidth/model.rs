@@ -108,7 +108,6 @@ fn group(group: usize) -> Group {
                 linear: 0.1,
                 signal: 1.0,
                 noise: 0.0,
-                caution: 0,
             },
         },
         outputs: small(12 * GROUP, RANK),

@@ -11,7 +11,6 @@ use sinew_runtime::{Envelope, Skin};
 
 const ROTATIONAL: &[u8] = GOLDEN[0];
 const KERNEL: &[u8] = GOLDEN[1];
-const HYBRID: &[u8] = GOLDEN[2];
 
 /// A device of large bindings.
 const LARGE: DeviceLimits =
@@ -59,8 +58,6 @@ fn stages_follow_the_predictor() {
     assert_eq!(stages(ROTATIONAL, true), [Gradients, Palette, Skin, Confidence]);
     assert_eq!(stages(KERNEL, true), [Joints, Features, Correction, Skin, Confidence]);
     assert_eq!(stages(KERNEL, false), [Joints, Features, Correction]);
-    let hybrid = [Gradients, Palette, Features, Correction, Skin, Confidence];
-    assert_eq!(stages(HYBRID, true), hybrid);
 }
 
 #[test]
@@ -166,7 +163,7 @@ fn check_chunk(
 
 #[test]
 fn large_chunks_without_gaps_do_not_meet() {
-    let model = load(HYBRID);
+    let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
     let limits = DeviceLimits { storage_binding_bytes: 300_000, ..LARGE };
     let batch = Batch::skinned(&envelope, &skin, 1000);
@@ -201,7 +198,7 @@ fn what_is_not_there_is_bound_to_the_blob() {
 
 #[test]
 fn params_hold_the_blocks_of_all_chunks() {
-    let model = load(HYBRID);
+    let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
     let limits = DeviceLimits { storage_binding_bytes: 130_000, ..LARGE };
     let plan = Plan::new(&model, &envelope, &scattered(&envelope, &skin, 100), &limits).unwrap();
@@ -296,7 +293,7 @@ fn fewer_instances_take_fewer_workgroups() {
 
 #[test]
 fn what_a_model_or_a_device_does_not_have_is_refused() {
-    let model = load(HYBRID);
+    let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
     let refused = |change: &dyn Fn(&mut Batch)| {
         let mut batch = scattered(&envelope, &skin, 4);
@@ -356,7 +353,7 @@ fn what_a_model_or_a_device_does_not_have_is_refused() {
 
 #[test]
 fn parts_of_another_file_are_refused() {
-    let [model, other] = [KERNEL, HYBRID].map(load);
+    let [model, other] = [KERNEL, ROTATIONAL].map(load);
     let ((envelope, skin), (other_envelope, other_skin)) = (parts(&model), parts(&other));
     let planned = |envelope: &Envelope<'_>, skin: &Skin<'_>| {
         let mut batch = Batch::palettes(envelope, 2);
@@ -393,7 +390,7 @@ fn an_empty_range_is_skinned_by_no_stage() {
 
 #[test]
 fn buffers_and_counts_are_checked() {
-    let model = load(HYBRID);
+    let model = load(KERNEL);
     let (envelope, _) = parts(&model);
     let plan = Plan::new(&model, &envelope, &Batch::palettes(&envelope, 4), &LARGE).unwrap();
     let resource = Resource::Poses;

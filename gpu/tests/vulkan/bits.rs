@@ -53,7 +53,7 @@ fn past_65535_workgroups_nothing_else_is_written() {
 #[test]
 fn what_is_timed_is_run_and_well_guarded() {
     let device = lavapipe();
-    let model = load(GOLDEN[2]);
+    let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
     let batch = Batch::skinned(&envelope, &skin, 2);
     let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();

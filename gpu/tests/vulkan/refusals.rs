@@ -199,9 +199,7 @@ fn barriers_stand_where_a_stage_reads_what_another_wrote_and_nowhere_else() {
     let rotational = vec![true, true, true, false];
     // Joints and features; correction, which adds to palettes; skin and confidence.
     let kernel = vec![true, false, true, true, false];
-    // Gradients; palette; features, which write to the scratch that it reads; correction; as above.
-    let hybrid = vec![true, true, true, true, true, false];
-    for (bytes, guarded) in GOLDEN.into_iter().zip([rotational, kernel, hybrid]) {
+    for (bytes, guarded) in GOLDEN.into_iter().zip([rotational, kernel]) {
         for batch in [Batch::skinned as Of, hosted_batch as Of, positions as Of] {
             let plan = planned(bytes, batch);
             let stages: Vec<_> = plan.stages().collect();

@@ -96,7 +96,7 @@ fn the_count_sees_a_nudge() {
 #[test]
 fn a_lost_device_is_told() {
     let device = lavapipe();
-    let model = load(GOLDEN[2]);
+    let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
     let batch = Batch::skinned(&envelope, &skin, 2);
     let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();

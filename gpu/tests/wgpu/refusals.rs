@@ -44,7 +44,7 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
 /// Of every kind of batch; together they need every resource.
 fn scenes() -> [Scene; 4] {
     let scenes = [
-        scene(GOLDEN[2], whole),
+        scene(GOLDEN[1], whole),
         scene_of(kernel_plan),
         scene_of(shapes_plan),
         scene_of(filter_plan),
@@ -164,7 +164,7 @@ fn without_usage(scene: &Scene) {
 
 #[test]
 fn what_is_not_needed_may_be_left_out_or_wrong() {
-    let scene = scene(GOLDEN[2], palettes);
+    let scene = scene(GOLDEN[1], palettes);
     let wrong = scene.make(4, BufferUsages::VERTEX);
     for resource in [Resource::Queries, Resource::Confidences, Resource::Host, Resource::Out] {
         assert!(!scene.needs(resource));
@@ -238,7 +238,7 @@ fn overlapping(scene: &Scene) {
 /// What is refused as shared is what wgpu would refuse when commands are finished.
 #[test]
 fn wgpu_refuses_what_is_shared() {
-    let scene = scene(GOLDEN[2], whole);
+    let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
     let source = "@group(0) @binding(0) var<storage, read> a: array<u32>;
         @group(0) @binding(1) var<storage, read_write> b: array<u32>;
@@ -287,7 +287,7 @@ fn a_buffer_of_another_device_is_refused() {
     let adapter = lavapipe();
     let open = || pollster::block_on(adapter.request_device(&Default::default())).unwrap().0;
     let [device, other] = [(); 2].map(|()| open());
-    let model = load(GOLDEN[2]);
+    let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
     let batch = palettes(&envelope, &skin);
     let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits())).unwrap();
@@ -313,7 +313,7 @@ fn a_buffer_of_another_device_is_refused() {
 
 #[test]
 fn a_stage_without_a_pipeline_or_outside_the_batch_is_refused() {
-    let mut scene = scene(GOLDEN[2], whole);
+    let mut scene = scene(GOLDEN[0], whole);
     let bound = Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
     let mut encoder = scene.device.device().create_command_encoder(&Default::default());
     assert_eq!(
@@ -327,7 +327,7 @@ fn a_stage_without_a_pipeline_or_outside_the_batch_is_refused() {
 
 #[test]
 fn a_wrong_number_of_instances_records_nothing() {
-    let scene = scene(GOLDEN[2], whole);
+    let scene = scene(GOLDEN[1], whole);
     let bound = Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
     let palettes = &scene.own[Resource::Palettes as usize];
     let poison = vec![0xff; palettes.size() as usize];
@@ -378,8 +378,8 @@ fn limits_too_small_are_refused() {
 
 #[test]
 fn a_plan_by_larger_limits_is_refused() {
-    let scene = scene(GOLDEN[2], palettes);
-    let model = load(GOLDEN[2]);
+    let scene = scene(GOLDEN[1], palettes);
+    let model = load(GOLDEN[1]);
     let (envelope, _) = parts(&model);
     let own = scene.device.limits();
     let refused = |batch: &Batch, limits: DeviceLimits| {
@@ -416,7 +416,7 @@ fn a_plan_by_larger_limits_is_refused() {
 /// wgpu tells it to the host's own callback, and to no error scope: what is made is void.
 #[test]
 fn a_lost_device_is_told_to_the_host_alone() {
-    let scene = scene(GOLDEN[2], whole);
+    let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
     let (tell, told) = std::sync::mpsc::channel();
     device.set_device_lost_callback(move |_, _| tell.send(()).unwrap());
@@ -433,7 +433,7 @@ fn a_lost_device_is_told_to_the_host_alone() {
 /// What cannot be seen beforehand is told by wgpu at submission.
 #[test]
 fn a_destroyed_buffer_is_told_by_wgpu() {
-    let scene = scene(GOLDEN[2], whole);
+    let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
     let bound = Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
     let scope = device.push_error_scope(ErrorFilter::Validation);

@@ -390,8 +390,6 @@ enum sinew_predictor
     SINEW_PREDICTOR_ROTATIONAL = 1,
     /// The palette is the J joints, then P helpers that kernel maps move.
     SINEW_PREDICTOR_KERNEL = 2,
-    /// The palette is P proxies, of rotational regression and kernel maps together.
-    SINEW_PREDICTOR_HYBRID = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -36,8 +36,6 @@ pub enum sinew_predictor {
     Rotational = 1,
     /// The palette is the J joints, then P helpers that kernel maps move.
     Kernel = 2,
-    /// The palette is P proxies, of rotational regression and kernel maps together.
-    Hybrid = 3,
 }
 
 /// What the fit was measured to reach, in the units of the file.
@@ -228,7 +226,6 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
         predictor: match envelope.predictor() {
             Predictor::Rotational => sinew_predictor::Rotational,
             Predictor::Kernel => sinew_predictor::Kernel,
-            Predictor::Hybrid => sinew_predictor::Hybrid,
         },
         joint_len: envelope.joint_len(),
         proxy_len: envelope.proxy_len(),

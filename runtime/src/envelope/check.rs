@@ -152,8 +152,8 @@ fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let trust = row.trust.words();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
-    } else if GroupKernel::from_number(row.kernel()).is_none() {
-        Some((Kind::Unsupported, [0, row.kernel().into()]))
+    } else if GroupKernel::from_number(row.kernel).is_none() {
+        Some((Kind::Unsupported, [0, row.kernel.into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
     } else if outside(&trust, [0.0, CORRECTION_MAX]).is_some()

@@ -25,13 +25,11 @@ pub enum Predictor {
     Rotational = 1,
     /// The J joints, and P helpers that a kernel map moves against their dominant joints.
     Kernel = 2,
-    /// The P proxies of the reconstruction, and a kernel map for what it leaves over.
-    Hybrid = 3,
 }
 
 impl Predictor {
     /// Every predictor.
-    pub const ALL: [Self; 3] = [Self::Rotational, Self::Kernel, Self::Hybrid];
+    pub const ALL: [Self; 2] = [Self::Rotational, Self::Kernel];
 
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
@@ -43,7 +41,6 @@ impl Predictor {
         match self {
             Self::Rotational => "rotational",
             Self::Kernel => "kernel",
-            Self::Hybrid => "hybrid",
         }
     }
 
@@ -52,19 +49,18 @@ impl Predictor {
         match number {
             1 => Some(Self::Rotational),
             2 => Some(Self::Kernel),
-            3 => Some(Self::Hybrid),
             _ => None,
         }
     }
 
     /// Whether the proxies' base is the reconstruction `c1 d + c2 q`.
     pub const fn reconstructs(self) -> bool {
-        matches!(self, Self::Rotational | Self::Hybrid)
+        matches!(self, Self::Rotational)
     }
 
     /// Whether kernel maps correct the proxies.
     pub const fn corrects(self) -> bool {
-        matches!(self, Self::Kernel | Self::Hybrid)
+        matches!(self, Self::Kernel)
     }
 }
 

@@ -190,23 +190,19 @@ impl Envelope<'_> {
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
     ) -> f32 {
-        let mut confidence = 1.0;
         if self.predictor().reconstructs() {
-            confidence = self.reconstruct(pose, scratch, out_palette);
-        } else {
-            joints::evaluate(self, pose, out_palette);
+            return self.reconstruct(pose, scratch, out_palette);
         }
-        if self.group_len() > 0 {
-            // What the base needed of the scratch is free again.
-            let (features, scratch) = self.scratch_layout().correction(scratch);
-            features::evaluate(self, pose, features);
-            confidence = correction::evaluate(self, pose, features, scratch, out_palette);
+        joints::evaluate(self, pose, out_palette);
+        if self.group_len() == 0 {
+            return 1.0;
         }
-        confidence
+        let (features, scratch) = self.scratch_layout().correction(scratch);
+        features::evaluate(self, pose, features);
+        correction::evaluate(self, pose, features, scratch, out_palette)
     }
 
-    /// Computes the palette by rotational regression, and the confidence in it, which is 1 where a
-    /// correction follows.
+    /// Computes the palette by rotational regression, and the confidence in it.
     fn reconstruct(
         &self,
         pose: &[Matrix3x4],
@@ -217,6 +213,6 @@ impl Envelope<'_> {
         gradients::evaluate(self, pose, base.relative, base.rotations, base.gradients);
         let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
         palette::evaluate(self, root, base.relative, base.gradients, out_palette);
-        if self.predictor().corrects() { 1.0 } else { confidence::evaluate(self, base.rotations) }
+        confidence::evaluate(self, base.rotations)
     }
 }

@@ -24,9 +24,6 @@ pub struct Group<'a> {
     pub proxies: Range<usize>,
     /// How well it knows a pose.
     pub trust: Trust,
-    /// A doubt counts 2^caution times, caution 0 to 15, where it is decided what the map adds: the better the base, the
-    /// more.
-    pub caution: u8,
     features: &'a [Le],
     weights: &'a [Le],
     pub(crate) map: Map<'a>,
@@ -35,13 +32,12 @@ pub struct Group<'a> {
 impl<'a> Group<'a> {
     fn new(row: &GroupRow, proxies: Range<usize>, words: &'a [Le]) -> Option<Self> {
         let (shape, trust) = (row.shape(), row.trust);
-        let kernel = GroupKernel::from_number(row.kernel())?;
-        let caution = row.caution();
+        let kernel = GroupKernel::from_number(row.kernel)?;
         let (features, words) = words.split_at_checked(padded(shape.input_len))?;
         let (weights, words) = words.split_at_checked(padded(shape.input_len))?;
-        let map = Map::new(shape, kernel, (trust, caution), words)?;
+        let map = Map::new(shape, kernel, trust, words)?;
         let joint = row.joint.into();
-        Some(Self { joint, kernel, proxies, trust, caution, features, weights, map })
+        Some(Self { joint, kernel, proxies, trust, features, weights, map })
     }
 
     /// Returns d, the number of inputs.
@@ -101,13 +97,12 @@ impl<'a> Group<'a> {
 
 impl fmt::Debug for Group<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { joint, kernel, proxies, trust, caution, .. } = self;
+        let Self { joint, kernel, proxies, trust, .. } = self;
         f.debug_struct("Group")
             .field("joint", joint)
             .field("kernel", kernel)
             .field("proxies", proxies)
             .field("trust", trust)
-            .field("caution", caution)
             .finish_non_exhaustive()
     }
 }

@@ -47,7 +47,6 @@ pub(crate) struct Map<'a> {
     pub(crate) shape: Shape,
     pub(crate) kernel: GroupKernel,
     pub(crate) trust: Trust,
-    pub(crate) caution: u8,
     centres: &'a [[Le; 8]],
     rest: &'a [[Le; 8]],
     coefficients: &'a [[Le; 8]],
@@ -59,7 +58,7 @@ impl<'a> Map<'a> {
     pub(crate) fn new(
         shape: Shape,
         kernel: GroupKernel,
-        (trust, caution): (Trust, u8),
+        trust: Trust,
         words: &'a [Le],
     ) -> Option<Self> {
         let Shape { input_len: d, centre_len: n, rank: r, output_len: o, .. } = shape;
@@ -69,7 +68,7 @@ impl<'a> Map<'a> {
         let (rest, blocks) = blocks.split_at_checked(matrix(n, 1)?)?;
         let (coefficients, blocks) = blocks.split_at_checked(matrix(shape.values(), n + d)?)?;
         let (outputs, _) = blocks.split_at_checked(matrix(o, r)?)?;
-        Some(Self { shape, kernel, trust, caution, centres, rest, coefficients, outputs })
+        Some(Self { shape, kernel, trust, centres, rest, coefficients, outputs })
     }
 
     /// Evaluates the map where x is known, and returns what is known of it (METHOD §2.6).
@@ -94,7 +93,7 @@ impl<'a> Map<'a> {
         let (latent, certainty) = split(values, r);
         let change = basis.first().copied().unwrap_or_default();
         let evidence = self.trust.evidence(input, change, certainty.iter().take(m));
-        let w = evidence.share(self.caution);
+        let w = evidence.share();
         if w > 0.0 {
             let out = out.as_chunks_mut().0;
             block_product(self.outputs, [latent, &[]], out);

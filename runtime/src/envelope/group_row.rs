@@ -9,8 +9,8 @@ use crate::linear::padded;
 pub struct GroupRow {
     /// The dominant joint.
     pub joint: u16,
-    /// Number of a [`super::GroupKernel`], and 16 times the caution of [`super::Group::caution`].
-    pub kernel_and_caution: u8,
+    /// Number of a [`super::GroupKernel`].
+    pub kernel: u8,
     /// Values that tell how well a pose is known, m.
     pub certainty_len: u8,
     /// Inputs, d.
@@ -30,16 +30,6 @@ pub struct GroupRow {
 impl GroupRow {
     /// Bytes of a row.
     pub const BYTES: usize = 32;
-
-    /// Returns the number of the kernel.
-    pub fn kernel(&self) -> u8 {
-        self.kernel_and_caution & 15
-    }
-
-    /// Returns the caution, 0 to 15.
-    pub fn caution(&self) -> u8 {
-        self.kernel_and_caution >> 4
-    }
 
     /// Counts the group's words in section `corrections`; no product of its sizes overflows.
     pub fn words(&self) -> u64 {
@@ -71,7 +61,7 @@ impl GroupRow {
         let [p0, p1] = self.proxy_len.to_le_bytes();
         let [reach, linear, signal, noise] = self.trust.words();
         let words = [
-            [j0, j1, self.kernel_and_caution, self.certainty_len],
+            [j0, j1, self.kernel, self.certainty_len],
             [d0, d1, n0, n1],
             [r0, r1, p0, p1],
             self.offset.to_le_bytes(),
@@ -87,7 +77,7 @@ impl GroupRow {
 
     /// Reads a row.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let [j0, j1, kernel_and_caution, certainty_len, lengths @ ..] = *bytes;
+        let [j0, j1, kernel, certainty_len, lengths @ ..] = *bytes;
         let [d0, d1, n0, n1, r0, r1, p0, p1, words @ ..] = lengths;
         let [o0, o1, o2, o3, floats @ ..] = words;
         let [e0, e1, e2, e3, l0, l1, l2, l3, s0, s1, s2, s3, t0, t1, t2, t3] = floats;
@@ -99,7 +89,7 @@ impl GroupRow {
         };
         Self {
             joint: u16::from_le_bytes([j0, j1]),
-            kernel_and_caution,
+            kernel,
             certainty_len,
             input_len: u16::from_le_bytes([d0, d1]),
             centre_len: u16::from_le_bytes([n0, n1]),

@@ -6,7 +6,6 @@
 //! |---|---|---|---|
 //! | rotational | `gradients`, `palette` | none | `confidence` |
 //! | kernel | `joints` | `features`, `correction` | of the correction, and of the joints' ranges |
-//! | hybrid | `gradients`, `palette` | `features`, `correction` | the same |
 //!
 //! A [`crate::Skin`] takes the palette of any of them.
 

@@ -76,8 +76,7 @@ impl Evidence {
     }
 
     /// Returns w, what a map is multiplied by: 1 but where it is much more likely to spoil than to mend.
-    pub(crate) fn share(self, caution: u8) -> f32 {
-        let doubted = (1u32 << (caution & 15)) as f32 * self.doubted;
-        smoothstep(lesser(1.0, 8.0 * Self { doubted, ..self }.confidence()))
+    pub(crate) fn share(self) -> f32 {
+        smoothstep(lesser(1.0, 8.0 * self.confidence()))
     }
 }

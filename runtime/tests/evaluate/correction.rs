@@ -9,8 +9,6 @@ use sinew_runtime::envelope::{GroupKernel, Predictor, Trust};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
-const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
-
 type Wide = [[f64; 4]; 3];
 
 fn wide(m: &Matrix3x4) -> Wide {
@@ -116,8 +114,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     } else {
         [0.0, f64::INFINITY]
     };
-    let cautious = [evidence[0], 2f64.powi(group.caution.into()) * evidence[1]];
-    let w = smooth((8.0 * sure(cautious)).min(1.0));
+    let w = smooth((8.0 * sure(evidence)).min(1.0));
     let out = times(&group.outputs, &latent);
     let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
     (maps.collect(), evidence)
@@ -149,13 +146,8 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
     (out, sure(known))
 }
 
-/// What the correction starts from: for the kernel predictor the joints and, for each helper, its
-/// dominant joint; for the hybrid one any palette.
-fn base(envelope: &Envelope<'_>, groups: &[GroupContent], pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
-    let p = envelope.proxy_len();
-    if envelope.predictor() == Predictor::Hybrid {
-        return (0..p).map(|l| IDENTITY.map(|row| row.map(|x| x * (l + 1) as f32))).collect();
-    }
+/// The palette before the correction: the joints and, for each helper, its dominant joint.
+fn base(groups: &[GroupContent], pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     let of_group = |g: &GroupContent| vec![pose[g.joint]; g.proxies];
     pose.iter().copied().chain(groups.iter().flat_map(of_group)).collect()
 }
@@ -215,15 +207,15 @@ fn corrections_agree_with_f64() {
         tangents: false,
         coefficients: true,
     };
-    for (predictor, shape) in BOTH.into_iter().flat_map(|p| [(p, SMALL), (p, wide_shape)]) {
+    for shape in [SMALL, wide_shape] {
         let groups = sample_groups(shape.joints, shape.proxies);
-        with_predictor(predictor, shape, |envelope| {
+        with_predictor(Predictor::Kernel, shape, |envelope| {
             let mut rng = Rng(11);
             let mut between = 0;
             for i in (0..300).step_by(apart(149)) {
                 let turn = [0.05, 0.2, 0.5][i % 3];
                 let pose = random_pose(&envelope, &mut rng, turn);
-                let base = base(&envelope, &groups, &pose);
+                let base = base(&groups, &pose);
                 let (found, confidence) = corrected(&envelope, &pose, &base);
                 let (expected, expected_confidence) = reference(&groups, &pose, &base);
                 let expected = narrow(&expected);
@@ -266,7 +258,6 @@ fn each_number_of_a_group_matters() {
         |g| g.trust.linear = 0.5,
         |g| g.trust.signal = 1.0,
         |g| g.trust.noise = 1.0,
-        |g| g.caution = 6,
         |g| g.coefficients[3][2] += 0.5,
         |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,
@@ -283,18 +274,16 @@ fn each_number_of_a_group_matters() {
 
 #[test]
 fn the_rest_pose_is_exact_bit_for_bit() {
-    for predictor in BOTH {
-        with_predictor(predictor, SMALL, |envelope| {
-            let rest = vec![IDENTITY; envelope.joint_len()];
-            let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
-            stages::features(&envelope, &rest, &mut phi).unwrap();
-            assert_eq!(phi, vec![[[0.0; 4]; 3]; envelope.joint_len()]);
-            let (palette, confidence) = confident_palette(&envelope, &rest);
-            let identity = vec![IDENTITY; envelope.palette_len()];
-            assert_eq!(flat_bits(&palette), flat_bits(&identity), "{predictor:?}");
-            assert!(confidence > 0.0, "the maps have run");
-        });
-    }
+    with_predictor(Predictor::Kernel, SMALL, |envelope| {
+        let rest = vec![IDENTITY; envelope.joint_len()];
+        let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
+        stages::features(&envelope, &rest, &mut phi).unwrap();
+        assert_eq!(phi, vec![[[0.0; 4]; 3]; envelope.joint_len()]);
+        let (palette, confidence) = confident_palette(&envelope, &rest);
+        let identity = vec![IDENTITY; envelope.palette_len()];
+        assert_eq!(flat_bits(&palette), flat_bits(&identity));
+        assert!(confidence > 0.0, "the maps have run");
+    });
     // A value at rest that is off by a last place shows, but for a gaussian, which needs none there.
     let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
     let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
@@ -314,31 +303,29 @@ fn the_rest_pose_is_exact_bit_for_bit() {
 
 #[test]
 fn far_poses_have_no_confidence_and_keep_their_base() {
-    for predictor in BOTH {
-        let groups = sample_groups(SMALL.joints, SMALL.proxies);
-        with_predictor(predictor, SMALL, |envelope| {
-            // Every joint far from its parent.
-            let far = (0..4).map(|joint| {
-                let mut map = IDENTITY;
-                map[0][3] = [40.0, 0.0, 20.0, 60.0][joint];
-                map[1][3] = [-0.0, 30.0, 60.0, 90.0][joint];
-                map
-            });
-            let far = far.collect::<Vec<_>>();
-            let kept = |pose: &[Matrix3x4]| {
-                let base = base(&envelope, &groups, pose);
-                let (palette, confidence) = corrected(&envelope, pose, &base);
-                assert_eq!(flat_bits(&palette), flat_bits(&base));
-                assert!(confidence < 1e-29, "{confidence}");
-            };
-            kept(&far);
-            // So far that distances overflow: nothing but the base is left of it either.
-            let mut lost = far.clone();
-            lost[3][0] = [1e30, 0.0, 0.0, 1e30];
-            lost[0][1] = [0.0, 3e38, 0.0, -3e38];
-            kept(&lost);
+    let groups = sample_groups(SMALL.joints, SMALL.proxies);
+    with_predictor(Predictor::Kernel, SMALL, |envelope| {
+        // Every joint far from its parent.
+        let far = (0..4).map(|joint| {
+            let mut map = IDENTITY;
+            map[0][3] = [40.0, 0.0, 20.0, 60.0][joint];
+            map[1][3] = [-0.0, 30.0, 60.0, 90.0][joint];
+            map
         });
-    }
+        let far = far.collect::<Vec<_>>();
+        let kept = |pose: &[Matrix3x4]| {
+            let base = base(&groups, pose);
+            let (palette, confidence) = corrected(&envelope, pose, &base);
+            assert_eq!(flat_bits(&palette), flat_bits(&base));
+            assert!(confidence < 1e-29, "{confidence}");
+        };
+        kept(&far);
+        // So far that distances overflow: nothing but the base is left of it either.
+        let mut lost = far.clone();
+        lost[3][0] = [1e30, 0.0, 0.0, 1e30];
+        lost[0][1] = [0.0, 3e38, 0.0, -3e38];
+        kept(&lost);
+    });
 }
 
 #[test]
@@ -367,7 +354,7 @@ fn joints_are_copied_bit_for_bit() {
         assert_ne!(palette[4], pose[groups[0].joint], "the helpers are moved");
         let mut joints_only = vec![[[f32::NAN; 4]; 3]; 7];
         stages::joints(&envelope, &pose, &mut joints_only).unwrap();
-        assert_eq!(flat_bits(&joints_only), flat_bits(&base(&envelope, &groups, &pose)));
+        assert_eq!(flat_bits(&joints_only), flat_bits(&base(&groups, &pose)));
     });
     // Without helpers it is linear blend skinning, of which nothing is uncertain.
     with_predictor(Predictor::Kernel, Shape { proxies: 0, ..SMALL }, |envelope| {
@@ -393,7 +380,7 @@ fn groups_without_centres_add_nothing_and_vouch_for_nothing() {
         let envelope = model.envelope().unwrap();
         let pose = random_pose(&envelope, &mut Rng(4), 0.3);
         let (palette, confidence) = confident_palette(&envelope, &pose);
-        let base = base(&envelope, &groups, &pose);
+        let base = base(&groups, &pose);
         let (expected, expected_confidence) = reference(&groups, &pose, &base);
         assert!(max_difference(flat(&palette), &narrow(&expected)) < 2e-5);
         assert!((f64::from(confidence) - expected_confidence).abs() < 2e-6);
@@ -404,25 +391,23 @@ fn groups_without_centres_add_nothing_and_vouch_for_nothing() {
 
 #[test]
 fn whole_palettes_are_their_stages() {
-    for predictor in BOTH {
-        let groups = sample_groups(SMALL.joints, SMALL.proxies);
-        with_predictor(predictor, SMALL, |envelope| {
-            let pose = random_pose(&envelope, &mut Rng(6), 0.2);
-            let (whole, confidence) = confident_palette(&envelope, &pose);
-            let base = if predictor == Predictor::Kernel {
-                base(&envelope, &groups, &pose)
-            } else {
-                // The same reconstruction in a rotational model.
-                let model = Model::from_bytes(Pieces::sample(Predictor::Rotational, SMALL).bytes())
-                    .unwrap();
-                let rotational = model.envelope().unwrap();
-                confident_palette(&rotational, &pose).0
-            };
-            let (parts, of_parts) = corrected(&envelope, &pose, &base);
-            assert_eq!((flat_bits(&whole), confidence), (flat_bits(&parts), of_parts));
-            assert!(confidence > 0.0 && whole != base);
-        });
-    }
+    let groups = sample_groups(SMALL.joints, SMALL.proxies);
+    with_predictor(Predictor::Kernel, SMALL, |envelope| {
+        let pose = random_pose(&envelope, &mut Rng(6), 0.2);
+        let (whole, confidence) = confident_palette(&envelope, &pose);
+        let base = if Predictor::Kernel == Predictor::Kernel {
+            base(&groups, &pose)
+        } else {
+            // The same reconstruction in a rotational model.
+            let model =
+                Model::from_bytes(Pieces::sample(Predictor::Rotational, SMALL).bytes()).unwrap();
+            let rotational = model.envelope().unwrap();
+            confident_palette(&rotational, &pose).0
+        };
+        let (parts, of_parts) = corrected(&envelope, &pose, &base);
+        assert_eq!((flat_bits(&whole), confidence), (flat_bits(&parts), of_parts));
+        assert!(confidence > 0.0 && whole != base);
+    });
 }
 
 #[test]

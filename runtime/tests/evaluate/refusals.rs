@@ -102,9 +102,7 @@ fn refused_stages_write_nothing() {
         let error = stages::confidence(&envelope, &short[..j - 1]);
         assert_eq!(error, Err(length_error(Argument::Rotations, j, j - 1)));
     });
-    for predictor in [Predictor::Kernel, Predictor::Hybrid] {
-        with_predictor(predictor, SMALL, |envelope| refused_correction(&envelope));
-    }
+    with_predictor(Predictor::Kernel, SMALL, |envelope| refused_correction(&envelope));
 }
 
 fn refused_correction(envelope: &Envelope<'_>) {

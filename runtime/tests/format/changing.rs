@@ -382,11 +382,11 @@ fn an_evaluation_that_checked_no_index_would_panic_of_changed_bytes() {
     then[span.unwrap()].fill(0xff);
     let evaluate = |bytes: Vec<u8>| {
         let model = Model::from_bytes(Changing::new(&first, bytes)).unwrap();
-        let palette = vec![IDENTITY; SMALL.proxies];
-        let skin = model.skin().unwrap();
+        let (skin, envelope) = (model.skin().unwrap(), model.envelope().unwrap());
+        let palette = vec![IDENTITY; envelope.palette_len()];
         assert!(skin.skin_positions(&palette, &mut [[0.0; 3]; SMALL.vertices]).is_ok());
-        let (pose, envelope) = (vec![IDENTITY; SMALL.joints], model.envelope().unwrap());
-        assert_eq!(confident_palette(&envelope, &pose).0.len(), SMALL.proxies);
+        let pose = vec![IDENTITY; SMALL.joints];
+        assert_eq!(confident_palette(&envelope, &pose).0.len(), palette.len());
         catch_unwind(AssertUnwindSafe(|| unchecked(skin, &palette)))
     };
     assert!(evaluate(first.clone()).is_ok());

@@ -1,4 +1,4 @@
-//! Files of kernel and hybrid models that must load, and those that must not.
+//! Files of kernel models that must load, and those that must not.
 
 use crate::common::{apart, envelope_error, exercise};
 use crate::error;
@@ -7,17 +7,11 @@ use sinew_runtime::envelope::{GroupKernel, GroupRow, Predictor, Trust};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
-const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
-
-/// Loads kernel and hybrid samples that `edit` has changed; they must agree.
+/// Loads a kernel sample that `edit` has changed.
 fn edited(edit: impl Fn(&mut Pieces)) -> Result<(), FileError> {
-    let [kernel, hybrid] = BOTH.map(|predictor| {
-        let mut pieces = Pieces::small(predictor);
-        edit(&mut pieces);
-        Model::from_bytes(pieces.bytes()).map(|_| ())
-    });
-    assert_eq!(kernel, hybrid);
-    kernel
+    let mut pieces = Pieces::small(Predictor::Kernel);
+    edit(&mut pieces);
+    Model::from_bytes(pieces.bytes()).map(|_| ())
 }
 
 fn counts(kind: Kind, index: u32) -> FileError {
@@ -32,52 +26,44 @@ fn row(edit: impl Fn(&mut GroupRow)) -> Result<(), FileError> {
 fn accessors_give_what_was_written() {
     let groups = sample_groups(SMALL.joints, SMALL.proxies);
     assert_eq!(groups.len(), 2);
-    for predictor in BOTH {
-        let model = Model::from_bytes(Pieces::small(predictor).bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
-        assert_eq!((envelope.predictor(), envelope.group_len()), (predictor, 2));
-        let joints = if predictor == Predictor::Kernel { 4 } else { 0 };
-        assert_eq!(envelope.palette_len(), joints + 3);
-        // 8 (B(d) + B(n) + B(r) + B(12 p)): the first group 8 + 16 + 8 + 16, the second
-        // 16 + 8 + 8 + 24.
-        assert_eq!(envelope.correction_len(), 56);
-        assert_eq!(envelope.scratch_len(), 12 * 4 + 56);
-        assert_eq!(envelope.origin(0), Some([2.0, 0.0, 0.0]));
-        assert_eq!((envelope.origin(4), envelope.key(3)), (None, None));
-        assert_eq!(envelope.key(0).is_some(), predictor == Predictor::Hybrid);
-        let mut start = 0;
-        for (index, expected) in groups.iter().enumerate() {
-            let found = envelope.group(index).unwrap();
-            assert_eq!((found.joint, found.kernel), (expected.joint, expected.kernel));
-            assert_eq!(found.caution, expected.caution);
-            assert_eq!(found.proxies, start..start + expected.proxies);
-            assert_eq!((found.trust, found.certainty_len()), (expected.trust, expected.certainty));
-            start = found.proxies.end;
-            let (d, n) = (found.input_len(), found.centre_len());
-            let inputs = (0..d).map(|i| found.input(i).unwrap());
-            assert!(inputs.eq(expected.inputs.iter().map(|&(f, w)| (f as usize, w))));
-            let centres = (0..n).map(|k| (0..d).map(|i| found.centre(k, i).unwrap()).collect());
-            assert_eq!(centres.collect::<Vec<Vec<_>>>(), expected.centres);
-            let rest = (0..n).map(|k| found.rest(k).unwrap());
-            assert_eq!(rest.collect::<Vec<_>>(), expected.rest());
-            let list = |columns: usize, entry: &dyn Fn(usize) -> Option<f32>| {
-                (0..columns).map(|column| entry(column).unwrap()).collect::<Vec<_>>()
-            };
-            for (r, expected) in expected.coefficients.iter().enumerate() {
-                assert_eq!(&list(n + d, &|c| found.coefficient(r, c)), expected);
-            }
-            for (o, expected) in expected.outputs.iter().enumerate() {
-                assert_eq!(&list(found.rank(), &|c| found.output(o, c)), expected);
-            }
-            assert_eq!(
-                (found.input(d), found.centre(n, 0), found.centre(0, d)),
-                (None, None, None)
-            );
-            assert_eq!((found.rest(n), found.coefficient(0, n + d)), (None, None));
-            assert_eq!((found.output(12 * expected.proxies, 0)), None);
+    let model = Model::from_bytes(Pieces::small(Predictor::Kernel).bytes()).unwrap();
+    let envelope = model.envelope().unwrap();
+    assert_eq!((envelope.predictor(), envelope.group_len()), (Predictor::Kernel, 2));
+    assert_eq!(envelope.palette_len(), 4 + 3);
+    // 8 (B(d) + B(n) + B(r) + B(12 p)): the first group 8 + 16 + 8 + 16, the second
+    // 16 + 8 + 8 + 24.
+    assert_eq!(envelope.correction_len(), 56);
+    assert_eq!(envelope.scratch_len(), 12 * 4 + 56);
+    assert_eq!(envelope.origin(0), Some([2.0, 0.0, 0.0]));
+    assert_eq!((envelope.origin(4), envelope.key(0)), (None, None));
+    let mut start = 0;
+    for (index, expected) in groups.iter().enumerate() {
+        let found = envelope.group(index).unwrap();
+        assert_eq!((found.joint, found.kernel), (expected.joint, expected.kernel));
+        assert_eq!(found.proxies, start..start + expected.proxies);
+        assert_eq!((found.trust, found.certainty_len()), (expected.trust, expected.certainty));
+        start = found.proxies.end;
+        let (d, n) = (found.input_len(), found.centre_len());
+        let inputs = (0..d).map(|i| found.input(i).unwrap());
+        assert!(inputs.eq(expected.inputs.iter().map(|&(f, w)| (f as usize, w))));
+        let centres = (0..n).map(|k| (0..d).map(|i| found.centre(k, i).unwrap()).collect());
+        assert_eq!(centres.collect::<Vec<Vec<_>>>(), expected.centres);
+        let rest = (0..n).map(|k| found.rest(k).unwrap());
+        assert_eq!(rest.collect::<Vec<_>>(), expected.rest());
+        let list = |columns: usize, entry: &dyn Fn(usize) -> Option<f32>| {
+            (0..columns).map(|column| entry(column).unwrap()).collect::<Vec<_>>()
+        };
+        for (r, expected) in expected.coefficients.iter().enumerate() {
+            assert_eq!(&list(n + d, &|c| found.coefficient(r, c)), expected);
         }
-        assert!(envelope.group(2).is_none());
+        for (o, expected) in expected.outputs.iter().enumerate() {
+            assert_eq!(&list(found.rank(), &|c| found.output(o, c)), expected);
+        }
+        assert_eq!((found.input(d), found.centre(n, 0), found.centre(0, d)), (None, None, None));
+        assert_eq!((found.rest(n), found.coefficient(0, n + d)), (None, None));
+        assert_eq!((found.output(12 * expected.proxies, 0)), None);
     }
+    assert!(envelope.group(2).is_none());
 }
 
 #[test]
@@ -88,7 +74,7 @@ fn a_model_of_joints_alone_loads() {
     let envelope = model.envelope().unwrap();
     assert_eq!((envelope.palette_len(), envelope.correction_len()), (4, 0));
     exercise(&bytes).unwrap();
-    let mut pieces = Pieces::small(Predictor::Hybrid);
+    let mut pieces = Pieces::small(Predictor::Rotational);
     pieces.set_word(SectionKind::EnvelopeCounts, 2, 0);
     let empty = FileError { expected: 1, ..counts(Kind::Empty, 2) };
     assert_eq!(Model::from_bytes(pieces.bytes()).err(), Some(empty));
@@ -104,32 +90,30 @@ fn every_truncation_and_every_changed_byte_is_harmless() {
         tangents: false,
         coefficients: false,
     };
-    for predictor in BOTH {
-        let mut pieces = Pieces::sample(predictor, shape);
-        let mut rng = Rng(5);
-        let group = |rng: &mut Rng, sizes| GroupContent::sample(rng, 2, 1, sizes);
-        pieces.set_groups(&[group(&mut rng, [3, 2, 2]), group(&mut rng, [1, 3, 1])]);
-        let bytes = pieces.bytes();
-        exercise(&bytes).unwrap();
-        for len in (0..bytes.len()).step_by(apart(199)) {
-            let mut short = bytes[..len].to_vec();
-            assert_eq!(error(&short).kind, Kind::Truncated, "{len}");
-            seal(&mut short);
-            assert!(exercise(&short).is_none(), "{len}");
-        }
-        let mut loaded = 0;
-        for at in (0..bytes.len()).step_by(apart(299)) {
-            for change in [1, 2, 0x10, 0x40, 0x80, 0xff] {
-                let mut changed = bytes.clone();
-                changed[at] ^= change;
-                assert!(Model::from_bytes(&changed).is_err(), "{at}");
-                seal(&mut changed);
-                loaded += usize::from(exercise(&changed).is_some());
-            }
-        }
-        // Low bits of floats, mostly: the second half of the test has evaluated something.
-        assert!(loaded > bytes.len() / apart(299), "{loaded}");
+    let mut pieces = Pieces::sample(Predictor::Kernel, shape);
+    let mut rng = Rng(5);
+    let group = |rng: &mut Rng, sizes| GroupContent::sample(rng, 2, 1, sizes);
+    pieces.set_groups(&[group(&mut rng, [3, 2, 2]), group(&mut rng, [1, 3, 1])]);
+    let bytes = pieces.bytes();
+    exercise(&bytes).unwrap();
+    for len in (0..bytes.len()).step_by(apart(199)) {
+        let mut short = bytes[..len].to_vec();
+        assert_eq!(error(&short).kind, Kind::Truncated, "{len}");
+        seal(&mut short);
+        assert!(exercise(&short).is_none(), "{len}");
     }
+    let mut loaded = 0;
+    for at in (0..bytes.len()).step_by(apart(299)) {
+        for change in [1, 2, 0x10, 0x40, 0x80, 0xff] {
+            let mut changed = bytes.clone();
+            changed[at] ^= change;
+            assert!(Model::from_bytes(&changed).is_err(), "{at}");
+            seal(&mut changed);
+            loaded += usize::from(exercise(&changed).is_some());
+        }
+    }
+    // Low bits of floats, mostly: the second half of the test has evaluated something.
+    assert!(loaded > bytes.len() / apart(299), "{loaded}");
 }
 
 #[test]
@@ -140,12 +124,11 @@ fn each_field_of_a_group_is_checked() {
     let index = FileError { expected: 4, found: 4, ..group(Kind::Index) };
     assert_eq!(row(|r| r.joint = 4), Err(index));
     let unknown = |found| Err(FileError { found, ..group(Kind::Unsupported) });
-    for kernel in [0, 1, 7, 12, 15] {
-        assert_eq!(row(|r| r.kernel_and_caution = 16 + kernel), unknown(kernel.into()));
+    for kernel in [0, 1, 7, 12, 15, 16 + GroupKernel::ALL[0].number(), 255] {
+        assert_eq!(row(|r| r.kernel = kernel), unknown(kernel.into()));
     }
     for kernel in GroupKernel::ALL {
-        assert_eq!(row(|r| r.kernel_and_caution = kernel.number()), Ok(()));
-        assert_eq!(row(|r| r.kernel_and_caution = kernel.number() + 16 * 15), Ok(()));
+        assert_eq!(row(|r| r.kernel = kernel.number()), Ok(()));
     }
     let empty = FileError { expected: 1, ..group(Kind::Empty) };
     for edit in [(|r| r.proxy_len = 0) as fn(&mut GroupRow), |r| r.input_len = 0, |r| r.rank = 0] {
@@ -268,10 +251,7 @@ fn each_number_of_a_correction_is_checked() {
 #[test]
 fn errors_say_what_is_wrong_in_a_phrase() {
     let phrase = |refused: Result<(), FileError>| refused.unwrap_err().to_string();
-    assert_eq!(
-        phrase(row(|r| r.kernel_and_caution = 3)),
-        "part 0: element 1 of groups: unknown number 3"
-    );
+    assert_eq!(phrase(row(|r| r.kernel = 3)), "part 0: element 1 of groups: unknown number 3");
     assert_eq!(
         phrase(edited(|b| b.set_word(SectionKind::EnvelopeCounts, 5, 9))),
         "part 0: floats of scratch: the groups need 56, found 9"

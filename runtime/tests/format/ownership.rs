@@ -10,7 +10,7 @@ use std::thread;
 
 /// A sample whose names and numbers differ from others'.
 pub(crate) fn version(number: u8) -> Vec<u8> {
-    let mut pieces = Pieces::small(Predictor::Hybrid);
+    let mut pieces = Pieces::small(Predictor::Kernel);
     pieces.section(SectionKind::Names)[4 * 5] = b'a' + number;
     pieces.set_float(SectionKind::RestBoxes, 0, -3.0 - f32::from(number));
     pieces.bytes()

@@ -113,7 +113,7 @@ fn several_envelopes_and_skins_stand_in_one_file() {
     // A mesh alone, and an envelope alone.
     let loose = Model::from_bytes(Pieces::loose(SMALL).bytes()).unwrap();
     assert!(loose.envelope().is_none() && loose.skin().is_some());
-    let mut alone = Pieces::small(Predictor::Hybrid);
+    let mut alone = Pieces::small(Predictor::Kernel);
     alone.parts.truncate(1);
     alone.sections.retain(|content| content.part == 0);
     let alone = Model::from_bytes(alone.bytes()).unwrap();

@@ -134,7 +134,7 @@ fn each_section_is_required_and_has_its_length() {
         }
     }
     let huge = EnvelopeCounts {
-        predictor: Predictor::Hybrid,
+        predictor: Predictor::Kernel,
         joint_len: u32::MAX,
         proxy_len: u32::MAX,
         root: 0,

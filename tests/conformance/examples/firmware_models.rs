@@ -90,7 +90,6 @@ fn groups(shape: Shape) -> Vec<Group> {
                     linear: 0.0,
                     signal: 1.0,
                     noise: 0.0,
-                    caution: 0,
                 },
             },
             outputs: row_major(&list(12 * proxies * rank, 0.1), 12 * proxies, rank),

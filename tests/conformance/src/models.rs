@@ -54,7 +54,7 @@ impl Shape {
 }
 
 /// Odd, one and zero of everything that may be. The first with a correction have six groups.
-pub const SHAPES: [Shape; 14] = [
+pub const SHAPES: [Shape; 13] = [
     Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
     Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
     Shape::new(Predictor::Rotational, [1, 1, 1, 1], true),
@@ -64,9 +64,8 @@ pub const SHAPES: [Shape; 14] = [
     Shape::new(Predictor::Kernel, [3, 2, 0, 2], true),
     Shape::new(Predictor::Kernel, [1, 1, 1, 1], true),
     Shape::new(Predictor::Kernel, [0, 2, 1, 2], false),
-    Shape::new(Predictor::Hybrid, [37, 6, 9, 4], true),
-    Shape::new(Predictor::Hybrid, [5, 2, 2, 3], false).with_coefficients(),
-    Shape::new(Predictor::Hybrid, [0, 1, 1, 1], true),
+    Shape::new(Predictor::Kernel, [5, 2, 2, 3], false).with_coefficients(),
+    Shape::new(Predictor::Kernel, [0, 1, 1, 1], true),
     Shape::new(Predictor::Rotational, [41, 6, 5, 4], true).with_coefficients(),
     Shape::new(Predictor::Kernel, [67, 6, 9, 4], false).with_coefficients(),
 ];
@@ -276,7 +275,6 @@ fn groups(shape: Shape) -> Vec<Group> {
                     linear: 0.5,
                     signal: 4.0,
                     noise: 40.0,
-                    caution: 1,
                 },
             },
             outputs: row_major(&outputs, 12 * own, r),
@@ -295,8 +293,8 @@ pub fn demo_examples(vertices: usize) -> Examples {
 ///
 /// # Panics
 /// If the training fails.
-pub fn trained() -> &'static [Vec<u8>; 3] {
-    static MODELS: OnceLock<[Vec<u8>; 3]> = OnceLock::new();
+pub fn trained() -> &'static [Vec<u8>; 2] {
+    static MODELS: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
     MODELS.get_or_init(|| fit(&demo_examples(300)))
 }
 
@@ -304,8 +302,8 @@ pub fn trained() -> &'static [Vec<u8>; 3] {
 ///
 /// # Panics
 /// If the training fails, or if `CI` is set and there is no data.
-pub fn arm() -> Option<&'static [Vec<u8>; 3]> {
-    static MODELS: OnceLock<Option<[Vec<u8>; 3]>> = OnceLock::new();
+pub fn arm() -> Option<&'static [Vec<u8>; 2]> {
+    static MODELS: OnceLock<Option<[Vec<u8>; 2]>> = OnceLock::new();
     let models = MODELS.get_or_init(|| {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
         if !data.is_dir() {
@@ -336,7 +334,7 @@ pub fn turned() -> &'static [u8] {
     })
 }
 
-fn fit(examples: &Examples) -> [Vec<u8>; 3] {
+fn fit(examples: &Examples) -> [Vec<u8>; 2] {
     Predictor::ALL.map(|predictor| {
         let proxies = Some(ProxyCount::Fixed(13));
         let predictor = Predict::Only(predictor);

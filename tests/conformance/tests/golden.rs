@@ -101,14 +101,7 @@ fn file_model(predictor: Predictor) -> FileModel {
                 kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
                 coefficients: dyadic.dense(rank + 2, n + d, 0.25),
-                certainty: Certainty {
-                    len: 2,
-                    reach: 4.0,
-                    linear: 0.25,
-                    signal: 8.0,
-                    noise: 16.0,
-                    caution: 2,
-                },
+                certainty: Certainty { len: 2, reach: 4.0, linear: 0.25, signal: 8.0, noise: 16.0 },
             },
             outputs: dyadic.dense(12 * proxies, rank, 0.25),
         }
@@ -270,7 +263,6 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
             linear: linear.into(),
             signal: signal.into(),
             noise: noise.into(),
-            caution: found.caution,
         };
         assert_eq!(read, *certainty);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
@@ -347,15 +339,21 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
 
 #[test]
 fn parts_that_do_not_fit_are_refused() {
-    let refused = |edit: &dyn Fn(&mut EnvelopeModel, &mut SkinModel)| {
-        let mut model = file_model(Predictor::Hybrid);
+    let refused_of = |predictor, edit: &dyn Fn(&mut EnvelopeModel, &mut SkinModel)| {
+        let mut model = file_model(predictor);
         edit(&mut model.envelopes[0], &mut model.skins[0]);
         model.bake().unwrap_err()
     };
+    let refused =
+        |edit: &dyn Fn(&mut EnvelopeModel, &mut SkinModel)| refused_of(Predictor::Kernel, edit);
     let length = |what, expected, found| BakeError::Length { what, expected, found };
-    let c1 = refused(&|p, _| p.reconstruction.as_mut().unwrap().c1.truncate(19, 15));
+    let c1 = refused_of(Predictor::Rotational, &|p, _| {
+        p.reconstruction.as_mut().unwrap().c1.truncate(19, 15)
+    });
     assert_eq!(c1, length("rows of c1", 20, 19));
-    let c2 = refused(&|p, _| p.reconstruction.as_mut().unwrap().c2.truncate(20, 19));
+    let c2 = refused_of(Predictor::Rotational, &|p, _| {
+        p.reconstruction.as_mut().unwrap().c2.truncate(20, 19)
+    });
     assert_eq!(c2, length("columns of c2", 20, 19));
     let centres = refused(&|p, _| p.groups[1].map.centres.truncate(8, 7));
     assert_eq!(centres, length("coordinates of a group's centres", 9, 8));
@@ -365,7 +363,6 @@ fn parts_that_do_not_fit_are_refused() {
     assert_eq!(outputs, length("rows of a group's outputs", 12, 2));
     let gap = refused(&|p, _| p.groups[1].proxies = 3..4);
     assert_eq!(gap, length("proxies before a group", 2, 3));
-    assert_eq!(refused(&|p, _| p.groups.truncate(2)), length("proxies of all groups", 5, 3));
     let joint = refused(&|p, _| p.groups[0].joint = 70_000);
     assert_eq!(joint, BakeError::Size { what: "joint of a group", found: 70_000 });
     assert_eq!(refused(&|_, s| s.rest_normals.truncate(1)), length("rest normals", 24, 1));
@@ -379,10 +376,6 @@ fn parts_that_do_not_fit_are_refused() {
         BakeError::Size { what: "palette index", found: 70_000 }
     );
     assert_eq!(
-        refused(&|p, _| p.groups[0].map.certainty.caution = 16),
-        BakeError::Size { what: "caution of a group", found: 16 }
-    );
-    assert_eq!(
         refused(&|_, s| s.envelope = Some(1)),
         BakeError::NoEnvelope { skin: 0, envelope: 1, found: 1 }
     );
@@ -392,7 +385,12 @@ fn parts_that_do_not_fit_are_refused() {
             as fn(&mut EnvelopeModel, &mut SkinModel),
         |_, s| s.influences[7] = vec![(5, 1.0)],
         |p, _| p.reconstruction.as_mut().unwrap().keys[0].joint = 9,
-        |p, _| p.groups[0].joint = 5,
+    ] {
+        assert!(matches!(refused_of(Predictor::Rotational, &edit), BakeError::Refused(_)));
+    }
+    for edit in [
+        (|p, _| p.groups[0].joint = 5) as fn(&mut EnvelopeModel, &mut SkinModel),
+        |p, _| p.groups.truncate(2),
         |p, _| p.groups[0].inputs[0].feature = 60,
         |p, _| p.groups[0].outputs[(0, 0)] = 1e7,
         |p, _| p.groups[0].map.certainty.reach = 0.0,

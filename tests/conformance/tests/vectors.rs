@@ -221,9 +221,9 @@ fn a_foreign_skin_is_checked_by_them() {
     // Each case is told, and some deviate.
     assert!(text.lines().count() == skinned(&out).len() && text.contains(" 0.2"), "{text}");
 
-    let spoiled = out.join("character-hybrid/positions.f32");
+    let spoiled = out.join("character-kernel/positions.f32");
     let original = fs::read(&spoiled).unwrap();
-    let tolerances = floats(out.join("character-hybrid/positions.tolerance.f32"));
+    let tolerances = floats(out.join("character-kernel/positions.tolerance.f32"));
     let place = 4 * 1000;
     let value = f32::from_le_bytes(original[place..place + 4].try_into().unwrap());
     for wrong in [value + 2.0 * tolerances[1000], f32::NAN] {

@@ -17,10 +17,9 @@ use sinew_runtime::Model;
 /// Models that the trainer baked for this run, by name.
 ///
 /// Another CPU may bake other bytes, so that their bits are compared between targets and not kept.
-const BAKED: [(&str, &[u8]); 3] = [
+const BAKED: [(&str, &[u8]); 2] = [
     ("demo rotational", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-rotational.snw"))),
     ("demo kernel", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-kernel.snw"))),
-    ("demo hybrid", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-hybrid.snw"))),
 ];
 
 /// Poses of each of them: without a float unit a character takes fifty times as long as a golden model.

@@ -330,7 +330,7 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let mut row = GroupRow::from_bytes(bytes);
     match u.int_in_range(0..=12)? {
         0 => row.joint = integer(u)? as u16,
-        1 => row.kernel_and_caution = u.arbitrary()?,
+        1 => row.kernel = u.arbitrary()?,
         2 => row.certainty_len = integer(u)? as u8,
         3 => row.input_len = integer(u)? as u16,
         4 => row.centre_len = integer(u)? as u16,
@@ -341,7 +341,7 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         9 => row.trust.linear = float(u)?,
         10 => row.trust.signal = float(u)?,
         11 => row.trust.noise = float(u)?,
-        _ => row.kernel_and_caution = u.int_in_range(8..=11)?,
+        _ => row.kernel = u.int_in_range(8..=11)?,
     }
     *bytes = group_row(&row);
     Ok(())

@@ -65,7 +65,7 @@ fn space(u: &mut Unstructured<'_>) -> Result<Space> {
 fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
     let joint_len = u.int_in_range(1..=6)?;
     let proxy_len = u.int_in_range(1..=4)?;
-    let predictor = Predictor::ALL[u.choose_index(3)?];
+    let predictor = *u.choose(&Predictor::ALL)?;
     // A tree whose joints have been renumbered by a turn.
     let turn = u.choose_index(joint_len)?;
     let number = |joint: usize| (joint + turn) % joint_len;
@@ -186,7 +186,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
     let len = u.int_in_range(0..=9)?;
     let share = |u: &mut Unstructured<'_>| Ok::<_, Error>(float(u, CORRECTION_MAX)?.abs());
     let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
-    let (reach, caution) = (0.5 * share(u)? + 1.0, u.int_in_range(0..=15)?);
+    let reach = 0.5 * share(u)? + 1.0;
     Ok(Group {
         joint: u.choose_index(joint_len)?,
         proxies,
@@ -199,7 +199,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
             // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
             coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
-            certainty: Certainty { len, reach, linear, signal, noise, caution },
+            certainty: Certainty { len, reach, linear, signal, noise },
         },
         outputs: matrix(rows, r, || float(u, CORRECTION_MAX))?,
     })
@@ -357,11 +357,11 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
-        let Certainty { len, reach, linear, signal, noise, caution } = *certainty;
+        let Certainty { len, reach, linear, signal, noise } = *certainty;
         let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(round);
         assert_eq!(
-            (found.certainty_len(), found.trust, found.caution),
-            (len, Trust { reach, linear, signal, noise }, caution)
+            (found.certainty_len(), found.trust),
+            (len, Trust { reach, linear, signal, noise })
         );
         for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, round(weight))));

@@ -68,7 +68,7 @@ pub fn section_row(row: &SectionRow) -> [u8; 16] {
 pub fn group_row(row: &GroupRow) -> [u8; 32] {
     let mut out = [0; 32];
     out[..2].copy_from_slice(&row.joint.to_le_bytes());
-    out[2] = row.kernel_and_caution;
+    out[2] = row.kernel;
     out[3] = row.certainty_len;
     out[4..6].copy_from_slice(&row.input_len.to_le_bytes());
     out[6..8].copy_from_slice(&row.centre_len.to_le_bytes());

@@ -30,8 +30,6 @@ pub struct GroupContent {
     pub outputs: Vec<Vec<f32>>,
     /// How the values of the last m rows count.
     pub trust: Trust,
-    /// Power of two by which a doubt counts.
-    pub caution: u8,
 }
 
 impl GroupContent {
@@ -52,7 +50,6 @@ impl GroupContent {
             certainty: CERTAINTY,
             outputs: (0..12 * proxies).map(|_| list(r, 0.5)).collect(),
             trust: Trust { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0 },
-            caution: 1,
         }
     }
 
@@ -65,7 +62,7 @@ impl GroupContent {
     pub fn row(&self, offset: usize) -> GroupRow {
         GroupRow {
             joint: self.joint as u16,
-            kernel_and_caution: self.kernel.number() + 16 * self.caution,
+            kernel: self.kernel.number(),
             certainty_len: self.certainty as u8,
             input_len: self.inputs.len() as u16,
             centre_len: self.centres.len() as u16,

@@ -62,7 +62,7 @@ impl Pieces {
     /// # Panics
     /// As [`Pieces::sample`] does.
     pub fn small(predictor: Predictor) -> Self {
-        static MADE: LazyLock<[Pieces; 3]> =
+        static MADE: LazyLock<[Pieces; 2]> =
             LazyLock::new(|| Predictor::ALL.map(|predictor| Pieces::sample(predictor, SMALL)));
         let mut found = Predictor::ALL.iter().zip(&*MADE).filter(|(own, _)| **own == predictor);
         found.next().expect("every predictor has a sample").1.clone()

@@ -192,7 +192,7 @@ impl Pieces {
         let all = [
             (Self::sample(Predictor::Kernel, shape), Element::F32, 150),
             (Self::sample(Predictor::Kernel, plain), Element::F16, 150),
-            (Self::sample(Predictor::Hybrid, bare), Element::I8, 150),
+            (Self::sample(Predictor::Kernel, bare), Element::I8, 150),
             (Self::loose(few), Element::F32, 9),
         ];
         all.map(|(mut pieces, element, vertex_len)| {

@@ -119,7 +119,7 @@ fn golden(name: &str) -> Model<Vec<u8>> {
 #[test]
 fn the_uniform_block_is_what_the_layout_writes() {
     const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
-    let [of_envelope, of_kernel] = ["envelope-8-hybrid.snw", "kernel-8.snw"].map(golden);
+    let [of_envelope, of_kernel] = ["envelope-8-kernel.snw", "kernel-8.snw"].map(golden);
     let (envelope, skin) = (of_envelope.envelope().unwrap(), of_envelope.skin().unwrap());
     let batch = Batch::skinned(&envelope, &skin, 1);
     let envelope = Plan::new(&of_envelope, &envelope, &batch, LIMITS).unwrap();

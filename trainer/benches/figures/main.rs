@@ -173,15 +173,13 @@ fn errors() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets {
         let large = examples.vertex_len() > 5_000;
         let proxies = if large { 60 } else { 40 };
-        let [rotational, kernel, hybrid] = Predictor::ALL.map(|only| fixed(only, proxies));
+        let [rotational, kernel] = Predictor::ALL.map(|only| fixed(only, proxies));
         let mut rows = vec![
             ("published", Options { predictor: Predict::Published, ..rotational.clone() }),
             ("unrefined", Options { refine: false, ..rotational.clone() }),
             ("rotational", rotational),
-            ("kernel", kernel.clone()),
-            ("hybrid", hybrid),
-            ("auto", Options { predictor: Predict::Auto, ..kernel }),
-            ("auto, P chosen", Options::default()),
+            ("kernel", kernel),
+            ("kernel, P chosen", Options::default()),
         ];
         if large {
             let more = Options { influences: 6, ..fixed(Predictor::Kernel, 120) };
@@ -189,7 +187,10 @@ fn errors() -> Result<(), Box<dyn Error>> {
         }
         if name == "mpfb-arm" {
             for budget in [60_000, 100_000, 160_000] {
-                rows.push(("auto, budget", Options { budget: Some(budget), ..Options::default() }));
+                rows.push((
+                    "kernel, budget",
+                    Options { budget: Some(budget), ..Options::default() },
+                ));
             }
         }
         for (row, options) in rows {
@@ -207,8 +208,6 @@ fn errors() -> Result<(), Box<dyn Error>> {
 }
 
 fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation, validated: f64) {
-    let row =
-        if row.starts_with("auto") { format!("{row}: {}", found.predictor) } else { row.into() };
     println!(
         "{set:<12}{row:<24}{:>4}{influences:>3}  {:<10}{:>8.4}{:>8.4}{:>8.4}{:>8.4}{:>8.2}{:>10.2}{:>10.2}\
          {:>7.2}{:>11.3}{:>9}{:>9.2}",
@@ -371,7 +370,7 @@ fn time() -> Result<(), Box<dyn Error>> {
     for (name, file) in SETS {
         let Some(path) = found(file) else { continue };
         let proxies = if name == "mpfb-body" { "60" } else { "40" };
-        for predictor in ["rotational", "kernel", "hybrid", "auto"] {
+        for predictor in ["rotational", "kernel"] {
             let model =
                 std::env::temp_dir().join(format!("sinew-figures-{}.sinew", std::process::id()));
             let mut train = vec!["train".to_owned(), path.to_string_lossy().into_owned()];

@@ -1,16 +1,9 @@
 //! What was fitted, to choose from.
 
-use super::alike::{COEFFICIENTS_COST, Rated, smallest_alike};
+use super::alike::{COEFFICIENTS_COST, smallest_alike};
 use super::fitted::Fitted;
-use super::rotational::{Method, RotationalReport};
+use super::rotational::RotationalReport;
 use super::training_report::CandidateReport;
-use sinew_runtime::envelope::Predictor;
-
-/// Of a predictor whose error is at most so many times the least more is tried: more proxies, a hybrid that is not refined.
-const NEARLY: f64 = 1.15;
-
-/// What predicts, and how its c1 and c2 come about.
-pub(super) type Kind = (Predictor, Option<Method>);
 
 /// An envelope that was fitted and fits the budget.
 pub(super) struct Candidate {
@@ -21,22 +14,7 @@ pub(super) struct Candidate {
     pub(super) rotational: Option<RotationalReport>,
 }
 
-impl Candidate {
-    pub(super) fn kind(&self, reports: &[CandidateReport]) -> Kind {
-        (self.fitted.envelope.predictor(), reports[self.report].method)
-    }
-}
-
-/// Lists the kinds whose error is nearly the least.
-pub(super) fn near(candidates: &[Candidate], reports: &[CandidateReport]) -> Vec<Kind> {
-    let Some(best) = chosen(candidates, reports) else { return Vec::new() };
-    let is_near = |c: &&Candidate| c.validated_rms <= NEARLY * best.validated_rms;
-    candidates.iter().filter(is_near).map(|c| c.kind(reports)).collect()
-}
-
-/// Chooses the candidate with the least error, or a smaller one of which that cannot be told apart. Of those alike
-/// one whose maps know how far a pose is from those of training goes before a rotational one, which does not, and what
-/// lessons taught before what is not refined.
+/// Chooses the candidate with the least error, or a smaller one whose error cannot be told from it.
 pub(super) fn chosen<'a>(
     candidates: &'a [Candidate],
     reports: &[CandidateReport],
@@ -44,14 +22,8 @@ pub(super) fn chosen<'a>(
     let best = best(candidates)?;
     let of_kind = |c: &&Candidate| c.tangent_coefficients == best.tangent_coefficients;
     let of_kind: Vec<&Candidate> = candidates.iter().filter(of_kind).collect();
-    let rate = |c: &&Candidate| Rated {
-        error: c.validated_rms,
-        knows_poses: c.fitted.envelope.predictor().corrects(),
-        untaught: reports[c.report].method == Some(Method::Unrefined),
-        bytes: reports[c.report].bytes,
-    };
-    let rated: Vec<Rated> = of_kind.iter().map(rate).collect();
-    smallest_alike(&rated).map(|place| of_kind[place])
+    let rated = of_kind.iter().map(|c| (c.validated_rms, reports[c.report].bytes));
+    smallest_alike(&Vec::from_iter(rated)).map(|place| of_kind[place])
 }
 
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave

@@ -2,7 +2,7 @@
 //! (METHOD §1.9).
 
 use super::budget::Budget;
-use super::candidate::{Candidate, Kind, chosen, near};
+use super::candidate::{Candidate, chosen};
 use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
 use super::fitted::{Fitted, corrected};
@@ -11,9 +11,8 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
-use super::rotational::lessons::Lessons;
-use super::rotational::{self, Rotational, RotationalOptions, Variant};
-use super::rotational::{Method, ProxyCount};
+use super::rotational::ProxyCount;
+use super::rotational::{self, Rotational, RotationalOptions};
 use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::lists::{self, Known};
@@ -54,6 +53,7 @@ pub fn choose(
         levels::check_places(further, examples).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
+    let counts = proxy_counts(training, options);
     let mut choice = PredictorSearch {
         training,
         examples,
@@ -63,30 +63,29 @@ pub fn choose(
         budget: Budget::new(training, examples, options)?,
         reports: Vec::new(),
         candidates: Vec::new(),
-        kept: Vec::new(),
         helper_fit: None,
         known: Known::new(),
-        known_of_reconstruction: None,
         usual: None,
-        teacher: None,
-        lessons: None,
-        parts: 0,
-        begun: 0,
     };
-    if options.predictor == Predict::Auto && options.proxies.is_none() {
-        choice.joints_alone()?;
-    }
-    if choice.wants(Predictor::Kernel) {
-        choice.listen();
-    }
-    let counts = proxy_counts(training, options);
-    choice.parts = counts.len() * choice.fits();
-    match &counts[..] {
-        [usual, others @ ..] if options.budget.is_none() => {
-            choice.attempt(*usual)?;
-            choice.attempt_best_kinds(*usual, others)?;
+    let parts = counts.len();
+    let each = counts.into_iter().zip(1..);
+    match options.predictor {
+        Predict::Only(Predictor::Kernel) => {
+            if options.proxies.is_none() {
+                choice.joints_alone()?;
+            }
+            choice.listen();
+            for (count, part) in each {
+                progress.part(part, parts);
+                choice.kernel(count)?;
+            }
         }
-        _ => counts.iter().try_for_each(|count| choice.attempt(*count))?,
+        Predict::Only(Predictor::Rotational) | Predict::Published => {
+            for (count, part) in each {
+                progress.part(part, parts);
+                choice.rotational(count)?;
+            }
+        }
     }
     choice.take()
 }
@@ -100,58 +99,14 @@ struct PredictorSearch<'a> {
     budget: Budget<'a>,
     reports: Vec<CandidateReport>,
     candidates: Vec<Candidate>,
-    /// The kinds of predictors to try; every one that is asked for where there is none.
-    kept: Vec<Kind>,
     /// What fits of helpers read; none where LBS errs nowhere.
     helper_fit: Option<HelperFit<'a>>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
     usual: Option<Helpers>,
     known: Known,
-    /// Kernel maps on the usual number of helpers, and the lessons that they give.
-    teacher: Option<Fitted>,
-    lessons: Option<Lessons>,
-    /// What maps listen to that correct a reconstruction, chosen by the first one.
-    known_of_reconstruction: Option<Known>,
-    /// How many fits there are to be, and how many were begun.
-    parts: usize,
-    begun: usize,
 }
 
 impl PredictorSearch<'_> {
-    fn wants(&self, predictor: Predictor) -> bool {
-        let asked = match self.options.predictor {
-            Predict::Auto => None,
-            Predict::Only(only) => Some(only),
-            Predict::Published => Some(Predictor::Rotational),
-        };
-        let is_kept = self.kept.is_empty() || self.kept.iter().any(|kept| kept.0 == predictor);
-        is_kept && asked.is_none_or(|only| only == predictor)
-    }
-
-    /// Tries other numbers of proxies than the usual one: where bytes do not decide, what predicts best with so many
-    /// predicts best with fewer, and what predicts nearly as well may do so with more.
-    fn attempt_best_kinds(
-        &mut self,
-        usual: ProxyCount,
-        others: &[ProxyCount],
-    ) -> Result<(), TrainError> {
-        let Some(best) = chosen(&self.candidates, &self.reports) else { return Ok(()) };
-        let best = vec![best.kind(&self.reports)];
-        let near = near(&self.candidates, &self.reports);
-        let kinds = |&count| if count > usual { near.clone() } else { best.clone() };
-        let plan: Vec<Vec<Kind>> = others.iter().map(kinds).collect();
-        self.parts = self.begun;
-        for kinds in &plan {
-            self.kept.clone_from(kinds);
-            self.parts += self.fits();
-        }
-        for (kinds, count) in plan.into_iter().zip(others) {
-            self.kept = kinds;
-            self.attempt(*count)?;
-        }
-        Ok(())
-    }
-
     /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
     /// matter which were tried.
     fn listen(&mut self) {
@@ -160,7 +115,7 @@ impl PredictorSearch<'_> {
         self.usual = self.helper_fit.as_ref().map(|fit| {
             let helpers = fit.run(usual_count(self.training), self.options.influences);
             let target = helpers.target(self.training);
-            self.known = lists::choose(&target, usize::MAX, self.progress);
+            self.known = lists::choose(&target, self.progress);
             helpers.listening(self.training, &self.known)
         });
     }
@@ -171,117 +126,20 @@ impl PredictorSearch<'_> {
         Some(fit.run(count, self.options.influences).listening(self.training, &self.known))
     }
 
-    /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
-    fn fits(&self) -> usize {
-        let [rotational, hybrid, kernel] =
-            [Predictor::Rotational, Predictor::Hybrid, Predictor::Kernel].map(|p| self.wants(p));
-        usize::from(rotational || hybrid) + usize::from(hybrid) + usize::from(kernel)
-    }
-
-    fn begin(&mut self) {
-        self.begun += 1;
-        self.progress.part(self.begun.min(self.parts), self.parts);
-    }
-
-    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
-        let mut proxies = count;
-        // Kernel maps go first, for reconstructions learn from them, but where the error decides how many proxies there are.
-        let first = matches!(count, ProxyCount::Fixed(_));
-        if first && self.wants(Predictor::Kernel) {
-            self.begin();
-            self.kernel(count)?;
-        }
-        if self.wants(Predictor::Rotational) || self.wants(Predictor::Hybrid) {
-            self.begin();
-            let options = RotationalOptions {
-                proxies: count,
-                influences: self.options.influences,
-                method: self.options.method(),
-            };
-            if options.method == Method::Refined {
-                self.teach();
-            }
-            let lessons = self.lessons.as_ref();
-            match rotational::fit(self.training, &options, lessons, self.progress) {
-                Ok(fitted) => {
-                    proxies = ProxyCount::Fixed(fitted.dominant.len());
-                    if self.wants(Predictor::Rotational) {
-                        self.rotational(&fitted)?;
-                    }
-                    if self.wants(Predictor::Hybrid) {
-                        self.begin();
-                        self.hybrid(&fitted)?;
-                    }
-                }
-                // Helpers need no reconstruction.
-                Err(FitError::Singular) if self.wants(Predictor::Kernel) => {}
-                Err(error) => return Err(error.into()),
-            }
-        }
-        if !first && self.wants(Predictor::Kernel) {
-            self.begin();
-            self.kernel(proxies)?;
-        }
-        Ok(())
-    }
-
-    /// Has lessons made for reconstructions, once: by kernel maps on the usual number of helpers, so that it does not
-    /// matter what else was tried. There are none where LBS errs nowhere.
-    fn teach(&mut self) {
-        if self.lessons.is_some() {
-            return;
-        }
-        if self.teacher.is_none() {
-            if self.helper_fit.is_none() {
-                self.listen();
-            }
-            let helpers = self.usual.take().or_else(|| self.helpers(usual_count(self.training)));
-            self.teacher = helpers.as_ref().and_then(|helpers| {
-                let target = helpers.target(self.training);
-                let correction = Search::new(target, &self.known, self.progress).fit(usize::MAX)?;
-                Some(helpers.fitted(self.training, correction.groups))
-            });
-            self.usual = helpers;
-        }
-        self.lessons = self.teacher.as_ref().map(|teacher| Lessons::new(self.training, teacher));
-    }
-
-    fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let best = rotational.best();
-        let fitted = rotational.fitted(best, self.training);
+    fn rotational(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+        let options = RotationalOptions {
+            proxies: count,
+            influences: self.options.influences,
+            method: self.options.method(),
+        };
+        let rotational = rotational::fit(self.training, &options, self.progress)?;
+        let fitted = rotational.fitted(self.training);
         for coefficients in self.budget.with_coefficients() {
             let bytes = self.budget.bytes(&fitted, coefficients)?;
             let fits =
-                (bytes <= self.budget.most()).then_some((bytes, &best.validated, Vec::new()));
-            self.add((fitted.clone(), coefficients), fits, Some((rotational, best)));
+                (bytes <= self.budget.most()).then_some((bytes, &rotational.validated, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, Some(&rotational));
         }
-        Ok(())
-    }
-
-    /// Corrects the refined variant of a reconstruction, and the other too where that is nearly the best, or all that is
-    /// asked for. What corrects them listens to what the first one's first variant, which is not refined, leaves over.
-    fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
-            let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
-            let known = first.map(|target| lists::choose(&target, 1, self.progress));
-            known.unwrap_or_default()
-        });
-        let all = &rotational.variants;
-        let is_kept =
-            |variant: &Variant| self.kept.contains(&(Predictor::Hybrid, Some(variant.method)));
-        let any_is = all.iter().any(is_kept);
-        let tried: Vec<&Variant> = all.iter().rev().filter(|v| is_kept(v) || !any_is).collect();
-        for variant in tried {
-            let fitted = rotational.fitted(variant, self.training);
-            let target = rotational.target(variant, self.training);
-            let of = Some((rotational, variant));
-            self.corrected(fitted, (&target, &known), &variant.validated, of)?;
-            let near = near(&self.candidates, &self.reports);
-            if near.iter().all(|kind| kind.0 != Predictor::Hybrid) {
-                break;
-            }
-        }
-        self.known_of_reconstruction = Some(known);
         Ok(())
     }
 
@@ -298,12 +156,7 @@ impl PredictorSearch<'_> {
         let Some(helpers) = helpers else { return self.joints_alone() };
         let fitted = helpers.fitted(self.training, Vec::new());
         let base = helpers.base(&self.training.poses);
-        let known = self.known.clone();
-        self.corrected(fitted, (&helpers.target(self.training), &known), &base, None)?;
-        if is_usual && self.options.budget.is_none() {
-            self.teacher = self.candidates.last().map(|candidate| candidate.fitted.clone());
-        }
-        Ok(())
+        self.corrected(fitted, &helpers.target(self.training), &base)
     }
 
     /// Plain LBS: a palette of joints without helpers.
@@ -339,30 +192,28 @@ impl PredictorSearch<'_> {
         }
     }
 
-    /// Corrects a base whose palette of poses that it has not seen is `validated`, in what the budget
-    /// leaves.
+    /// Corrects a base, whose palette of the training poses is given, in the bytes that the budget leaves.
     fn corrected(
         &mut self,
         fitted: Fitted,
-        (target, known): (&CorrectionTarget<'_>, &Known),
-        validated: &Mat<f64>,
-        rotational: Option<(&Rotational, &Variant)>,
+        target: &CorrectionTarget<'_>,
+        base: &Mat<f64>,
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
         let target = CorrectionTarget { certainty, ..*target };
-        let search = Search::new(target, known, self.progress);
+        let search = Search::new(target, &self.known, self.progress);
         let fitted = fitted.with(search.nothing());
         for coefficients in self.budget.with_coefficients() {
             let without = self.budget.bytes(&fitted, coefficients)?;
             let room = self.budget.most().checked_sub(without);
             let Some(correction) = room.and_then(|room| search.fit(room)) else {
-                self.add((fitted.clone(), coefficients), None, rotational);
+                self.add((fitted.clone(), coefficients), None, None);
                 continue;
             };
-            let palette = corrected(validated.clone(), &correction.validated);
+            let palette = corrected(base.clone(), &correction.validated);
             let fits = (without + correction.bytes, &palette, correction.reports);
             let fitted = fitted.clone().with(correction.groups);
-            self.add((fitted, coefficients), Some(fits), rotational);
+            self.add((fitted, coefficients), Some(fits), None);
         }
         Ok(())
     }
@@ -371,11 +222,11 @@ impl PredictorSearch<'_> {
         &mut self,
         (fitted, tangent_coefficients): (Fitted, bool),
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
-        rotational: Option<(&Rotational, &Variant)>,
+        rotational: Option<&Rotational>,
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
-            method: rotational.map(|(_, variant)| variant.method),
+            method: rotational.map(|rotational| rotational.method),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
             bytes: None,
@@ -386,7 +237,7 @@ impl PredictorSearch<'_> {
             let validated_rms = self.training.targets(&fitted.weights).rms(palette);
             (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
             report.groups = groups;
-            let rotational = rotational.map(|(rotational, _)| rotational.report.clone());
+            let rotational = rotational.map(|rotational| rotational.report.clone());
             let report = self.reports.len();
             self.candidates.push(Candidate {
                 fitted,

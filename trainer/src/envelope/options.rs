@@ -7,9 +7,7 @@ use sinew_runtime::envelope::Predictor;
 /// What predicts the palette from the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predict {
-    /// Whatever cross-validation finds best.
-    Auto,
-    /// This one.
+    /// This predictor.
     Only(Predictor),
     /// The rotational predictor as S3 publishes it, to the letter ([`published`]).
     ///
@@ -57,7 +55,7 @@ impl Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            predictor: Predict::Auto,
+            predictor: Predict::Only(Predictor::Kernel),
             proxies: None,
             influences: 4,
             refine: true,

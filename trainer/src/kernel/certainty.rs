@@ -17,9 +17,6 @@ pub struct Certainty {
     pub signal: f64,
     /// The same of the map, per unit of the variance that is left.
     pub noise: f64,
-    /// A doubt counts 2^caution times, caution 0 to 15, where it is decided what the map adds: the better the base, the
-    /// more.
-    pub caution: u8,
 }
 
 /// What is known of an input, and what is in doubt.
@@ -94,26 +91,6 @@ impl Certainty {
         }
     }
 
-    /// Returns w, what a map is multiplied by: 1 but where it is much more likely to spoil than to mend.
-    pub fn share(&self, evidence: Evidence) -> f64 {
-        step(8.0 * self.cautious(evidence).confidence())
-    }
-
-    /// Returns the least and the greatest w.
-    pub fn shares(&self, between: Between, arithmetic: Arithmetic) -> (f64, f64) {
-        let Between { least, most } = between;
-        let between = Between { least: self.cautious(least), most: self.cautious(most) };
-        let (least, most) = between.confidence(1, arithmetic);
-        let rounded = |share: f64, sign: f64| {
-            if share < 1.0 { (share * (1.0 + sign * (STEP_ERROR + U))).min(1.0) } else { 1.0 }
-        };
-        (rounded(step(8.0 * least), -1.0), rounded(step(8.0 * most), 1.0))
-    }
-
-    fn cautious(&self, evidence: Evidence) -> Evidence {
-        evidence.times(1.0, 2f64.powi(self.caution.into()))
-    }
-
     fn prior(&self, apart: f64, change: f64) -> f64 {
         (-change * (2.0 + change) + self.linear * apart).max(0.0)
     }
@@ -143,6 +120,11 @@ impl Evidence {
         (1.0 + self.known) / (1.0 + self.known + self.doubted)
     }
 
+    /// Returns w, the factor of a map: 1 but where it is much more likely to spoil than to mend.
+    pub fn share(self) -> f64 {
+        step(8.0 * self.confidence())
+    }
+
     fn times(self, known: f64, doubted: f64) -> Self {
         Self { known: known * self.known, doubted: doubted * self.doubted }
     }
@@ -161,6 +143,15 @@ impl Between {
         Self { least: self.least.and(other.least), most: self.most.and(other.most) }
     }
 
+    /// Returns the least and the greatest w.
+    pub fn shares(self, arithmetic: Arithmetic) -> (f64, f64) {
+        let (least, most) = self.confidence(1, arithmetic);
+        let rounded = |share: f64, sign: f64| {
+            if share < 1.0 { (share * (1.0 + sign * (STEP_ERROR + U))).min(1.0) } else { 1.0 }
+        };
+        (rounded(step(8.0 * least), -1.0), rounded(step(8.0 * most), 1.0))
+    }
+
     /// Returns the least and the greatest confidence, from sums of so many numbers.
     pub fn confidence(self, terms: usize, arithmetic: Arithmetic) -> (f64, f64) {
         let rounding = gamma(2 * terms + 3 + arithmetic.division);
@@ -174,20 +165,17 @@ mod tests {
     use super::*;
 
     const CERTAINTY: Certainty =
-        Certainty { len: 2, reach: 4.0, linear: 0.5, signal: 30.0, noise: 60.0, caution: 0 };
+        Certainty { len: 2, reach: 4.0, linear: 0.5, signal: 30.0, noise: 60.0 };
 
     #[test]
     fn what_is_explained_is_known_and_the_rest_is_in_doubt() {
         let of = |apart, change, values: &[f64]| CERTAINTY.evidence(apart, change, values);
-        let share = |evidence| CERTAINTY.share(evidence);
+        let share = Evidence::share;
         assert_eq!(of(0.0, 0.0, &[0.0, 0.0]).confidence(), 1.0, "rest");
         // 1 - 0.5² + 0.5 · 2 = 1.75
         let found = of(2.0, -0.5, &[0.5, -1.0]);
         assert!((found.known - 37.5).abs() < 1e-12 && (found.doubted - 30.0).abs() < 1e-12);
         assert!((found.confidence() - 38.5 / 68.5).abs() < 1e-12 && share(found) == 1.0);
-        let cautious = Certainty { caution: 5, ..CERTAINTY };
-        let expected = step(8.0 * 38.5 / (38.5 + 32.0 * 30.0));
-        assert!((cautious.share(found) - expected).abs() < 1e-12 && expected < 0.5);
         let found = of(2.0, -0.5, &[0.0, 0.1]);
         assert!(found.confidence() < 0.02 && share(found) < 1e-2);
         assert!(of(2.0, -0.5, &[3.0, 0.0]).doubted == 0.0, "no more than there is");
@@ -196,7 +184,6 @@ mod tests {
 
     #[test]
     fn what_numbers_are_off_by_is_within_the_bounds() {
-        let cautious = Certainty { caution: 3, ..CERTAINTY };
         for (apart, change, values) in [
             (2.0, -0.5, [0.5, -1.0]),
             (0.01, -0.01, [0.1, 0.08]),
@@ -204,7 +191,7 @@ mod tests {
             (15.9, -1.0, [0.3, 0.2]),
         ] {
             for off in [0.0, 1e-6, 1e-3] {
-                let found = cautious.between(
+                let found = CERTAINTY.between(
                     (apart, off),
                     (change, off),
                     &values,
@@ -212,13 +199,13 @@ mod tests {
                     Arithmetic::IEEE,
                 );
                 let (least, most) = found.confidence(1, Arithmetic::IEEE);
-                let (least_share, most_share) = cautious.shares(found, Arithmetic::IEEE);
+                let (least_share, most_share) = found.shares(Arithmetic::IEEE);
                 for signs in 0..16 {
                     let sign = |bit: u32| if signs >> bit & 1 == 1 { off } else { -off };
                     let moved = [values[0] + sign(2), values[1] + sign(3)];
-                    let moved = cautious.evidence(apart + sign(0), change + sign(1), &moved);
+                    let moved = CERTAINTY.evidence(apart + sign(0), change + sign(1), &moved);
                     assert!((least..=most).contains(&moved.confidence()), "{apart} {off}");
-                    let share = cautious.share(moved);
+                    let share = moved.share();
                     assert!((least_share..=most_share).contains(&share), "{apart} {off}");
                 }
                 assert!(most - least < 1e-5 + 2e3 * off, "{apart} {off}: {least} {most}");

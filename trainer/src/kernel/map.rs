@@ -258,14 +258,7 @@ mod tests {
             coefficients: Mat::from_fn(2, 5, |row, k| {
                 [[1.0, -2.0, 0.5, 0.3, -0.7], [0.2, 0.6, -0.1, 0.4, 0.3]][row][k]
             }),
-            certainty: Certainty {
-                len: 1,
-                reach: 4.0,
-                linear: 0.2,
-                signal: 20.0,
-                noise: 30.0,
-                caution: 0,
-            },
+            certainty: Certainty { len: 1, reach: 4.0, linear: 0.2, signal: 20.0, noise: 30.0 },
         }
     }
 
@@ -295,7 +288,7 @@ mod tests {
                 assert_eq!(map.error(&x).outputs, expected.outputs);
             }
         }
-        let far = map().certainty.share(map().evaluate(&[1e5, 0.0]).evidence);
+        let far = map().evaluate(&[1e5, 0.0]).evidence.share();
         assert!(far < 1e-80, "nothing is known far away");
     }
 }

@@ -123,16 +123,16 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
-    let part = |(block, of): &(Block, usize)| (design.rows(block), outputs.of_part(block, *of));
+    let part = |block: &Block| (design.rows(block), block.rows(&outputs.all));
     let parts: Vec<(BlockRows, Mat<f64>)> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
         for (sum, left) in squared.iter_mut().zip(projected.left_out(design, outputs, ridge)?) {
             *sum += own.iter().map(|&o| left.col(o).squared_norm_l2()).sum::<f64>();
         }
-        for ((block, of), (rows, truth)) in outputs.parts.iter().zip(&parts) {
+        for (block, (rows, truth)) in outputs.parts.iter().zip(&parts) {
             let out = design.block_out(rows, ridge)?;
-            let left = out.errors(&out.residuals(truth, projected.seen(*of)));
+            let left = out.errors(&out.residuals(truth, &projected.all));
             for (i, &sample) in block.own.iter().enumerate() {
                 own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
@@ -147,7 +147,6 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
         len: rows.ncols(),
         signal: (signal / outputs.negligible).min(MOST),
         noise: (noise / outputs.negligible).min(MOST),
-        caution: outputs.caution(),
         ..design.certain()
     };
     let map = design.map(&faer::concat![[&solution, &rows]], certainty);
@@ -155,8 +154,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
 }
 
 /// The squared error of samples beyond the others for their variance, both as fits without them have them: a geometric
-/// mean over their blocks, or over all where there are none beyond. What the outputs themselves owe to their samples is
-/// known of the blocks that are not beyond alone; it counts for all.
+/// mean over their blocks, or over all where there are none beyond.
 ///
 /// - `squared`: the errors of each block's own samples.
 fn noise(
@@ -173,27 +171,19 @@ fn noise(
         Some((squared[b] / variance).max(f64::MIN_POSITIVE).ln())
     };
     let sum = (first..count).map(of_block).sum::<Option<f64>>()?;
-    Some(outputs.unseen() * (sum / (count - first).max(1) as f64).exp())
+    Some((sum / (count - first).max(1) as f64).exp())
 }
 
 /// Outputs on a design's directions.
 struct Projected {
     all: Mat<f64>,
-    /// The same of the outputs as each block sees them.
-    without: Vec<Mat<f64>>,
     blocks: Vec<BlockRows>,
 }
 
 impl Projected {
     fn new(design: &Design<'_>, outputs: &Outputs) -> Self {
-        let without = outputs.without.iter().map(|outputs| design.project(outputs)).collect();
         let blocks = outputs.blocks.iter().map(|block| design.rows(block)).collect();
-        Self { all: design.project(&outputs.all), without, blocks }
-    }
-
-    /// The outputs as a block sees them.
-    fn seen(&self, block: usize) -> &Mat<f64> {
-        self.without.get(block).unwrap_or(&self.all)
+        Self { all: design.project(&outputs.all), blocks }
     }
 
     /// Errors of the samples of each block, predicted by the rest.
@@ -203,17 +193,11 @@ impl Projected {
         outputs: &Outputs,
         ridge: f64,
     ) -> Option<Vec<Mat<f64>>> {
-        let alike = self.without.is_empty();
-        let all = alike.then(|| design.residuals(&outputs.all, &self.all, ridge));
-        let errors = |(b, rows): (usize, &BlockRows)| {
-            let out = design.block_out(rows, ridge)?;
-            let residuals = match &all {
-                Some(all) => outputs.blocks[b].rows(all),
-                None => out.residuals(&outputs.of_block(b), self.seen(b)),
-            };
-            Some(out.errors(&residuals))
+        let all = design.residuals(&outputs.all, &self.all, ridge);
+        let errors = |(block, rows): (&Block, &BlockRows)| {
+            Some(design.block_out(rows, ridge)?.errors(&block.rows(&all)))
         };
-        self.blocks.iter().enumerate().map(errors).collect()
+        outputs.blocks.iter().zip(&self.blocks).map(errors).collect()
     }
 }
 
@@ -268,10 +252,9 @@ mod tests {
         let blocks: Vec<_> = (0..8).map(|b| Block::row(15 * b..15 * b + 15)).collect();
         Outputs {
             all: Mat::from_fn(120, 2, of),
-            parts: blocks.iter().cloned().zip(0..).collect(),
+            parts: blocks.clone(),
             blocks,
             beyond: 0,
-            without: Vec::new(),
             signal: 1.0,
             negligible: 1e-6,
             exact: 0.0,
@@ -318,7 +301,7 @@ mod tests {
             assert_eq!(at(0.0, 0.0).outputs, [0.0, 0.0]);
             let most = if kernel == GroupKernel::Matern12 { 0.1 } else { 0.02 };
             for (x, y) in [(0.3, -0.2), (-0.5, 0.4), (0.1, 0.8)] {
-                assert!(map.certainty.share(at(x, y).evidence) > 0.99);
+                assert!(at(x, y).evidence.share() > 0.99);
                 for (a, b) in at(x, y).outputs.iter().zip(truth(x, y)) {
                     assert!((a - b).abs() < most, "{kernel:?} {a} {b}");
                 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 #[test]
 fn each_predictor_can_be_asked_for_and_the_file_keeps_to_its_budget() {
     let folder = Folder::with_demo("predictors");
-    for predictor in ["rotational", "kernel", "hybrid"] {
+    for predictor in ["rotational", "kernel"] {
         let train = format!("-q train demo.npz -o new.sinew --predictor {predictor} --proxies 4");
         let free = folder.sinew(&format!("{train} --json")).json();
         assert_eq!(free["predictor"], predictor);
@@ -59,7 +59,6 @@ fn the_published_method_is_rotational_and_refuses_what_it_has_not() {
     let before = folder.read("new.sinew");
     for (more, expected) in [
         ("--predictor kernel", "--published is a way to fit --predictor rotational, and no other"),
-        ("--predictor hybrid", "--published is a way to fit --predictor rotational, and no other"),
         (
             "--proxies 513",
             "--published: a file has room for 512 proxies, for each takes that of two",

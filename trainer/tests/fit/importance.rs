@@ -41,7 +41,7 @@ fn what_counts_more_is_fitted_better_by_every_predictor() {
     let mut weighed = plain.clone();
     let numbers = (0..plain.vertex_len()).map(|v| if far(v) { 1.0 } else { 1e-3 });
     weighed.weigh(numbers.collect()).unwrap();
-    for predictor in [Predictor::Rotational, Predictor::Kernel, Predictor::Hybrid] {
+    for predictor in Predictor::ALL {
         let (before, after) = (model(&plain, predictor), model(&weighed, predictor));
         let [here, there] = [&before, &after].map(|model| error(model, &plain, far));
         assert!(there < 0.9 * here, "{predictor:?}: {there} against {here}");

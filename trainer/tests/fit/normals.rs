@@ -249,24 +249,19 @@ fn the_file_says_how_far_its_normals_are_off() {
 #[test]
 fn proxies_in_another_order_predict_the_same_bits() {
     let examples = arm(300);
-    for predictor in [Predictor::Rotational, Predictor::Hybrid] {
-        let model = train(&examples, &options(predictor), &Silent).unwrap().model;
-        let model = Model::from_bytes(&model).unwrap();
-        let envelope = EnvelopeModel::from_file(&model.envelope().unwrap());
-        for first in 0..envelope.proxy_len() {
-            let order = envelope.order_from(first);
-            assert_eq!(order[0], first);
-            let other = envelope.ordered(&order);
-            for frame in [3, 17] {
-                let pose: Vec<Map> = examples
-                    .pose(frame)
-                    .iter()
-                    .map(|rows| Map::from_fn(|r, c| rows[r][c]))
-                    .collect();
-                let (expected, found) = (envelope.evaluate(&pose).0, other.evaluate(&pose).0);
-                for (place, &proxy) in order.iter().enumerate() {
-                    assert_eq!(found[place], expected[proxy], "{predictor:?} {first} {place}");
-                }
+    let model = train(&examples, &options(Predictor::Rotational), &Silent).unwrap().model;
+    let model = Model::from_bytes(&model).unwrap();
+    let envelope = EnvelopeModel::from_file(&model.envelope().unwrap());
+    for first in 0..envelope.proxy_len() {
+        let order = envelope.order_from(first);
+        assert_eq!(order[0], first);
+        let other = envelope.ordered(&order);
+        for frame in [3, 17] {
+            let pose: Vec<Map> =
+                examples.pose(frame).iter().map(|rows| Map::from_fn(|r, c| rows[r][c])).collect();
+            let (expected, found) = (envelope.evaluate(&pose).0, other.evaluate(&pose).0);
+            for (place, &proxy) in order.iter().enumerate() {
+                assert_eq!(found[place], expected[proxy], "{first} {place}");
             }
         }
     }

@@ -76,7 +76,7 @@ fn a_job_takes_a_remap_and_a_rest_mesh() {
 /// tangents' handedness over the next vertex's first float, which is written later.
 #[test]
 fn a_vertex_may_be_interleaved_and_outputs_may_overlap() {
-    with(&Pieces::sample(Predictor::Hybrid, SMALL).bytes(), |Both { c, rust, .. }| {
+    with(&Pieces::sample(Predictor::Kernel, SMALL).bytes(), |Both { c, rust, .. }| {
         let ((envelope, found), v) = (c, rust.1.vertex_len());
         let pose = random_pose(&rust.0, &mut Rng(5), 0.3);
         let (palette, _) = envelope.palette(&pose);
@@ -136,7 +136,7 @@ fn a_skin_without_an_envelope_stays_at_rest() {
 #[test]
 fn threads_share_models_and_skin_ranges_at_once() {
     with(
-        &Pieces::sample(Predictor::Hybrid, SMALL).bytes(),
+        &Pieces::sample(Predictor::Kernel, SMALL).bytes(),
         |Both { c: (envelope, skin), rust, .. }| {
             let pose = random_pose(&rust.0, &mut Rng(5), 0.3);
             let (palette, _) = envelope.palette(&pose);

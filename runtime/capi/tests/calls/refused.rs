@@ -12,7 +12,7 @@ use std::ptr::{null, null_mut};
 /// gone is read: under Miri that would be an error.
 #[test]
 fn a_stale_part_is_refused() {
-    let file = Pieces::small(Predictor::Hybrid).bytes();
+    let file = Pieces::small(Predictor::Kernel).bytes();
     let mut model = Loaded::new(&file);
     let (envelope, skin) = (model.envelope(None, 0).unwrap(), model.skin(None, 0).unwrap());
     let (info, mesh) = (envelope.info(), skin.info());
@@ -51,7 +51,7 @@ fn a_stale_part_is_refused() {
     model.empty();
     drop(other);
     assert_eq!(refused(), [(sinew_status::NotLoaded, sinew_argument::Model); 2]);
-    let anew = Pieces::small(Predictor::Hybrid).bytes();
+    let anew = Pieces::small(Predictor::Kernel).bytes();
     done(model.load(&anew));
     assert_eq!(envelope.palette(&pose).0, palette);
 }

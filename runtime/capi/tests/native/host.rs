@@ -92,7 +92,7 @@ fn cpp_objects_own_move_reload_and_fail() {
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, "tests/native/raii.cpp", "raii", &flags);
     let found = output(
-        Command::new(program).args([golden_path(GOLDEN_NAMES[2]), golden_path(GOLDEN_NAMES[0])]),
+        Command::new(program).args([golden_path(GOLDEN_NAMES[1]), golden_path(GOLDEN_NAMES[0])]),
         GCC,
     );
     assert_eq!(found, "0 failures\n");

@@ -37,7 +37,7 @@ fn the_document_lays_rows_out_as_the_code() {
     assert_eq!(row.to_bytes(), bytes[..GroupRow::BYTES]);
     let fields = [
         ("joint", row.joint.into()),
-        ("kernel_and_caution", row.kernel_and_caution.into()),
+        ("kernel", row.kernel.into()),
         ("certainty_len", row.certainty_len.into()),
         ("input_len", row.input_len.into()),
         ("centre_len", row.centre_len.into()),

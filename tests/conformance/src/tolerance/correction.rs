@@ -25,7 +25,7 @@ pub fn correction(
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
         let (k, k_error, known) = added(group, features, arithmetic);
         evidence = evidence.and(known);
-        if group.map.certainty.shares(known, arithmetic).1 == 0.0 {
+        if known.shares(arithmetic).1 == 0.0 {
             continue;
         }
         let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
@@ -92,8 +92,7 @@ fn added(
     let Value { outputs, evidence } = group.map.evaluate(&input);
     let ValueError { outputs: error, evidence: between } =
         group.map.error_from(&input, &input_error, arithmetic);
-    let certainty = &group.map.certainty;
-    let (w, (least, most)) = (certainty.share(evidence), certainty.shares(between, arithmetic));
+    let (w, (least, most)) = (evidence.share(), between.shares(arithmetic));
     let w_error = (w - least).max(most - w);
     // Errors grow by magnitudes.
     let mut magnitudes = group.clone();

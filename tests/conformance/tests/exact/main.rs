@@ -157,16 +157,13 @@ fn a_file_evaluates_as_it_was_fitted() {
     let options =
         RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
-    let rotational = rotational::fit(&training, &options, None, &Silent).unwrap();
-    let best = rotational.best();
+    let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = HelperFit::new(&training).unwrap().run(9, 4);
     let groups =
         |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;
-    for fitted in [
-        rotational.fitted(best, &training),
-        helpers.fitted(&training, groups(helpers.target(&training))),
-        rotational.fitted(best, &training).with(groups(rotational.target(best, &training))),
-    ] {
+    for fitted in
+        [rotational.fitted(&training), helpers.fitted(&training, groups(helpers.target(&training)))]
+    {
         evaluates_as_fitted(&examples, &training, &fitted);
     }
 }

@@ -111,8 +111,8 @@ mod tests {
 
     #[test]
     fn whatever_the_header_promises_of_calls_happens() {
-        let golden = || Pieces::of(GOLDEN[0]).unwrap();
-        let (mut empty, mut bare, mut loose) = (golden(), golden(), golden());
+        let golden = |index: usize| Pieces::of(GOLDEN[index]).unwrap();
+        let (mut empty, mut bare, mut loose) = (golden(1), golden(0), golden(0));
         empty.keep_vertices(0);
         bare.sections.retain(|content| content.kind != SectionKind::RestTangents.number());
         loose.loosen();
@@ -122,9 +122,9 @@ mod tests {
         files.extend(kernels.map(|content| Pieces::kernels(&[content]).bytes()));
         files.extend(Pieces::viewed().into_iter().chain([turned()]).map(|pieces| pieces.bytes()));
         files.push(Pieces::filter(&FilterContent::sample(2, 5)).bytes());
-        let mut random = ChaCha8Rng::seed_from_u64(138);
+        let mut random = ChaCha8Rng::seed_from_u64(139);
         let mut seen = BTreeSet::new();
-        for number in 0..400_000 {
+        for number in 0..600_000 {
             let mut bytes = [0; 160];
             random.fill_bytes(&mut bytes);
             let (script, recipe) = bytes.split_at(96);

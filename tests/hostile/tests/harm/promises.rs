@@ -94,7 +94,7 @@ fn helpers_that_take_no_bytes_are_held_by_the_limits() {
         pieces.sections.retain(|content| content.part == 0);
         let row = GroupRow {
             joint: 0,
-            kernel_and_caution: 8,
+            kernel: 8,
             certainty_len: 0,
             input_len: 0,
             centre_len: 0,

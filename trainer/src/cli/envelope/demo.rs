@@ -7,6 +7,7 @@ use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input};
 use anyhow::bail;
 use serde_json::json;
+use sinew_runtime::Model;
 use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames};
@@ -23,7 +24,8 @@ const POSITIONS_MAX: usize = 100_000_000;
 /// Trains, bakes and measures a generated arm; needs no input
 ///
 /// Generates a procedural arm, trains an envelope on it, bakes it, and measures the baked model on
-/// poses that the training has not seen.
+/// poses that the training has not seen. Beside it stands one of the other predictor with as many proxies: rotational
+/// regression, which the method began with, beside kernel maps.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]
@@ -82,13 +84,18 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     let page_file = OutputFile::new(&page, &[])?;
     let examples = arguments.size.generate(output)?;
-    let trained = arguments.fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)?;
-    let (html, evaluation) = report(&trained.model, examples.clone(), output)?;
+    let train = |fit: &train::FitArguments| {
+        fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)
+    };
+    let trained = train(&arguments.fit)?;
+    let other = train(&arguments.fit.other(trained.report.chosen().proxies.max(1)))?;
+    let (html, evaluations) = report([&trained.model, &other.model], examples.clone(), output)?;
+    let named: Vec<_> = evaluations.iter().map(|of| (table::fitted(of), of)).collect();
     let mut text = format!(
         "a procedural arm: {}\n{}{}",
         input::describe(&examples),
         table::report(&trained.report, examples.diagonal_mm()),
-        table::evaluation(&evaluation)
+        table::evaluations(&named)
     );
     if let (Some(folder), Some(model)) = (folder, &model) {
         let clips = [Clip::regular("demo".to_owned(), 0, examples.frame_len())];
@@ -98,22 +105,30 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     files::write(&[(&page_file, html.as_bytes())])?;
     text += &format!("wrote its report: {}\n", page.display());
-    output.print(&json!({ "report": trained.report, "evaluation": evaluation }), &text)
+    let (evaluation, other) = (&evaluations[0], evaluations.get(1));
+    let found = json!({ "report": trained.report, "evaluation": evaluation, "other": other });
+    output.print(&found, &text)
 }
 
-/// Measures the model, and makes the page that shows where it errs, without training other sizes.
+/// Measures two models, and makes the page that shows where they err, without training other sizes.
 fn report(
-    model: &[u8],
+    models: [&[u8]; 2],
     examples: Examples,
     output: Output,
-) -> anyhow::Result<(String, Evaluation)> {
+) -> anyhow::Result<(String, Vec<Evaluation>)> {
     let _measuring = Bars::busy(output, "measuring");
     let (examples, clips) = by_use(examples);
     let source = NamedExamples { examples: &examples, clips: &clips, name: "the demo's arm" };
-    let file = NamedModel { name: "demo.sinew", bytes: model, skin: None };
-    let comparison = Comparison::new(source, Some(Frames::Of(Split::HeldOut)), file)?;
+    let name = |model: &[u8]| -> anyhow::Result<&str> {
+        let model = Model::from_bytes(model)?;
+        Ok(model.envelope().map_or("", |envelope| envelope.predictor().name()))
+    };
+    let [model, other] = models;
+    let file = NamedModel { name: name(model)?, bytes: model, skin: None };
+    let mut comparison = Comparison::new(source, Some(Frames::Of(Split::HeldOut)), file)?;
+    comparison.compare(NamedModel { name: name(other)?, bytes: other, skin: None })?;
     let page = Page { comparison: &comparison, options: PictureOptions::default(), sizes: false };
-    Ok((page.html(&Silent)?, comparison.evaluations().remove(0)))
+    Ok((page.html(&Silent)?, comparison.evaluations()))
 }
 
 /// Makes the folder, tries the places of its three files, and gives that of the model.

@@ -124,14 +124,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
     files::write(&files)?;
     let evaluations = comparison.evaluations();
-    let mut text: String = evaluations
-        .iter()
-        .zip(names)
-        .map(|(evaluation, name)| {
-            let table = table::evaluation(evaluation);
-            if other.is_some() { format!("{name}: {table}") } else { table }
-        })
-        .collect();
+    let mut text = match &evaluations[..] {
+        [one] => table::evaluation(one),
+        several => table::evaluations(&Vec::from_iter(names.into_iter().zip(several))),
+    };
     for (target, bytes) in files.iter().rev() {
         text += &format!("wrote {} ({} bytes)\n", target.named().display(), bytes.len());
     }

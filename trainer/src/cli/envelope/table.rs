@@ -3,7 +3,8 @@
 use crate::cli::column::padded;
 use crate::cli::counted;
 use sinew_trainer::envelope::alike::{COEFFICIENTS_COST, SMALLER, UNSEEN};
-use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
+use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation, Region};
+use sinew_trainer::envelope::report::comparison::LBS;
 use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 use sinew_trainer::space::written;
@@ -44,8 +45,7 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
         );
     } else if validated > best {
         out += &format!(
-            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, unrefined ones and\n\
-             rotational ones last\n",
+            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken\n",
             100.0 * (SMALLER - 1.0),
             100.0 * UNSEEN
         );
@@ -53,11 +53,9 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let own = width + 20;
     let mm = in_mm(diagonal_mm, "mm".to_owned());
     out += &format!("{:<own$}{:>20}{mm}\n", "RMS error, training frames", "% of the diagonal");
-    for (name, rms) in [
-        ("LBS, 4 influences", report.lbs_rms),
-        ("the model", report.training_rms),
-        ("cross-validated", validated),
-    ] {
+    for (name, rms) in
+        [(LBS, report.lbs_rms), ("the model", report.training_rms), ("cross-validated", validated)]
+    {
         let mm = in_mm(diagonal_mm, length(Some(rms)).map_or(String::new(), written));
         out += &format!("{name:<own$}{:>20.4}{mm}\n", 100.0 * rms);
     }
@@ -81,59 +79,81 @@ fn kind(candidate: &CandidateReport) -> String {
     format!("{predictor}{method}{bare}")
 }
 
-/// Describes a measurement, with LBS beside it.
+/// Describes a measurement of one model, with LBS beside it.
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
-    let Evaluation { split, frames, vertices, diagonal, model_bytes, predictor, proxies, .. } =
-        evaluation;
-    let is_read = evaluation.read == Some(*frames);
+    evaluations(&[(fitted(evaluation), evaluation)])
+}
+
+/// What a model is, in a table: its predictor and how many proxies it has.
+pub(super) fn fitted(Evaluation { predictor, proxies, .. }: &Evaluation) -> String {
+    format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"))
+}
+
+/// Describes measurements of models on the same frames, each with its name, and LBS before them.
+pub(super) fn evaluations(models: &[(String, &Evaluation)]) -> String {
+    let Some((_, first)) = models.first() else { return String::new() };
+    let Evaluation { split, frames, vertices, diagonal, .. } = first;
+    let is_read = first.read == Some(*frames);
     // What training has read is neither held out nor new, whatever was asked for.
     let of = if *split == "all" || is_read { String::new() } else { format!("{split} ") };
-    let read = match evaluation.read {
+    let read = match first.read {
         Some(_) if is_read => ", all of which training has read".to_owned(),
         Some(read) if read > 0 => format!(", of which training has read {read}"),
         Some(_) => ", none of which training has read".to_owned(),
         None => String::new(),
     };
-    let mm = evaluation.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
+    let mm = first.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
     let mut out =
         format!("{frames} {of}frames{read}; {vertices} vertices, diagonal {diagonal:.4}{mm}\n");
-    let predictor = format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"));
-    let both = [("LBS, 4 influences", &evaluation.lbs), (&*predictor, &evaluation.errors)];
+    let width = models.iter().map(|(name, _)| name.chars().count() + 1).fold(26, usize::max);
+    let row = |name: &str, cells: &[String]| {
+        let cells = cells.iter().map(|cell| format!("{cell:>11}")).collect::<String>();
+        padded(name, width) + &cells + "\n"
+    };
+    let distances = |name: &str, of: &Errors| {
+        let Errors { rms_percent, p99_percent, max_percent, millimetres, .. } = of;
+        let percents = [rms_percent, p99_percent, max_percent];
+        let mut cells = percents.map(|percent| format!("{percent:.4}")).to_vec();
+        cells.extend(
+            millimetres.iter().flat_map(|of| [of.rms_mm, of.p99_mm, of.max_mm].map(written)),
+        );
+        row(name, &cells)
+    };
+    let of_mesh = |region: &Region| {
+        let mut cells = vec![format!("{:.4}", region.rms_percent)];
+        // The length stands in the column of RMS lengths.
+        cells.extend(
+            region.rms_mm.into_iter().flat_map(|mm| [String::new(), String::new(), written(mm)]),
+        );
+        row(&format!("  {}", region.name), &cells)
+    };
     let mut head = ["RMS", "p99", "max"].to_vec();
-    if evaluation.diagonal_mm.is_some() {
+    if first.diagonal_mm.is_some() {
         head.extend(["RMS, mm", "p99, mm", "max, mm"]);
     }
-    out += &row("error, % of the diagonal", head.into_iter().map(str::to_owned));
-    for (name, Errors { rms_percent, p99_percent, max_percent, millimetres, .. }) in both {
-        let percents =
-            [rms_percent, p99_percent, max_percent].map(|percent| format!("{percent:.4}"));
-        let lengths = millimetres.map(|of| [of.rms_mm, of.p99_mm, of.max_mm].map(written));
-        out += &row(name, percents.into_iter().chain(lengths.into_iter().flatten()));
+    out += &row("error, % of the diagonal", &Vec::from_iter(head.into_iter().map(str::to_owned)));
+    out += &distances(LBS, &first.lbs);
+    for (name, model) in models {
+        out += &distances(name, &model.errors);
+        out.extend(model.regions.iter().filter(|region| region.kind == "mesh").map(of_mesh));
     }
-    for region in evaluation.regions.iter().filter(|region| region.kind == "mesh") {
-        let percent = format!("{:.4}", region.rms_percent);
-        // The length stands in the column of RMS lengths.
-        let length = region.rms_mm.map(|mm| [String::new(), String::new(), written(mm)]);
-        let cells = std::iter::once(percent).chain(length.into_iter().flatten());
-        out += &row(&format!("  {}", region.name), cells);
-    }
-    out += &row("normals, degrees", ["RMS", "median", "p99"].into_iter().map(str::to_owned));
-    for (name, e) in both {
+    out += &row("normals, degrees", &["RMS", "median", "p99"].map(str::to_owned));
+    let own = models.iter().map(|(name, model)| (name.as_str(), &model.errors));
+    for (name, e) in std::iter::once((LBS, &first.lbs)).chain(own) {
         let angles = [e.normal_rms_degrees, e.normal_median_degrees, e.normal_p99_degrees];
-        out += &row(name, angles.into_iter().map(|angle| format!("{angle:.2}")));
+        out += &row(name, &angles.map(|angle| format!("{angle:.2}")));
     }
-    let share = evaluation.errors.share_of(&evaluation.lbs);
-    let Confidence { mean, least } = evaluation.confidence;
-    out += &format!("confidence in the poses: {mean:.3} on average, {least:.3} at the least\n");
-    out += &format!("the model: {model_bytes} bytes");
-    if let Some(share) = share {
-        out += &format!(", {:.1} % of LBS's RMS error", 100.0 * share);
+    for (name, model) in models {
+        let (name, under) =
+            if models.len() == 1 { ("the model", "") } else { (name.as_str(), "  ") };
+        out += &format!("{name}: {} bytes", model.model_bytes);
+        if let Some(share) = model.errors.share_of(&model.lbs) {
+            out += &format!(", {:.1} % of LBS's RMS error", 100.0 * share);
+        }
+        let Confidence { mean, least } = model.confidence;
+        out += &format!(
+            "\n{under}confidence in the poses: {mean:.3} on average, {least:.3} at the least\n"
+        );
     }
-    out + "\n"
-}
-
-/// A row of a measurement's tables.
-fn row(name: &str, cells: impl Iterator<Item = String>) -> String {
-    let cells = cells.map(|cell| format!("{cell:>11}")).collect::<String>();
-    padded(name, 26) + &cells + "\n"
+    out
 }

@@ -61,11 +61,11 @@ struct MeshArguments {
 }
 
 /// What a fit may be told.
-#[derive(clap::Args, serde::Serialize)]
+#[derive(Clone, clap::Args, serde::Serialize)]
 pub(in crate::cli) struct FitArguments {
-    /// What predicts the palette from the pose
-    #[arg(long, value_enum, default_value_t = Predictor::Auto)]
-    predictor: Predictor,
+    /// What predicts the palette from the pose [default: kernel]
+    #[arg(long, value_enum)]
+    predictor: Option<Predictor>,
     /// Number of proxies, or of helpers beside the joints [default: chosen by
     /// cross-validation, from half to twice the number of joints, or of 40 where that is greater]
     #[arg(long, value_name = "P", value_parser = proxies, allow_negative_numbers = true)]
@@ -79,8 +79,8 @@ pub(in crate::cli) struct FitArguments {
     #[arg(long, value_name = "K", value_parser = influences, allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
-    /// Leave out the refinement: rotational and hybrid keep the reconstruction that S3 gives, which has
-    /// not been fitted to the training meshes
+    /// Leave out the refinement: rotational keeps the reconstruction that S3 gives, which has not been fitted to the
+    /// training meshes
     #[arg(long)]
     unrefined: bool,
     /// Fit the rotational predictor as S3 publishes it, to the letter: W and u by alternation, scale and shear with a
@@ -99,23 +99,18 @@ pub(in crate::cli) struct FitArguments {
 #[derive(Clone, Copy, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Predictor {
-    /// The one of the three that cross-validation inside the training frames finds best
-    Auto,
     /// Rotational regression of key gradients, reduced Poisson reconstruction
     Rotational,
     /// The joints themselves, and helpers driven by local kernel maps where LBS errs
+    #[value(alias = "auto")]
     Kernel,
-    /// The reconstruction, and local kernel maps for what it leaves over
-    Hybrid,
 }
 
 impl Predictor {
     fn predict(self) -> Predict {
         match self {
-            Self::Auto => Predict::Auto,
             Self::Rotational => Predict::Only(envelope::Predictor::Rotational),
             Self::Kernel => Predict::Only(envelope::Predictor::Kernel),
-            Self::Hybrid => Predict::Only(envelope::Predictor::Hybrid),
         }
     }
 }
@@ -160,6 +155,20 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
 }
 
 impl FitArguments {
+    /// The same for the other predictor, with so many proxies.
+    pub(in crate::cli) fn other(&self, proxies: usize) -> Self {
+        let is_rotational = self.published || matches!(self.predictor, Some(Predictor::Rotational));
+        let other = if is_rotational { Predictor::Kernel } else { Predictor::Rotational };
+        Self {
+            predictor: Some(other),
+            proxies: Some(proxies),
+            max_error: None,
+            published: false,
+            budget: None,
+            ..*self
+        }
+    }
+
     /// Fits an envelope to examples that came from `source`.
     pub(in crate::cli) fn train(
         &self,
@@ -169,9 +178,9 @@ impl FitArguments {
         output: Output,
     ) -> anyhow::Result<Trained> {
         let predictor = match (self.published, self.predictor) {
-            (true, Predictor::Auto | Predictor::Rotational) => Predict::Published,
+            (true, None | Some(Predictor::Rotational)) => Predict::Published,
             (true, _) => bail!("--published is a way to fit --predictor rotational, and no other"),
-            (false, predictor) => predictor.predict(),
+            (false, predictor) => predictor.unwrap_or(Predictor::Kernel).predict(),
         };
         let most = Method::Published.proxies_max();
         if self.published && self.proxies.is_some_and(|count| count > most) {
@@ -233,7 +242,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
     // Kernel maps have no half turn at which they jump.
-    let jumps = !matches!(arguments.fit.predictor, Predictor::Kernel);
+    let FitArguments { predictor, published, .. } = arguments.fit;
+    let jumps = published || matches!(predictor, Some(Predictor::Rotational));
     let findings = checked.findings.iter().filter(warnings::is_told);
     for finding in findings.filter(|finding| jumps || finding.kind != Kind::HalfTurn) {
         output.warn(&source, &finding.text);

@@ -49,10 +49,6 @@ impl EnvelopeModel {
             check_shape(["rows of c1", "columns of c1"], [4 * p, 3 * p], c1)?;
             check_shape(["rows of c2", "columns of c2"], [4 * p, 4 * j], c2)?;
         }
-        if self.predictor().corrects() {
-            let helpers = self.groups.iter().map(|group| group.proxies.len()).sum();
-            check_len("proxies of all groups", p, helpers)?;
-        }
         Ok(EnvelopeCounts {
             predictor: self.predictor(),
             joint_len: narrow("joints", j)?,

@@ -6,9 +6,6 @@ use crate::envelope::model::{Group, Input};
 use faer::Col;
 use sinew_runtime::envelope::{GroupRow, Trust};
 
-/// Four bits hold it.
-const CAUTION_MAX: u8 = 15;
-
 /// What the sections `groups` and `corrections` hold, and the scratch that they need.
 pub(super) struct GroupSections {
     pub(super) rows: Vec<u8>,
@@ -35,15 +32,9 @@ pub(super) fn write(groups: &[Group]) -> Result<GroupSections, BakeError> {
 impl Group {
     fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
         let certainty = self.map.certainty;
-        if certainty.caution > CAUTION_MAX {
-            return Err(BakeError::Size {
-                what: "caution of a group",
-                found: certainty.caution.into(),
-            });
-        }
         Ok(GroupRow {
             joint: narrow("joint of a group", self.joint)?,
-            kernel_and_caution: self.map.kernel.number() + 16 * certainty.caution,
+            kernel: self.map.kernel.number(),
             certainty_len: narrow("certainty values of a group", certainty.len)?,
             input_len: narrow("inputs of a group", self.inputs.len())?,
             centre_len: narrow("centres of a group", self.map.centres.ncols())?,

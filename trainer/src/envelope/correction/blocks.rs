@@ -13,30 +13,28 @@ const PARTS: usize = 4;
 pub struct Blocks<'a> {
     /// The poses, those that are one together.
     pub distinct: Distinct<'a>,
-    /// The folds, and where wanted one more across the middle of each pair: more blocks choose better.
+    /// The folds, and one more across the middle of each pair: more blocks choose better.
     pub blocks: Vec<Block>,
-    /// The folds in parts, and of which each is: the model has seen all poses, and of fits that have not seen a tenth of
+    /// The folds in parts: the model has seen all poses, and of fits that have not seen a tenth of
     /// them the error is larger than its own.
-    pub parts: Vec<(Block, usize)>,
+    pub parts: Vec<Block>,
 }
 
 impl<'a> Blocks<'a> {
     /// Cuts poses into blocks.
-    ///
-    /// - `between`: whether there are blocks across two folds, which a base that is fitted to each fold rules out.
-    pub fn new(poses: &'a Poses, between: bool) -> Self {
+    pub fn new(poses: &'a Poses) -> Self {
         let distinct = Distinct::new(poses);
         let folds = ranges(&distinct);
         let middle = |fold: &Range<usize>| (fold.start + fold.end) / 2;
-        let parts = |(number, fold): (usize, &Range<usize>)| {
+        let parts = |fold: &Range<usize>| {
             let (start, len) = (fold.start, fold.len());
             let count = (len / FOLD_LEN).clamp(1, PARTS);
             let cut = move |part: usize| start + part * len / count;
-            let run = |part| distinct.run(cut(part)..cut(part + 1));
-            (0..count).map(|part| (run(part), number)).collect::<Vec<_>>()
+            let run = |part: usize| distinct.run(cut(part)..cut(part + 1));
+            (0..count).map(run).collect::<Vec<_>>()
         };
-        let parts = folds.iter().enumerate().flat_map(parts).collect();
-        let pairs = folds.windows(2).filter(|_| between);
+        let parts = folds.iter().flat_map(parts).collect();
+        let pairs = folds.windows(2);
         let across: Vec<_> = pairs.map(|pair| middle(&pair[0])..middle(&pair[1])).collect();
         let blocks = folds.into_iter().chain(across).map(|range| distinct.run(range)).collect();
         Self { distinct, blocks, parts }
@@ -53,14 +51,13 @@ mod tests {
     fn blocks_lie_across_two_folds_and_parts_in_one() {
         let poses = moving(&[40]);
         let folds = folds(&poses);
-        let Blocks { blocks, parts, .. } = Blocks::new(&poses, true);
+        let Blocks { blocks, parts, .. } = Blocks::new(&poses);
         assert_eq!(blocks[..10], folds);
         assert_eq!(blocks.len(), 19);
         assert_eq!(blocks[10].own, [2, 3, 4, 5]);
         assert_eq!(blocks[10].near, [0, 1, 6, 7]);
-        assert_eq!(Blocks::new(&poses, false).blocks, folds);
-        let own: Vec<usize> = parts.iter().flat_map(|(part, _)| part.own.clone()).collect();
+        let own: Vec<usize> = parts.iter().flat_map(|part| part.own.clone()).collect();
         assert_eq!(own, Vec::from_iter(0..40));
-        assert_eq!(parts[3], (Block { own: vec![6, 7], near: vec![5, 8] }, 1));
+        assert_eq!(parts[3], Block { own: vec![6, 7], near: vec![5, 8] });
     }
 }

@@ -243,7 +243,7 @@ fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
     let narrow = |len: usize| u16::try_from(len).unwrap_or(u16::MAX);
     let row = GroupRow {
         joint: 0,
-        kernel_and_caution: 0,
+        kernel: 0,
         certainty_len: u8::try_from(m).unwrap_or(u8::MAX),
         input_len: narrow(d),
         centre_len: narrow(n),

@@ -39,8 +39,7 @@ impl GroupOutputs {
         let CorrectionTarget { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
-        let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
-        let all = seen(target.left_over);
+        let all = metric.weigh(&local(target.left_over, poses, joint, &proxies));
         let directions = leading(&all);
         let beyond = beyond(distinct, features.parents, joint);
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
@@ -53,7 +52,6 @@ impl GroupOutputs {
             negligible: NOTHING.powi(2) * target.vertices as f64,
             exact: EXACT.get() * signal / (poses.len() * directions.ncols().max(1)) as f64,
             certainty: target.certainty,
-            without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         Self { joint, proxies, metric, directions, outputs }
     }

@@ -18,9 +18,9 @@ const STEP: &str = "what maps listen to";
 /// What the maps of some joints listen to: of each joint one list, or several for different helpers.
 pub type Known = BTreeMap<usize, Vec<Listening>>;
 
-/// Chooses for each dominant joint what the maps of its proxies listen to, in as many lists at most.
-pub fn choose(target: &CorrectionTarget<'_>, most: usize, progress: &dyn Progress) -> Known {
-    let blocks = Blocks::new(target.poses, target.without.is_empty());
+/// Chooses for each dominant joint what the maps of its proxies listen to.
+pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> Known {
+    let blocks = Blocks::new(target.poses);
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     progress.step(STEP, groups.len());
     let each = |proxies: &Range<usize>| EachOutputs::new(target, proxies.clone(), &blocks);
@@ -31,10 +31,7 @@ pub fn choose(target: &CorrectionTarget<'_>, most: usize, progress: &dyn Progres
         let near = NearJoints::choose(&each.outputs, target.poses, target.features, joint);
         let lists = near.map_or_else(Vec::new, |near| match is_minor {
             true => vec![near.plain()],
-            false if most == 1 => {
-                vec![near.listening(&each.outputs, target.poses, target.features)]
-            }
-            false => several(target, joint, each, near, most),
+            false => several(target, joint, each, near),
         });
         progress.advance(1);
         (joint, lists)
@@ -62,7 +59,6 @@ fn several(
     joint: usize,
     each: &EachOutputs,
     first: NearJoints,
-    most: usize,
 ) -> Vec<Listening> {
     let CorrectionTarget { poses, features, .. } = *target;
     let width = first.width();
@@ -75,7 +71,7 @@ fn several(
     let mut others: Vec<_> = sets.filter_map(other).collect();
     let Some((least, _)) = taken.first() else { return Vec::new() };
     let mut least = least.clone();
-    while taken.len() < most {
+    loop {
         let with = |scores: &[f64]| lesser(&least, scores).iter().sum::<f64>();
         let best =
             (0..others.len()).min_by(|&a, &b| with(&others[a].0).total_cmp(&with(&others[b].0)));
@@ -127,7 +123,7 @@ fn lesser(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// Says of each proxy which of its joint's lists predicts it best.
 pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
-    let blocks = Blocks::new(target.poses, target.without.is_empty());
+    let blocks = Blocks::new(target.poses);
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     let of_joint = |proxies: Range<usize>| -> Vec<usize> {
         let len = proxies.len();

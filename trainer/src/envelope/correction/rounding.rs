@@ -64,9 +64,8 @@ fn latents(group: &Group, training: &Training) -> Vec<Latents> {
     let at = |input: Vec<f64>| {
         let Value { outputs, evidence } = group.map.evaluate(&input);
         let error = group.map.error(&input);
-        let certainty = &group.map.certainty;
-        let share = certainty.share(evidence);
-        let (least, most) = certainty.shares(error.evidence, Arithmetic::IEEE);
+        let share = evidence.share();
+        let (least, most) = error.evidence.shares(Arithmetic::IEEE);
         let of_share = (share - least).max(most - share);
         // A sum of r products, the share, and the product with the joint's rotation.
         let own = (outputs.len() as f64 + 6.0) * U * most;

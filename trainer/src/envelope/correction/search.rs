@@ -43,7 +43,7 @@ impl<'a> Search<'a> {
     ///
     /// - `known`: what the maps of each joint listen to.
     pub fn new(target: CorrectionTarget<'a>, known: &Known, progress: &dyn Progress) -> Self {
-        let blocks = Blocks::new(target.poses, target.without.is_empty());
+        let blocks = Blocks::new(target.poses);
         let ranges = groups(target.dominant.len(), |proxy| target.place(proxy));
         progress.step(STEP, ranges.len());
         let search = |proxies| {
@@ -138,7 +138,7 @@ mod tests {
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = HelperFit::new(&training).unwrap().run(20, 4);
         let target = helpers.target(&training);
-        let search = Search::new(target, &lists::choose(&target, 1, &Silent), &Silent);
+        let search = Search::new(target, &lists::choose(&target, &Silent), &Silent);
         let of = |bytes| -> (f64, usize) {
             let correction = search.fit(bytes).unwrap();
             let frames = examples.frames_of(Split::HeldOut);

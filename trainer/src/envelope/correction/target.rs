@@ -7,8 +7,8 @@ use faer::Mat;
 /// Most values of a map's certainty, where nothing else is said.
 pub const CERTAINTY: usize = 16;
 
-/// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
-/// (joints, or a reconstruction) does not predict.
+/// What a correction is fitted to: on n training poses, the part of P proxies' transforms that
+/// joints do not predict.
 #[derive(Clone, Copy)]
 pub struct CorrectionTarget<'a> {
     /// n training poses.
@@ -22,9 +22,6 @@ pub struct CorrectionTarget<'a> {
     pub listens: &'a [usize],
     /// The transforms less those of the base, 3n x 4P.
     pub left_over: &'a Mat<f64>,
-    /// The same for each fold, of a base fitted without the fold; empty where nothing of the base is
-    /// fitted.
-    pub without: &'a [Mat<f64>],
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: &'a Mat<f64>,
     /// Squared error of LBS that each of the proxies is to mend, P, summed over the poses.

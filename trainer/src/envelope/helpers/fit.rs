@@ -363,7 +363,6 @@ impl Helpers {
             dominant: &self.dominant,
             listens: &self.listens,
             left_over: &self.left_over,
-            without: &[],
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
             certainty: CERTAINTY,
@@ -414,7 +413,7 @@ mod tests {
             (training.targets(&helpers.weights).rms(&palette), trace)
         };
         let (rms, trace) = skin(&found);
-        let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
+        let known = lists::choose(&found.target(&training), &Silent);
         assert!(known.values().any(|lists| lists.len() > 1), "some joint has several lists");
         let sum: f64 = found.lbs_errors.iter().sum();
         let found = found.listening(&training, &known);
@@ -429,7 +428,7 @@ mod tests {
     fn a_helper_with_nothing_to_learn_takes_a_list_as_well() {
         let training = arm();
         let mut found = HelperFit::new(&training).unwrap().run(40, 4);
-        let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
+        let known = lists::choose(&found.target(&training), &Silent);
         let has_several = |l: &usize| known[&found.dominant[*l]].len() > 1;
         let last = (0..40).rev().find(has_several).unwrap();
         found.left_over.subcols_mut(4 * last, 4).fill(0.0);

@@ -20,8 +20,7 @@ pub struct EnvelopeModel {
     pub skeleton: Skeleton,
     /// The proxies' reconstruction; `None` for the kernel predictor, of joints and helpers.
     pub reconstruction: Option<Reconstruction>,
-    /// Kernel maps of the helpers, or of what the reconstruction leaves over; a rotational envelope has
-    /// none.
+    /// Kernel maps of the helpers; a rotational envelope has none.
     pub groups: Vec<Group>,
     /// Largest rotation of each joint relative to its parent in training, J, in radians.
     pub pose_ranges: Vec<f64>,
@@ -47,8 +46,7 @@ impl EnvelopeModel {
     pub fn predictor(&self) -> Predictor {
         match &self.reconstruction {
             None => Predictor::Kernel,
-            Some(_) if self.groups.is_empty() => Predictor::Rotational,
-            Some(_) => Predictor::Hybrid,
+            Some(_) => Predictor::Rotational,
         }
     }
 
@@ -152,7 +150,6 @@ fn widened(group: &sinew_runtime::envelope::Group<'_>) -> Group {
                 linear: group.trust.linear.into(),
                 signal: group.trust.signal.into(),
                 noise: group.trust.noise.into(),
-                caution: group.caution,
             },
         },
         outputs: Mat::from_fn(12 * group.proxies.len(), r, |row, c| wide(group.output(row, c))),

@@ -46,7 +46,7 @@ impl EnvelopeModel {
         for group in self.groups.iter().filter(|group| group.has_centres()) {
             let Value { outputs, evidence } = group.map.evaluate(&group.input(features));
             let proxies = &mut palette[first..][group.proxies.clone()];
-            let share = group.map.certainty.share(evidence);
+            let share = evidence.share();
             for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
                 *out += linear(&pose[group.joint]) * map * share;
             }

@@ -15,7 +15,7 @@ use sinew_runtime::Limits;
 use std::time::Instant;
 
 /// Most vertices x training frames x proxies of a training with twice the proxies: some 20 s of work
-/// for kernel maps, thrice that for a hybrid.
+/// for kernel maps.
 const TWICE_MOST: usize = 300_000_000;
 
 /// Trainings with several numbers of proxies.

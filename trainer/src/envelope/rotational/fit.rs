@@ -1,6 +1,5 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
-use super::lessons::Lessons;
 use super::options::{Method, RotationalOptions};
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
@@ -11,8 +10,6 @@ use super::surface::Surface;
 use super::validation::Validation;
 use super::{bias, keys, merge, merging, proxies, published, refinement, settings, validation};
 use crate::envelope::FitError;
-use crate::envelope::correction::features::Features;
-use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::poses::Poses;
@@ -31,20 +28,7 @@ pub struct Rotational {
     pub weights: Weights,
     /// Dominant joint of each proxy, P, ascending.
     pub dominant: Vec<usize>,
-    /// Σ φ φᵀ over the vertices, 4P x 4P.
-    pub gram: Mat<f64>,
-    /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
-    lbs_errors: Vec<f64>,
-    /// The reconstruction as it is without refinement, then refined on the training meshes where that predicts better.
-    pub variants: Vec<Variant>,
-    /// How it was fitted.
-    pub report: RotationalReport,
-}
-
-/// A reconstruction, and what it leaves over for a correction to learn. Refined on a few meshes it is nearer to the truth;
-/// but what it leaves over of meshes that it has seen is not what it leaves over of others.
-pub struct Variant {
-    /// How c1 and c2 come about.
+    /// How c1 and c2 come about: refined on the training meshes only where that predicts better.
     pub method: Method,
     /// What predicts the keys' gradients, P.
     pub predictors: Vec<GradientPredictor>,
@@ -52,10 +36,8 @@ pub struct Variant {
     reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
-    /// What it leaves over of the training meshes, as maps, 3n x 4P.
-    left_over: Mat<f64>,
-    /// The same in all poses, of fits that have not seen one fold.
-    without: Vec<Mat<f64>>,
+    /// How it was fitted.
+    pub report: RotationalReport,
 }
 
 /// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
@@ -113,14 +95,11 @@ impl KeyChoice {
 
 /// Fits an envelope to the training frames.
 ///
-/// - `lessons`: what its refinement is fitted to as well.
-///
 /// # Errors
 /// [`FitError::MaxError`] and [`FitError::Singular`].
 pub fn fit(
     training: &Training,
     options: &RotationalOptions,
-    lessons: Option<&Lessons>,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
     let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
@@ -185,43 +164,27 @@ pub fn fit(
     let unrefined = system.run().ok_or(FitError::Singular)?;
     let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
 
-    let variant = |method, keyed: &Keyed<'_>, reduced: Reduced, of_folds: &[Mat<f64>]| {
-        let maps = reduced.palette(&predict_stacked(&keyed.predictors, poses), poses);
-        Variant {
-            method,
-            predictors: keyed.predictors.clone(),
-            reduced,
-            validated: keyed.validation.join(of_folds),
-            left_over: projection.residual(&maps),
-            without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
-        }
-    };
-    let first = match options.method {
+    let mut method = match options.method {
         Method::Published => Method::Published,
         Method::Unrefined | Method::Refined => Method::Unrefined,
     };
-    let of_folds = keyed.validation.unrefined(&unrefined);
-    let mut variants = vec![variant(first, &keyed, unrefined.clone(), &of_folds)];
+    let mut validated = keyed.validation.join(&keyed.validation.unrefined(&unrefined));
+    let (mut predictors, mut reduced) = (keyed.predictors.clone(), unrefined.clone());
     let (mut refinement, mut refinements) = (None, Vec::new());
     if options.method == Method::Refined {
         progress.step("refinement", 1);
         let rigid = keyed.without_shear();
-        let seen = lessons.map(|lessons| {
-            (lessons, projection.of(&targets, (&lessons.weights, &lessons.palettes)))
-        });
-        let [shearing, rigid] = [&keyed, &rigid].map(|keyed| {
-            let lessons = seen.as_ref().map(|(lessons, projection)| (*lessons, projection));
-            Refining::new(&unrefined, keyed, (poses, &projection), lessons)
-        });
+        let [shearing, rigid] =
+            [&keyed, &rigid].map(|keyed| Refining::new(&unrefined, keyed, poses, &projection));
         (refinement, refinements) = refinement::choose(&shearing, &rigid);
         if let Some(choice) = &refinement {
             let refining = if choice.shear { &shearing } else { &rigid };
-            let (reduced, of_folds) = (refining.refined(choice), refining.maps_of_folds(choice));
-            variants.push(variant(Method::Refined, refining.keyed, reduced, &of_folds));
+            (method, reduced) = (Method::Refined, refining.refined(choice));
+            validated = keyed.validation.join(&refining.maps_of_folds(choice));
+            predictors.clone_from(&refining.keyed.predictors);
         }
     }
-    let last = &variants[variants.len() - 1];
-    let maps = last.reduced.palette(&predict_stacked(&last.predictors, poses), poses);
+    let maps = reduced.palette(&predict_stacked(&predictors, poses), poses);
     let report = RotationalReport {
         basis_rank: basis.vectors.ncols(),
         basis_residual: basis.residual,
@@ -241,14 +204,7 @@ pub fn fit(
             &fixed,
         ),
     };
-    Ok(Rotational {
-        variants,
-        lbs_errors: training.lbs_errors(&weights, 0..dominant.len()),
-        weights,
-        dominant,
-        gram: projection.gram.clone(),
-        report,
-    })
+    Ok(Rotational { weights, dominant, method, predictors, reduced, validated, report })
 }
 
 /// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
@@ -260,34 +216,9 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 }
 
 impl Rotational {
-    /// The variant that predicts best without a correction.
-    pub fn best(&self) -> &Variant {
-        &self.variants[self.variants.len() - 1]
-    }
-
-    /// The envelope of a variant, without a correction.
-    pub fn fitted(&self, variant: &Variant, training: &Training) -> Fitted {
-        let reconstruction = bias::carried(&variant.predictors, &variant.reduced);
+    /// Returns the envelope.
+    pub fn fitted(&self, training: &Training) -> Fitted {
+        let reconstruction = bias::carried(&self.predictors, &self.reduced);
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
-    }
-
-    /// What a variant leaves over for a correction to learn.
-    pub fn target<'a>(
-        &'a self,
-        variant: &'a Variant,
-        training: &'a Training,
-    ) -> CorrectionTarget<'a> {
-        CorrectionTarget {
-            poses: &training.poses,
-            features: Features::of(training),
-            dominant: &self.dominant,
-            listens: &[],
-            left_over: &variant.left_over,
-            without: &variant.without,
-            gram: &self.gram,
-            lbs_errors: &self.lbs_errors,
-            certainty: CERTAINTY,
-            vertices: training.rest.len(),
-        }
     }
 }

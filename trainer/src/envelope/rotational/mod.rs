@@ -9,8 +9,7 @@
 //! | [`scale_shear`], [`predictor`] | its scale and shear, and both as one key |
 //! | [`poisson`], [`reduce`] | the reconstruction, in full and reduced to c1 and c2 |
 //! | [`settings`], [`validation`] | near-rigid vertices and anchors, by folds |
-//! | [`lessons`] | made poses, and what another predictor makes of them |
-//! | [`refine`], [`refinement`] | c1 and c2 refined on the training meshes and on lessons, by folds and by lessons |
+//! | [`refine`], [`refinement`] | c1 and c2 refined on the training meshes, by folds |
 //! | [`published`], [`merging`], [`bias`] | S3 to the letter, in place of some of this: its setting, its merging, its bias |
 //! | [`full`] | the fit of S3 without proxies, for figures |
 
@@ -19,7 +18,6 @@ mod fit;
 pub mod full;
 pub mod gradient;
 pub mod keys;
-pub mod lessons;
 pub mod merge;
 pub mod merging;
 mod options;
@@ -36,5 +34,5 @@ pub mod settings;
 pub mod surface;
 pub mod validation;
 
-pub use fit::{KeyChoice, Rotational, RotationalReport, Variant, fit};
+pub use fit::{KeyChoice, Rotational, RotationalReport, fit};
 pub use options::{Method, ProxyCount, RotationalOptions};

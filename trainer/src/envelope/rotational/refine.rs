@@ -39,17 +39,6 @@ impl Regression {
         Self { gram, right, rows, keys: gradients.ncols(), root: poses.root() }
     }
 
-    /// Adds the sums of other poses, which count differently.
-    #[must_use]
-    pub fn and(&self, others: &Self, count: f64) -> Self {
-        Self {
-            gram: &self.gram + &others.gram * faer::Scale(count),
-            right: &self.right + &others.right * faer::Scale(count),
-            rows: self.rows + others.rows * count,
-            ..*self
-        }
-    }
-
     /// Adds Δ at a ridge of `strength` an equation to c1 and c2.
     pub fn refine(&self, reduced: &Reduced, strength: f64) -> Reduced {
         let ridge = strength * self.rows;
@@ -86,32 +75,4 @@ fn features(gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
             Some(column) => joints[(row, column)] - identity(column % 4),
         }
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
-
-    #[test]
-    fn poses_that_count_twice_are_poses_that_are_there_twice() {
-        let examples = demo(&DemoOptions { vertices: 200, poses: 10, held_out: 0, seed: 5 });
-        let regression = |frames: &[usize]| {
-            let poses = Poses::new(&examples, frames);
-            let number = |row: usize, column: usize| {
-                let frame = frames[row / 3];
-                ((frame * 7919 + row % 3 * 31 + column * 104_729) as f64).sin()
-            };
-            let gradients = Mat::from_fn(3 * frames.len(), 6, number);
-            let residual = Mat::from_fn(3 * frames.len(), 8, |row, column| number(row, column + 9));
-            Regression::new(&gradients, &poses, &residual, &[])
-        };
-        let weighted = regression(&[0, 1, 2, 3, 4]).and(&regression(&[5, 6, 7]), 2.0);
-        let repeated = regression(&[0, 1, 2, 3, 4, 5, 6, 7, 5, 6, 7]);
-        let joints = examples.joint_len();
-        let nothing = Reduced { c1: Mat::zeros(8, 6), c2: Mat::zeros(8, 4 * joints) };
-        let [a, b] = [weighted, repeated].map(|sums| sums.refine(&nothing, 1e-2));
-        assert!((&a.c1 - &b.c1).norm_max() < 1e-9 && (&a.c2 - &b.c2).norm_max() < 1e-9);
-        assert!(a.c1.norm_max() > 1e-3);
-    }
 }

@@ -1,6 +1,6 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
-use crate::examples::{Examples, RIGID, Skeleton};
+use crate::examples::{Examples, RIGID};
 use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
 use crate::numeric::{columns, so3};
 use faer::Mat;
@@ -33,27 +33,8 @@ pub struct Time {
 impl Poses {
     /// Reads the given frames of the examples.
     pub fn new(examples: &Examples, frames: &[usize]) -> Self {
-        let mut poses = Self::none(&examples.skeleton);
-        for &frame in frames {
-            let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
-            poses.push(&pose, &examples.skeleton.parents);
-            poses.times.push(Time { clip: examples.clip_of(frame), frame });
-        }
-        poses
-    }
-
-    /// Gathers poses that were not taken, as one clip: of each the map from rest of every joint.
-    pub fn made(poses: &[Vec<Matrix3x4<f64>>], skeleton: &Skeleton) -> Self {
-        let mut made = Self::none(skeleton);
-        for (frame, pose) in poses.iter().enumerate() {
-            made.push(pose, &skeleton.parents);
-            made.times.push(Time { clip: 0, frame });
-        }
-        made
-    }
-
-    fn none(skeleton: &Skeleton) -> Self {
-        Self {
+        let skeleton = &examples.skeleton;
+        let mut poses = Self {
             joint_len: skeleton.names.len(),
             root: skeleton.root(),
             maps: Vec::new(),
@@ -61,7 +42,13 @@ impl Poses {
             parent_rotations: Vec::new(),
             roots: Vec::new(),
             times: Vec::new(),
+        };
+        for &frame in frames {
+            let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
+            poses.push(&pose, &skeleton.parents);
+            poses.times.push(Time { clip: examples.clip_of(frame), frame });
         }
+        poses
     }
 
     fn push(&mut self, pose: &[Matrix3x4<f64>], parents: &[Option<usize>]) {

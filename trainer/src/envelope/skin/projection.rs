@@ -1,6 +1,5 @@
 //! Meshes as a palette sees them: summed over the vertices by what they follow.
 
-use super::blend::Weights;
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::dot::dot;
@@ -41,23 +40,11 @@ impl Projection {
                 }
             }
         }
-        let exact = Self::onto(gram(targets, 0..proxy_len), onto, targets.rest.len());
-        Self { floor: targets.rms(&exact.nearest).powi(2), ..exact }
-    }
-
-    /// Other meshes that skin as some maps on other weights have it; of their error, what the palette's maps can help.
-    ///
-    /// - `palettes`: those maps, 3m x 4L.
-    pub fn of(&self, targets: &Targets<'_>, (weights, palettes): (&Weights, &Mat<f64>)) -> Self {
-        let [own, other] = [self.gram.ncols(), palettes.ncols()].map(|columns| 0..columns / 4);
-        let onto = palettes * gram_between(targets, own, (weights, other));
-        Self::onto(self.gram.clone(), onto, self.vertices)
-    }
-
-    fn onto(gram: Mat<f64>, onto: Mat<f64>, vertices: usize) -> Self {
+        let gram = gram(targets, 0..proxy_len);
         let nearest = nearest(&gram, &onto);
         let slope = &onto - &nearest * &gram;
-        Self { gram, onto, nearest, slope, floor: 0.0, vertices }
+        let floor = targets.rms(&nearest).powi(2);
+        Self { gram, onto, nearest, slope, floor, vertices: targets.rest.len() }
     }
 
     /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
@@ -86,25 +73,16 @@ fn nearest(gram: &Mat<f64>, onto: &Mat<f64>) -> Mat<f64> {
 
 /// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
 pub fn gram(targets: &Targets<'_>, span: Range<usize>) -> Mat<f64> {
-    gram_between(targets, span.clone(), (targets.weights, span))
-}
-
-/// Sums φ' φᵀ over the vertices, for spans of l' maps of another palette and l of this one: 4l' x 4l.
-fn gram_between(
-    targets: &Targets<'_>,
-    span: Range<usize>,
-    (others, other_span): (&Weights, Range<usize>),
-) -> Mat<f64> {
-    let mut gram = Mat::zeros(4 * other_span.len(), 4 * span.len());
+    let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
     for (vertex, x) in targets.rest.iter().enumerate() {
         let h = homogeneous(x);
         let counted = h * targets.importance.of(vertex);
-        let other = others.of(vertex).filter(|(map, _)| other_span.contains(map));
-        for (a, alpha) in targets.weights.of(vertex).filter(|(map, _)| span.contains(map)) {
-            for (b, beta) in other.clone() {
+        let own = targets.weights.of(vertex).filter(|(map, _)| span.contains(map));
+        for (a, alpha) in own.clone() {
+            for (b, beta) in own.clone() {
                 for i in 0..4 {
                     for j in 0..4 {
-                        let place = (4 * (b - other_span.start) + j, 4 * (a - span.start) + i);
+                        let place = (4 * (b - span.start) + j, 4 * (a - span.start) + i);
                         gram[place] += alpha * counted[i] * beta * h[j];
                     }
                 }
@@ -118,19 +96,16 @@ fn gram_between(
 mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::skin::targets::skinned;
     use crate::envelope::skin::training::Training;
     use crate::progress::Silent;
 
     #[test]
-    fn errors_are_those_of_all_vertices_and_other_meshes_are_seen_as_they_are_skinned() {
+    fn errors_are_those_of_all_vertices() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 8, held_out: 0, seed: 2 });
         let training = Training::new(&examples, &Silent).unwrap();
-        let weights = &training.lbs.weights;
-        let targets = training.targets(weights);
+        let targets = training.targets(&training.lbs.weights);
         let palette = training.poses.stacked();
-        let joints = palette.ncols() / 4;
-        let seen = Projection::new(&targets, joints);
+        let seen = Projection::new(&targets, palette.ncols() / 4);
         let off = Mat::from_fn(palette.nrows(), palette.ncols(), |row, column| {
             1e-3 * ((row * 7919 + column * 104_729) as f64).sin()
         });
@@ -138,18 +113,5 @@ mod tests {
             let (found, expected) = (seen.rms(maps), targets.rms(maps));
             assert!((found - expected).abs() < 1e-9 * expected, "{found} for {expected}");
         }
-
-        // The meshes of other maps, which are on weights of their own: every vertex follows one joint.
-        let rigid = (0..weights.len()).map(|v| vec![(weights.strongest(v).unwrap(), 1.0)]);
-        let rigid = Weights::from_lists(1, rigid);
-        let others = &palette + &off;
-        let trajectories = skinned(&training.rest, &rigid, &others);
-        let expected = Projection::new(&Targets { trajectories: &trajectories, ..targets }, joints);
-        let found = seen.of(&targets, (&rigid, &others));
-        assert!((found.residual(&palette) - expected.residual(&palette)).norm_max() < 1e-9);
-        let least = found.rms(&expected.nearest);
-        let can_help = |maps| (expected.rms(maps).powi(2) - expected.floor).sqrt();
-        assert!(least < 1e-3 * found.rms(&palette), "{least}");
-        assert!((found.rms(&palette) - can_help(&palette)).abs() < 1e-3 * can_help(&palette));
     }
 }

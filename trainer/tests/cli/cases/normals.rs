@@ -21,7 +21,6 @@ fn every_predictor_learns_the_middle_ring_and_its_normals() {
         ("--predictor kernel --proxies 4", 0.02),
         ("--predictor rotational", 0.06),
         ("--predictor rotational --proxies 20", 0.06),
-        ("--predictor hybrid", 0.02),
     ] {
         folder.sinew(&format!("train {shape} -o m.sinew {options}")).done();
         let found = folder.sinew(&format!("eval m.sinew {shape} --json")).json();
