@@ -190,16 +190,18 @@ impl Envelope<'_> {
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
     ) -> f32 {
+        let mut confidence = 1.0;
         if self.predictor().reconstructs() {
-            return self.reconstruct(pose, scratch, out_palette);
+            confidence = self.reconstruct(pose, scratch, out_palette);
+        } else {
+            joints::evaluate(self, pose, out_palette);
         }
-        joints::evaluate(self, pose, out_palette);
-        if self.group_len() == 0 {
-            return 1.0;
+        if self.group_len() > 0 {
+            let (features, scratch) = self.scratch_layout().correction(scratch);
+            features::evaluate(self, pose, features);
+            confidence = correction::evaluate(self, pose, features, scratch, out_palette);
         }
-        let (features, scratch) = self.scratch_layout().correction(scratch);
-        features::evaluate(self, pose, features);
-        correction::evaluate(self, pose, features, scratch, out_palette)
+        confidence
     }
 
     /// Computes the palette by rotational regression, and the confidence in it.
