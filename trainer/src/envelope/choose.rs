@@ -18,7 +18,6 @@ use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
-use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
@@ -290,7 +289,7 @@ impl PredictorSearch<'_> {
         let report = TrainingReport {
             left_out: Vec::new(),
             lbs_rms,
-            folds: folds(&training.poses).into_iter().map(|fold| fold.own).collect(),
+            folds: training.folds.runs().into_iter().map(|fold| fold.own).collect(),
             chosen: chosen.report,
             training_rms,
             rotational: chosen.rotational.clone(),

@@ -2,7 +2,8 @@
 //!
 //! | folder | what it does |
 //! |---|---|
-//! | [`skin`] | what every fit reads: poses, trajectories, LBS, weights, folds |
+//! | [`skin`] | what every fit reads: poses, trajectories, LBS, weights |
+//! | [`folds`] | which frames are left out together |
 //! | [`rotational`], [`helpers`] | the two predictors: functions from that to a [`model`] |
 //! | [`correction`] | what kernel maps add to either |
 //! | [`choose`], `budget` | which predictor and how many proxies, within `--budget` |
@@ -26,6 +27,7 @@ mod error;
 pub mod evaluate;
 pub mod export;
 pub mod fitted;
+pub mod folds;
 pub mod helpers;
 pub mod levels;
 pub mod model;

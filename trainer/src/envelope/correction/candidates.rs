@@ -1,6 +1,5 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
-use super::blocks::Blocks;
 use super::group_outputs::{EachOutputs, GroupOutputs};
 use super::listening::{Listening, NearJoints};
 use super::lists::Known;
@@ -79,15 +78,10 @@ impl GroupCandidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
     ///
     /// - `known`: what joints' maps listen to.
-    pub fn new(
-        target: &CorrectionTarget<'_>,
-        proxies: Range<usize>,
-        blocks: &Blocks<'_>,
-        known: &Known,
-    ) -> Self {
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, known: &Known) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
         let (_, listens) = target.place(proxies.start);
-        let group = GroupOutputs::new(target, proxies, blocks);
+        let group = GroupOutputs::new(target, proxies);
         let GroupOutputs { joint, proxies, metric, directions, outputs } = group;
         let sizes = outputs.sizes();
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
@@ -95,7 +89,7 @@ impl GroupCandidates {
         let mut found = vec![nothing];
         // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
         let choose = || {
-            let each = EachOutputs::new(target, proxies.clone(), blocks);
+            let each = EachOutputs::new(target, proxies.clone());
             let near = NearJoints::choose(&each.outputs, poses, features, joint)?;
             Some(near.listening(&each.outputs, poses, features))
         };

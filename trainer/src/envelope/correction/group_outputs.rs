@@ -1,7 +1,6 @@
 //! What the map of a group has to learn: what is left over of its proxies' transforms, measured where the skin is.
 
-use super::beyond::beyond;
-use super::blocks::Blocks;
+use super::features::near;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::constants::{EXACT, NEGLIGIBLE, TELLS_NOTHING};
@@ -31,23 +30,19 @@ pub struct GroupOutputs {
 
 impl GroupOutputs {
     /// Measures what is left over of some proxies of one dominant joint.
-    pub fn new(
-        target: &CorrectionTarget<'_>,
-        proxies: Range<usize>,
-        Blocks { distinct, blocks, parts }: &Blocks<'_>,
-    ) -> Self {
-        let CorrectionTarget { poses, features, .. } = *target;
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Self {
+        let CorrectionTarget { poses, folds, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
         let all = metric.weigh(&local(target.left_over, poses, joint, &proxies));
         let directions = leading(&all);
-        let beyond = beyond(distinct, features.parents, joint);
+        let beyond = folds.beyond(poses, &near(features.parents, joint, 1));
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
-            blocks: [blocks, &beyond[..]].concat(),
-            parts: parts.clone(),
             beyond: beyond.len(),
+            blocks: [folds.overlapping(), beyond].concat(),
+            parts: folds.parts(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
             exact: EXACT.get() * signal / (poses.len() * directions.ncols().max(1)) as f64,
@@ -69,10 +64,9 @@ pub struct EachOutputs {
 
 impl EachOutputs {
     /// Measures what is left over of some proxies of one dominant joint, as far as it tells what their maps need.
-    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &Blocks<'_>) -> Self {
-        let of = |l: usize| {
-            GroupOutputs::new(target, l..l + 1, blocks).outputs.leading(TELLS_NOTHING.get())
-        };
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Self {
+        let of =
+            |l: usize| GroupOutputs::new(target, l..l + 1).outputs.leading(TELLS_NOTHING.get());
         let each: Vec<Outputs> = proxies.map(of).collect();
         let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
         let owners = each.iter().enumerate().flat_map(columns).collect();

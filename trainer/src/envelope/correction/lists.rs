@@ -1,6 +1,5 @@
 //! Lists of joints for the maps of each joint: one, or several for helpers that hear different ones (METHOD §1.9).
 
-use super::blocks::Blocks;
 use super::features::{near, neighbours, on_side};
 use super::group_outputs::{EachOutputs, groups};
 use super::listening::{HOPS, Listening, NearJoints, scores};
@@ -20,10 +19,9 @@ pub type Known = BTreeMap<usize, Vec<Listening>>;
 
 /// Chooses for each dominant joint what the maps of its proxies listen to.
 pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> Known {
-    let blocks = Blocks::new(target.poses);
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     progress.step(STEP, groups.len());
-    let each = |proxies: &Range<usize>| EachOutputs::new(target, proxies.clone(), &blocks);
+    let each = |proxies: &Range<usize>| EachOutputs::new(target, proxies.clone());
     let each: Vec<EachOutputs> = groups.par_iter().map(each).collect();
     let is_minor = minor(&each.iter().map(|own| own.outputs.signal).collect::<Vec<_>>());
     let of_joint = |((proxies, each), is_minor): ((&Range<usize>, &EachOutputs), bool)| {
@@ -123,7 +121,6 @@ fn lesser(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// Says of each proxy which of its joint's lists predicts it best.
 pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
-    let blocks = Blocks::new(target.poses);
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     let of_joint = |proxies: Range<usize>| -> Vec<usize> {
         let len = proxies.len();
@@ -131,7 +128,7 @@ pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
         if lists.len() < 2 {
             return vec![0; len];
         }
-        let each = EachOutputs::new(target, proxies, &blocks);
+        let each = EachOutputs::new(target, proxies);
         let score = |list: &Listening| {
             let values = Inputs::new(target.features.evaluate(target.poses, &list.inputs))?;
             scores(&values, &each, list.kernel)

@@ -1,8 +1,6 @@
 //! What kernel maps add to a base, from the pose: fitted for helpers and for what a reconstruction
 //! leaves over alike (METHOD §1.9).
 
-mod beyond;
-pub mod blocks;
 pub mod candidates;
 pub mod features;
 pub mod group_outputs;

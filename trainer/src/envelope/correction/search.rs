@@ -4,7 +4,6 @@
 //! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
-use super::blocks::Blocks;
 use super::candidates::{GroupCandidates, GroupReport};
 use super::group_outputs::groups;
 use super::lists::Known;
@@ -43,11 +42,10 @@ impl<'a> Search<'a> {
     ///
     /// - `known`: what the maps of each joint listen to.
     pub fn new(target: CorrectionTarget<'a>, known: &Known, progress: &dyn Progress) -> Self {
-        let blocks = Blocks::new(target.poses);
         let ranges = groups(target.dominant.len(), |proxy| target.place(proxy));
         progress.step(STEP, ranges.len());
         let search = |proxies| {
-            let candidates = GroupCandidates::new(&target, proxies, &blocks, known);
+            let candidates = GroupCandidates::new(&target, proxies, known);
             progress.advance(1);
             candidates
         };

@@ -1,6 +1,7 @@
 //! What a correction is fitted to.
 
 use super::features::Features;
+use crate::envelope::folds::Folds;
 use crate::envelope::skin::poses::Poses;
 use faer::Mat;
 
@@ -13,6 +14,8 @@ pub const CERTAINTY: usize = 16;
 pub struct CorrectionTarget<'a> {
     /// n training poses.
     pub poses: &'a Poses,
+    /// Which of them are left out together.
+    pub folds: &'a Folds,
     /// The joints' rest geometry.
     pub features: Features<'a>,
     /// Dominant joint of each of the P proxies; those of one joint stand together.

@@ -2,7 +2,7 @@
 //! joint's skin from the joints near it (METHOD §1.9).
 
 use crate::envelope::correction::features::{Features, near};
-use crate::envelope::skin::folds::folds;
+use crate::envelope::folds::Folds;
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::spread;
@@ -75,5 +75,5 @@ impl Region {
 
 /// Folds of some of the training poses.
 fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
-    folds(&training.poses.only(poses))
+    Folds::new(&training.poses.only(poses)).runs()
 }

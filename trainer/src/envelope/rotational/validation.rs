@@ -3,8 +3,8 @@
 use super::predictor::{self, GradientPredictor};
 use super::reduce::Reduced;
 use super::refine::Regression;
+use crate::envelope::folds::Folds;
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::targets::skin;
@@ -44,7 +44,7 @@ impl<'a> Validation<'a> {
         predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
         progress: &dyn Progress,
     ) -> Self {
-        let folds = folds(poses);
+        let folds = Folds::new(poses).runs();
         progress.step("cross-validation", folds.len() * sequences.len());
         let folds = folds
             .into_iter()

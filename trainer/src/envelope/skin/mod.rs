@@ -1,17 +1,13 @@
-//! What every fit reads: the skin's trajectories, its poses and folds, and how a skin is blended. The
+//! What every fit reads: the skin's trajectories, its poses, and how a skin is blended. The
 //! skin as a part of a file is `model/skin.rs` and `bake/skin.rs`.
 
 pub mod blend;
 pub mod bones;
-pub mod distinct;
-pub mod folds;
 pub mod painted;
 pub mod poses;
 pub mod projection;
 pub mod residuals;
 pub mod stacked;
 pub mod targets;
-#[cfg(test)]
-pub mod testing;
 pub mod training;
 pub mod weights;

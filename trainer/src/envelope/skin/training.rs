@@ -5,6 +5,7 @@ use super::poses::{Poses, local, seen_from};
 use super::targets::Targets;
 use super::weights::Lbs;
 use crate::envelope::error::FitError;
+use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
 use crate::progress::Progress;
@@ -34,6 +35,8 @@ pub struct Training {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
+    /// Which of them are left out together.
+    pub folds: Folds,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -85,6 +88,7 @@ impl Training {
             triangles,
             origins: skeleton.rest.iter().map(|m| m.map(|row| row[3]).into()).collect(),
             skeleton,
+            folds: Folds::new(&poses),
             poses,
             trajectories,
             lbs,

@@ -1,6 +1,6 @@
 //! Poses that tests cut into folds.
 
-use super::poses::Poses;
+use crate::envelope::skin::poses::Poses;
 use crate::examples::testing::triangle;
 
 /// Clips of so many poses, none like another.

@@ -2,7 +2,7 @@
 //!
 //! A fit that has seen a pose knows its repeats: left out one without the other they would prove nothing.
 
-use super::poses::Poses;
+use crate::envelope::skin::poses::{Poses, Time};
 use crate::kernel::outputs::Block;
 use std::ops::Range;
 
@@ -13,19 +13,19 @@ const FARTHEST: f64 = 2.0;
 /// Frames on either side of a block that a fit without it does not see either.
 const GAP: usize = 3;
 
-/// Poses, those that are one together.
-pub struct Distinct<'a> {
-    /// The poses.
-    pub poses: &'a Poses,
-    /// The numbers of those that are one, in order; in the order of the first.
+/// Poses in groups of repeats.
+pub(super) struct Distinct {
+    /// When each of the n poses was taken.
+    pub(super) times: Vec<Time>,
+    /// Pose numbers of each group, ascending; groups in the order of their first pose.
     groups: Vec<Vec<usize>>,
-    /// Of which group each pose is, n.
+    /// Group of each pose, n.
     of: Vec<usize>,
 }
 
-impl<'a> Distinct<'a> {
-    /// Finds poses that are one: those that are near the first of them. Where all are, each is its own.
-    pub fn new(poses: &'a Poses) -> Self {
+impl Distinct {
+    /// Groups the poses that repeat the first pose of a group. If all poses are one, each gets a group of its own.
+    pub(super) fn new(poses: &Poses) -> Self {
         let most = SAME * poses.farthest_apart().min(FARTHEST);
         let mut groups = Vec::<Vec<usize>>::new();
         for pose in 0..poses.len() {
@@ -41,16 +41,16 @@ impl<'a> Distinct<'a> {
         for (number, group) in groups.iter().enumerate() {
             group.iter().for_each(|&pose| of[pose] = number);
         }
-        Self { poses, groups, of }
+        Self { times: poses.times().to_vec(), groups, of }
     }
 
     /// Counts them.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.groups.len()
     }
 
     /// Counts the poses before each of them, and all.
-    pub fn starts(&self) -> Vec<usize> {
+    pub(super) fn starts(&self) -> Vec<usize> {
         let sizes = self.groups.iter().map(Vec::len);
         let sum = sizes.scan(0, |sum, size| {
             *sum += size;
@@ -60,14 +60,14 @@ impl<'a> Distinct<'a> {
     }
 
     /// Whether a clip ends before one of them.
-    pub fn is_cut(&self, at: usize) -> bool {
-        let clip = |at: usize| self.poses.times()[self.groups[at][0]].clip;
+    pub(super) fn is_cut(&self, at: usize) -> bool {
+        let clip = |at: usize| self.times[self.groups[at][0]].clip;
         at > 0 && clip(at - 1) != clip(at)
     }
 
     /// A block of some in a row, and near it their neighbours in time with all that repeat these: of so many frames that
     /// they are no more than its own, nor more than half of the others.
-    pub fn run(&self, range: Range<usize>) -> Block {
+    pub(super) fn run(&self, range: Range<usize>) -> Block {
         let own = self.poses_of(range.clone());
         let most = own.len().min((self.of.len() - own.len()) / 2);
         let near = |gap| self.with_repeats(own.iter().flat_map(|&pose| self.neighbours(pose, gap)));
@@ -77,13 +77,13 @@ impl<'a> Distinct<'a> {
     }
 
     /// A block of some poses, in order, and near it those that repeat them.
-    pub fn block(&self, own: Vec<usize>) -> Block {
+    pub(super) fn block(&self, own: Vec<usize>) -> Block {
         Block { near: without(self.with_repeats(own.iter().copied()), &own), own }
     }
 
     /// Lists the poses of a clip that are no more than so many frames from one of them.
     fn neighbours(&self, pose: usize, gap: usize) -> impl Iterator<Item = usize> {
-        let times = self.poses.times();
+        let times = &self.times;
         let own = times[pose];
         let is_near = move |other: &usize| {
             times[*other].clip == own.clip && times[*other].frame.abs_diff(own.frame) <= gap
@@ -116,7 +116,7 @@ fn without(mut poses: Vec<usize>, others: &[usize]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::folds::folds;
+    use super::super::Folds;
     use super::super::testing::{looped, moving};
     use super::*;
 
@@ -152,7 +152,7 @@ mod tests {
         let held: Vec<usize> = [0; 90].into_iter().chain(1..5).collect();
         let few = (2..7).flat_map(|poses| (2..5).map(move |times| looped(poses, times)));
         for poses in few.chain([moving(&[5]).only(&held)]) {
-            let folds = folds(&poses);
+            let folds = Folds::new(&poses).runs();
             assert!(folds.len() > 1);
             for fold in folds {
                 assert!(!fold.others(poses.len()).is_empty(), "{fold:?} of {}", poses.len());

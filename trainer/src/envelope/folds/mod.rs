@@ -1,0 +1,228 @@
+//! Which training frames are left out together (METHOD §1.9). Every choice of the fit and every forecast asks here.
+//!
+//! Neighbours in an animation are almost the same pose. A fit that leaves out single frames therefore proves nothing, so
+//! whole blocks are left out: runs of frames with gaps around them, whole clips, or the ends of joints' ranges. Repeats of
+//! a pose are always left out together.
+
+mod distinct;
+#[cfg(test)]
+pub mod testing;
+
+use super::skin::poses::Poses;
+use crate::constants::BEYOND;
+use crate::kernel::outputs::Block;
+use distinct::Distinct;
+use std::ops::Range;
+
+/// Most runs that the training poses are cut into.
+const RUNS: usize = 10;
+/// Fewest poses of a run or a part, so that it holds more than neighbours of the poses that are left.
+const RUN_LEN: usize = 2;
+/// Most parts of a run.
+const PARTS: usize = 4;
+/// Joints whose angles spread less, in radians, have no range.
+const STILL: f64 = 0.03;
+
+/// The training poses, cut into blocks that are left out together.
+pub struct Folds {
+    distinct: Distinct,
+    /// Ranges of distinct poses that cover all.
+    ranges: Vec<Range<usize>>,
+}
+
+impl Folds {
+    /// Finds repeats and cuts poses into runs.
+    pub fn new(poses: &Poses) -> Self {
+        let distinct = Distinct::new(poses);
+        Self { ranges: ranges(&distinct), distinct }
+    }
+
+    /// Cuts the poses into runs, at least two, that cover all of them.
+    pub fn runs(&self) -> Vec<Block> {
+        self.blocks(self.ranges.iter().cloned())
+    }
+
+    /// Lists the runs and a further one across the middle of each pair: more blocks choose better.
+    pub fn overlapping(&self) -> Vec<Block> {
+        let middle = |range: &Range<usize>| (range.start + range.end) / 2;
+        let across = self.ranges.windows(2).map(|pair| middle(&pair[0])..middle(&pair[1]));
+        self.blocks(self.ranges.iter().cloned().chain(across))
+    }
+
+    /// Cuts the runs into parts. The model has seen all poses, so that fits without a whole run have larger errors than the
+    /// model itself.
+    pub fn parts(&self) -> Vec<Block> {
+        let parts = |run: &Range<usize>| {
+            let (start, len) = (run.start, run.len());
+            let count = (len / RUN_LEN).clamp(1, PARTS);
+            let cut = move |part: usize| start + part * len / count;
+            (0..count).map(move |part| cut(part)..cut(part + 1))
+        };
+        self.blocks(self.ranges.iter().flat_map(parts))
+    }
+
+    /// Lists the blocks that a fit for some joints has to extrapolate to: whole clips, and for each joint the quarter of the
+    /// poses that turn it most.
+    pub fn beyond(&self, poses: &Poses, joints: &[usize]) -> Vec<Block> {
+        let blocks = self.clips().into_iter().chain(self.ends(poses, joints));
+        blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
+    }
+
+    /// Lists the clips; none with one clip.
+    fn clips(&self) -> Vec<Block> {
+        let times = &self.distinct.times;
+        let cuts = (1..times.len()).filter(|&i| times[i].clip != times[i - 1].clip);
+        let cuts: Vec<usize> = std::iter::once(0).chain(cuts).chain([times.len()]).collect();
+        let clips = cuts.windows(2).map(|pair| pair[0]..pair[1]);
+        let clips = clips.filter(|clip| clip.len() >= RUN_LEN && clip.len() < times.len());
+        clips.map(|clip| self.distinct.block(clip.collect())).collect()
+    }
+
+    /// Lists for each joint the poses that turn it most.
+    fn ends<'a>(&'a self, poses: &'a Poses, joints: &'a [usize]) -> impl Iterator<Item = Block> {
+        let count = (BEYOND.get() * poses.len() as f64) as usize;
+        let end = move |&joint: &usize| {
+            let angle = |pose: usize| poses.angle(pose, joint).norm();
+            let mut order: Vec<usize> = (0..poses.len()).collect();
+            order.sort_by(|&a, &b| angle(b).total_cmp(&angle(a)));
+            let moves = angle(order[0]) - angle(order[order.len() - 1]) > STILL;
+            let mut own = order[..count].to_vec();
+            own.sort_unstable();
+            (moves && count >= RUN_LEN).then(|| self.distinct.block(own))
+        };
+        joints.iter().filter_map(end)
+    }
+
+    fn blocks(&self, ranges: impl Iterator<Item = Range<usize>>) -> Vec<Block> {
+        ranges.map(|range| self.distinct.run(range)).collect()
+    }
+}
+
+/// Cuts distinct poses into ranges of nearly as many poses, repeats included. A range ends where a clip does if one ends
+/// nearby.
+fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
+    let (n, count) = (distinct.count(), (distinct.count() / RUN_LEN).clamp(2, RUNS));
+    let half = n / count / 2;
+    let near = |cut: usize| {
+        let ends = cut.saturating_sub(half).max(1)..(cut + half).min(n);
+        let ends = ends.filter(|&at| distinct.is_cut(at));
+        ends.min_by_key(|at| at.abs_diff(cut)).unwrap_or(cut)
+    };
+    let starts = distinct.starts();
+    let place = |pose: usize| starts.partition_point(|&start| start < pose).clamp(1, n - 1);
+    let cut = |run: usize| near(place(run * starts[n] / count));
+    let mut cuts: Vec<usize> = (1..count).map(cut).collect();
+    cuts.insert(0, 0);
+    cuts.push(n);
+    cuts.dedup();
+    cuts.windows(2).map(|pair| pair[0]..pair[1]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::{looped, moving};
+    use super::*;
+    use crate::envelope::correction::features::near;
+    use crate::envelope::demo::{DemoOptions, demo};
+    use crate::examples::Examples;
+
+    #[test]
+    fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
+        for n in 2..60 {
+            let folds = Folds::new(&moving(&[n])).runs();
+            assert_eq!(folds.len(), (n / 2).clamp(2, 10));
+            let own: Vec<usize> = folds.iter().flat_map(|fold| fold.own.clone()).collect();
+            assert_eq!(own, Vec::from_iter(0..n));
+            let lengths = folds.iter().map(|fold| fold.own.len());
+            assert!(lengths.clone().max().unwrap() - lengths.min().unwrap() <= 1);
+        }
+    }
+
+    #[test]
+    fn folds_end_where_clips_do() {
+        let folds = Folds::new(&moving(&[33, 41, 26])).runs();
+        let ends: Vec<usize> = folds.iter().map(|fold| fold.own[fold.own.len() - 1] + 1).collect();
+        assert_eq!(ends, [10, 20, 33, 40, 50, 60, 74, 80, 90, 100]);
+    }
+
+    #[test]
+    fn a_pose_that_is_held_counts_as_often_as_it_is_there() {
+        let held: Vec<usize> = (0..20).chain([20; 20]).chain(20..40).collect();
+        let folds = Folds::new(&moving(&[40]).only(&held)).runs();
+        let lengths: Vec<usize> = folds.iter().map(|fold| fold.own.len()).collect();
+        assert_eq!(lengths, [6, 6, 6, 23, 1, 6, 6, 6]);
+    }
+
+    #[test]
+    fn folds_of_a_loop_hold_every_pass() {
+        let folds = Folds::new(&looped(40, 2)).runs();
+        assert_eq!(folds.len(), 10);
+        assert_eq!(folds[1].own, [4, 5, 6, 7, 44, 45, 46, 47]);
+        let mut own: Vec<usize> = folds.iter().flat_map(|fold| fold.own.clone()).collect();
+        own.sort_unstable();
+        assert_eq!(own, Vec::from_iter(0..80));
+    }
+
+    #[test]
+    fn blocks_lie_across_two_folds_and_parts_in_one() {
+        let poses = moving(&[40]);
+        let folds = Folds::new(&poses);
+        let (blocks, parts) = (folds.overlapping(), folds.parts());
+        assert_eq!(blocks[..10], folds.runs());
+        assert_eq!(blocks.len(), 19);
+        assert_eq!(blocks[10].own, [2, 3, 4, 5]);
+        assert_eq!(blocks[10].near, [0, 1, 6, 7]);
+        let own: Vec<usize> = parts.iter().flat_map(|part| part.own.clone()).collect();
+        assert_eq!(own, Vec::from_iter(0..40));
+        assert_eq!(parts[3], Block { own: vec![6, 7], near: vec![5, 8] });
+    }
+
+    #[test]
+    fn whole_clips_and_the_ends_of_ranges_are_left_out() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let parents = examples.skeleton.parents.clone();
+        let moving = |poses: &Poses| {
+            let ranges = poses.angle_ranges();
+            (0..ranges.len()).rev().max_by(|&a, &b| ranges[a].total_cmp(&ranges[b])).unwrap()
+        };
+        let poses = Poses::new(&examples, &frames);
+        let joint = moving(&poses);
+        let joints = near(&parents, joint, 1);
+        let beyond = |poses: &Poses| Folds::new(poses).beyond(poses, &joints);
+        for block in beyond(&poses) {
+            let angle = |pose: usize, joint: usize| poses.angle(pose, joint).norm();
+            let is_end = |joint: &usize| {
+                let least =
+                    block.own.iter().map(|&i| angle(i, *joint)).fold(f64::INFINITY, f64::min);
+                let others = frames.iter().filter(|i| !block.own.contains(i));
+                others.map(|&i| angle(i, *joint)).fold(0.0, f64::max) <= least
+            };
+            assert_eq!(block.own.len(), 10);
+            assert!(joints.iter().any(is_end));
+        }
+        let ranges = beyond(&poses).len();
+        assert!(ranges > 0);
+        examples.clip_starts = vec![0, 15, 39];
+        let poses = Poses::new(&examples, &frames);
+        let found = beyond(&poses);
+        assert_eq!(found[0], Block::row(0..15));
+        assert_eq!(found.len(), ranges + 1, "a clip that is more than half, or one pose, is none");
+    }
+
+    #[test]
+    fn a_clip_is_left_out_with_what_repeats_it() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
+        examples.clip_starts = vec![0, 10, 20];
+        let first_two = |examples: &Examples| {
+            let poses = Poses::new(examples, &Vec::from_iter(0..40));
+            Folds::new(&poses).clips()[..2].to_vec()
+        };
+        assert_eq!(first_two(&examples), [Block::row(0..10), Block::row(10..20)]);
+        let joints = examples.joint_len();
+        examples.transforms.copy_within(..5 * joints, 10 * joints);
+        let [first, second] = &first_two(&examples)[..] else { panic!("two clips") };
+        assert_eq!(first.near, [10, 11, 12, 13, 14]);
+        assert_eq!(second.near, [0, 1, 2, 3, 4]);
+    }
+}
