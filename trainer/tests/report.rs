@@ -4,7 +4,7 @@
 
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::envelope::evaluate::{Errors, Frames, evaluate};
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
@@ -98,8 +98,7 @@ fn row<'a>(rows: &'a [Vec<String>], first: &str) -> &'a [String] {
     rows.iter().find(|row| row.first().is_some_and(|cell| cell == first)).unwrap()
 }
 
-fn accuracy(of: &Evaluation, lbs: bool) -> [String; 6] {
-    let e = if lbs { &of.lbs } else { &of.errors };
+fn accuracy(e: &Errors) -> [String; 6] {
     [
         format!("{:.4}\u{a0}%", e.rms_percent),
         format!("{:.4}\u{a0}%", e.p99_percent),
@@ -130,6 +129,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     // other's maps.
     assert_eq!(count("img"), 4 * 4 + 5 + 2 * 3 + 3);
     assert!(!html.contains("http") && !html.contains("src=\"/"));
+    assert!(!html.contains("own weights"), "the mesh comes without");
     assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;co&quot;"));
     assert!(html.contains("a&amp;b.sinew on arm &lt;1&gt;.npz, compared with other"));
     assert!(html.contains("&lt;/title&gt;&lt;img src=x&gt;"), "the clip of some frame");
@@ -140,9 +140,9 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     for (a, b) in comparison.evaluations().iter().zip(&found) {
         assert_eq!(serde_json::to_value(a).unwrap(), serde_json::to_value(b).unwrap());
     }
-    assert_eq!(row(&rows, "LBS, 4 influences")[1..7], accuracy(&found[0], true));
-    assert_eq!(row(&rows, "a&amp;b.sinew")[1..7], accuracy(&found[0], false));
-    assert_eq!(row(&rows, "other")[1..7], accuracy(&found[1], false));
+    assert_eq!(row(&rows, "LBS, fitted")[1..7], accuracy(&found[0].lbs));
+    assert_eq!(row(&rows, "a&amp;b.sinew")[1..7], accuracy(&found[0].errors));
+    assert_eq!(row(&rows, "other")[1..7], accuracy(&found[1].errors));
 
     // Joints: their vertices are all vertices, and their squares sum up to the whole's.
     let names = examples.skeleton.names.iter();
@@ -165,7 +165,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     }
     // A training with as many proxies as the model has gives the model again.
     let again = row(&rows, "8");
-    assert_eq!(again[1..7], accuracy(&found[0], false));
+    assert_eq!(again[1..7], accuracy(&found[0].errors));
     assert_eq!(again[8].replace('\u{202f}', ""), format!("{} B", bytes.len()));
     for proxies in ["2", "4", "16"] {
         assert_eq!(row(&rows, proxies).len(), 10);
@@ -248,6 +248,7 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
             "confidence"
         ]
     );
+    assert!(!names.iter().any(|name| name.starts_with("own_weights")));
     assert_eq!(rows.len(), examples.frame_len());
     assert_eq!(comparison.source.label(1), "frame 1 (walk, 1)");
     assert_eq!(comparison.source.label(clips[1].first + 1), "frame 102 (</title><img src=x>)");
@@ -369,7 +370,7 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let found = evaluate(&bytes, None, &examples, HELD_OUT).unwrap();
     let html = page(&comparison, true);
     let cells = rows(&html);
-    assert_eq!(row(&cells, "8")[1..7], accuracy(&found, false));
+    assert_eq!(row(&cells, "8")[1..7], accuracy(&found.errors));
     // The tables of the worst frames and of the least confident ones; the second names models.
     let named = cells.iter().filter(|row| row[0].starts_with("frame "));
     let uses: Vec<&str> =
@@ -387,7 +388,7 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let again = evaluate(&model(&rest, Predictor::Kernel), None, &other, HELD_OUT).unwrap();
     let comparison = Comparison::new(source(&other, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let html = page(&comparison, true);
-    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&again, false));
+    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&again.errors));
 }
 
 #[test]
@@ -402,7 +403,7 @@ fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
     let again = model(&read, Predictor::Kernel);
     let found = evaluate(&again, None, &read, Frames::Of(Split::Train)).unwrap();
     assert!(html.contains(told));
-    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&found, false));
+    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&found.errors));
     // Of new poses alone none is a training frame.
     let (new, walk) = only(&examples, Split::HeldOut);
     let comparison = Comparison::new(source(&new, &walk), None, file(&bytes)).unwrap();
@@ -411,4 +412,83 @@ fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
     assert!(!rows(&html).iter().any(|row| row[0] == "8"));
     let comparison = Comparison::new(source(&examples, &clips), None, file(&bytes)).unwrap();
     assert!(!page(&comparison, true).contains(told));
+}
+
+/// Weights of 2 on each of the arm's first five joints, and of 0 at the first vertex.
+fn with_weights(examples: &mut Examples) {
+    let joint_len = examples.joint_len();
+    assert!(joint_len > 5);
+    let row =
+        |vertex: usize| (0..joint_len).map(move |j| if vertex > 0 && j < 5 { 2.0 } else { 0.0 });
+    examples.joint_weights = Some((0..examples.vertex_len()).flat_map(row).collect());
+}
+
+/// Distances from the mesh of a frame when each vertex follows the mean of the first five joints, V.
+fn distances_by_five_joints(examples: &Examples, frame: usize) -> Vec<f64> {
+    let follow = |(x, truth): (&[f64; 3], &[f64; 3])| {
+        let axis = |axis: usize| {
+            let moved = examples.pose(frame)[..5].iter().map(|m| {
+                let [a, b, c, d] = m[axis];
+                a * x[0] + b * x[1] + c * x[2] + d
+            });
+            (moved.sum::<f64>() / 5.0 - truth[axis]).powi(2)
+        };
+        (axis(0) + axis(1) + axis(2)).sqrt()
+    };
+    examples.rest.iter().zip(examples.frame(frame)).map(follow).collect()
+}
+
+#[test]
+fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
+    let (mut examples, clips) = arm();
+    with_weights(&mut examples);
+    let bytes = disturbed(&examples, 123, 0.2 * examples.diagonal());
+    let mut comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
+    comparison.compare(NamedModel { name: "other", bytes: &bytes, skin: None }).unwrap();
+    let own = comparison.baselines.own_weights.as_ref().unwrap();
+    let mut all = Vec::new();
+    for (place, frame) in examples.frames_of(Split::HeldOut).into_iter().enumerate() {
+        let mut expected = distances_by_five_joints(&examples, frame);
+        // Without weights of its own it follows the fitted ones.
+        expected[0] = comparison.baselines.lbs.measured.frames[place].distances[0];
+        let found = &own.measured.frames[place].distances;
+        assert!(expected.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-12));
+        all.extend(expected);
+    }
+    let errors = evaluate(&bytes, None, &examples, HELD_OUT).unwrap().own_weights.unwrap();
+    let rms = (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt();
+    let most = all.iter().copied().fold(0.0, f64::max);
+    assert!((errors.rms / rms - 1.0).abs() < 1e-9, "{} {rms}", errors.rms);
+    assert!((errors.max_percent * examples.diagonal() / most - 100.0).abs() < 1e-7);
+
+    let html = page(&comparison, true);
+    // Truth, two baselines and two models twice over, each with errors and one on its own scale; then the errors on the
+    // rest pose, the angles of four on both, and two pictures of palettes.
+    let pictures = tags(&html).iter().filter(|tag| *tag == "img").count();
+    assert_eq!(pictures, 4 * 5 + 6 + 2 * 4 + 2);
+    let cells = rows(&html);
+    assert_eq!(row(&cells, "own weights")[1..7], accuracy(&errors));
+    for class in ["line own", "area own"] {
+        assert!(html.contains(&format!("class=\"{class}\"")), "{class}");
+    }
+    // What is told of the model alone is the model's.
+    assert!(
+        html.contains("Vertex 123, where the model is off by ")
+            && html.contains(", own weights by ")
+    );
+    assert!(html.contains("The vertices with the largest: 123 ("));
+    let table = csv::by_frame(&comparison).unwrap();
+    let mut reader = ::csv::Reader::from_reader(&table[..]);
+    let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    for (row, frame) in rows.iter().zip(&own.measured.frames) {
+        let squares: f64 = frame.distances.iter().map(|x| x * x).sum();
+        let rms = (squares / frame.distances.len() as f64).sqrt();
+        let percent = 100.0 * rms / examples.diagonal();
+        let [found, lbs, model, other] = ["own_weights_rms", "lbs_rms", "rms", "other_rms"]
+            .map(|name| row[name].parse::<f64>().unwrap());
+        assert!((found / percent - 1.0).abs() < 1e-9);
+        assert!(model == other && found > 2.0 * lbs);
+        assert_eq!(row["worst_vertex"], "123");
+    }
 }

@@ -5,6 +5,7 @@ use super::budget::Budget;
 use super::candidate::{Candidate, chosen};
 use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
+use super::evaluate::own_weights;
 use super::fitted::{Fitted, corrected};
 use super::helpers::fit::{HelperFit, Helpers, STEP};
 use super::levels::AddError;
@@ -289,6 +290,8 @@ impl PredictorSearch<'_> {
         let report = TrainingReport {
             left_out: Vec::new(),
             lbs_rms,
+            own_weights_rms: own_weights(examples, &training.lbs.weights)
+                .map(|own| training.targets(&own).rms(&training.poses.stacked())),
             folds: training.folds.runs().into_iter().map(|fold| fold.own).collect(),
             chosen: chosen.report,
             training_rms,

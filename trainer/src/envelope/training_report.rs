@@ -12,6 +12,9 @@ pub struct TrainingReport {
     pub left_out: Vec<Doubted>,
     /// LBS on the training frames.
     pub lbs_rms: f64,
+    /// LBS by the joint weights that come with the mesh, on the training frames; `None` where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_weights_rms: Option<f64>,
     /// The folds, each as the numbers of its poses among the training frames.
     pub folds: Vec<Vec<usize>>,
     /// Every candidate in the order in which they were tried.

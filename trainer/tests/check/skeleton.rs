@@ -87,12 +87,12 @@ fn joint_weights_of_another_skin_are_named_and_left_aside() {
     };
     let painted: Vec<f64> = examples.rest.iter().flat_map(|x| weights(x[0])).collect();
     let without = check(&examples);
-    assert_eq!(without.lbs.painted_percent, None);
+    assert_eq!(without.lbs.own_weights_percent, None);
     examples.joint_weights = Some(painted);
     let found = check(&examples);
     assert_eq!(found.find(Kind::Weights), None);
     // All that the weights that made the chain leave: waves along three axes, of the diagonal of 3 x 0.4 x 0.4.
-    let own = found.lbs.painted_percent.unwrap();
+    let own = found.lbs.own_weights_percent.unwrap();
     let waves = 100.0 * 0.1 * f64::sqrt(1.5) / f64::sqrt(9.0 + 2.0 * 0.16);
     assert!((own / waves - 1.0).abs() < 0.02, "{own} {waves}");
     // The tip is left on the root.
@@ -104,7 +104,7 @@ fn joint_weights_of_another_skin_are_named_and_left_aside() {
     let finding = found.find(Kind::Weights).unwrap();
     assert_eq!((finding.severity, joints(finding)), (Severity::Warning, vec!["root"]));
     assert!((found.lbs.rms_percent / without.lbs.rms_percent - 1.0).abs() < 0.1);
-    assert!(found.lbs.painted_percent.unwrap() > 2.0 * own);
+    assert!(found.lbs.own_weights_percent.unwrap() > 2.0 * own);
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn a_check_prints_its_sections_and_succeeds() {
     let headings: Vec<&str> = text.lines().filter(|line| !line.starts_with(' ')).skip(1).collect();
     let begins = |heading: &str| headings.iter().position(|line| line.starts_with(heading));
     let order: Vec<_> =
-        ["size", "rest mesh", "faces", "joint ", "LBS", "poses", "advice", "0 warnings"]
+        ["size", "rest mesh", "faces", "joint ", "RMS error", "poses", "advice", "0 warnings"]
             .map(|heading| begins(heading).unwrap_or_else(|| panic!("{heading}: {text}")))
             .into();
     assert!(order.is_sorted(), "{text}");

@@ -15,6 +15,7 @@ mod kernel_samples;
 mod millimetres;
 mod observations;
 mod outputs;
+mod own_weights;
 mod refusals;
 mod report;
 mod several;
@@ -390,7 +391,7 @@ fn the_demo_trains_and_measures_as_the_other_commands_do() {
     assert_eq!(folder.read("new.sinew"), folder.read("demo.sinew"));
     assert_eq!(found["evaluation"], folder.sinew("eval new.sinew demo.npz --json").json());
     let text = folder.sinew("eval new.sinew demo.npz").done().out;
-    assert!(text.contains("LBS, 4 influences") && text.contains(", 4 proxies"), "{text}");
+    assert!(text.contains("LBS, fitted") && text.contains(", 4 proxies"), "{text}");
 }
 
 #[test]

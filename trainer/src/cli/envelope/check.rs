@@ -9,7 +9,7 @@ use sinew_trainer::envelope::check::coverage::Coverage;
 use sinew_trainer::envelope::check::finding::{Severity, Topic, short};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
-use sinew_trainer::envelope::evaluate::NOTHING;
+use sinew_trainer::envelope::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
 use sinew_trainer::examples::Warning;
 use sinew_trainer::space::written;
 use std::fmt::Write;
@@ -29,7 +29,9 @@ use std::fmt::Write;
     The table: how many vertices follow each joint most, how far it turns from rest against its \
     parent about its main axis and beside it, how far it slides, in how many distinct poses, how many \
     held-out or extreme frames go beyond (by more than 15°), and what linear blend skinning leaves of \
-    its vertices.")]
+    its vertices.\n\
+    LBS, fitted: linear blend skinning by 4 weights a vertex, fitted to the training frames. Own weights: by \
+    those that come with the mesh, all of them; a vertex without any takes its fitted ones.")]
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     input: input::ExampleArguments,
@@ -186,7 +188,7 @@ fn floor(check: &Check) -> String {
     let lbs = &check.lbs;
     let beside = |mm: Option<f64>| mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
     let mut out = format!(
-        "LBS, 4 influences, training frames\n  {:.4} %{}",
+        "RMS error, training frames\n  {LBS}: {:.4} %{}",
         lbs.rms_percent,
         beside(lbs.rms_mm)
     );
@@ -199,12 +201,8 @@ fn floor(check: &Check) -> String {
         let _ = write!(out, "; worst in frames {}; at vertices {vertices}", printable(&frames));
     }
     out += "\n";
-    if let Some(rms) = lbs.painted_percent {
-        let mm = beside(lbs.painted_mm);
-        let _ = writeln!(
-            out,
-            "  {rms:.4} %{mm} by the joint weights that come with the mesh, as they are"
-        );
+    if let Some(rms) = lbs.own_weights_percent {
+        let _ = writeln!(out, "  {OWN_WEIGHTS}: {rms:.4} %{}", beside(lbs.own_weights_mm));
     }
     out
 }

@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 /// The page has pictures, charts and tables in one HTML file, in % of the diagonal, and in millimetres where MODEL or
 /// EXAMPLES have a unit.
 ///
-/// The page shows the worst pose beside the truth and LBS, each shaded with the normals that it has, maps of
-/// the error and of the normals' angle on the skin, errors by
+/// The page shows the worst pose beside the truth and the baselines of `sinew eval`, each shaded with the normals that
+/// it has, maps of the error and of the normals' angle on the skin, errors by
 /// frame, by joint and by size, the model's confidence, and what its predictor makes of the same
 /// examples with fewer and with more proxies, for which it is trained again. Every number is measured
 /// as `sinew eval` does. The page needs no network and no script. In the pictures the character stands

@@ -3,8 +3,7 @@
 use crate::cli::column::padded;
 use crate::cli::counted;
 use sinew_trainer::envelope::alike::{COEFFICIENTS_COST, SMALLER, UNSEEN};
-use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation, Region};
-use sinew_trainer::envelope::report::comparison::LBS;
+use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation, LBS, OWN_WEIGHTS, Region};
 use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 use sinew_trainer::space::written;
@@ -53,9 +52,10 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let own = width + 20;
     let mm = in_mm(diagonal_mm, "mm".to_owned());
     out += &format!("{:<own$}{:>20}{mm}\n", "RMS error, training frames", "% of the diagonal");
-    for (name, rms) in
-        [(LBS, report.lbs_rms), ("the model", report.training_rms), ("cross-validated", validated)]
-    {
+    let own_weights = report.own_weights_rms.map(|rms| (OWN_WEIGHTS, rms));
+    let baselines = std::iter::once((LBS, report.lbs_rms)).chain(own_weights);
+    let model = [("the model", report.training_rms), ("cross-validated", validated)];
+    for (name, rms) in baselines.chain(model) {
         let mm = in_mm(diagonal_mm, length(Some(rms)).map_or(String::new(), written));
         out += &format!("{name:<own$}{:>20.4}{mm}\n", 100.0 * rms);
     }
@@ -79,7 +79,7 @@ fn kind(candidate: &CandidateReport) -> String {
     format!("{predictor}{method}{bare}")
 }
 
-/// Describes a measurement of one model, with LBS beside it.
+/// Describes a measurement of one model, with the baselines beside it.
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     evaluations(&[(fitted(evaluation), evaluation)])
 }
@@ -89,7 +89,7 @@ pub(super) fn fitted(Evaluation { predictor, proxies, .. }: &Evaluation) -> Stri
     format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"))
 }
 
-/// Describes measurements of models on the same frames, each with its name, and LBS before them.
+/// Describes measurements of models on the same frames, each with its name, and the baselines before them.
 pub(super) fn evaluations(models: &[(String, &Evaluation)]) -> String {
     let Some((_, first)) = models.first() else { return String::new() };
     let Evaluation { split, frames, vertices, diagonal, .. } = first;
@@ -132,14 +132,16 @@ pub(super) fn evaluations(models: &[(String, &Evaluation)]) -> String {
         head.extend(["RMS, mm", "p99, mm", "max, mm"]);
     }
     out += &row("error, % of the diagonal", &Vec::from_iter(head.into_iter().map(str::to_owned)));
-    out += &distances(LBS, &first.lbs);
+    let own_weights = first.own_weights.as_ref().map(|own| (OWN_WEIGHTS, own));
+    let baselines = std::iter::once((LBS, &first.lbs)).chain(own_weights);
+    out.extend(baselines.clone().map(|(name, errors)| distances(name, errors)));
     for (name, model) in models {
         out += &distances(name, &model.errors);
         out.extend(model.regions.iter().filter(|region| region.kind == "mesh").map(of_mesh));
     }
     out += &row("normals, degrees", &["RMS", "median", "p99"].map(str::to_owned));
     let own = models.iter().map(|(name, model)| (name.as_str(), &model.errors));
-    for (name, e) in std::iter::once((LBS, &first.lbs)).chain(own) {
+    for (name, e) in baselines.chain(own) {
         let angles = [e.normal_rms_degrees, e.normal_median_degrees, e.normal_p99_degrees];
         out += &row(name, &angles.map(|angle| format!("{angle:.2}")));
     }
@@ -149,6 +151,10 @@ pub(super) fn evaluations(models: &[(String, &Evaluation)]) -> String {
         out += &format!("{name}: {} bytes", model.model_bytes);
         if let Some(share) = model.errors.share_of(&model.lbs) {
             out += &format!(", {:.1} % of LBS's RMS error", 100.0 * share);
+        }
+        let own_weights = model.own_weights.as_ref();
+        if let Some(share) = own_weights.and_then(|own| model.errors.share_of(own)) {
+            out += &format!(", {:.1} % of own weights'", 100.0 * share);
         }
         let Confidence { mean, least } = model.confidence;
         out += &format!(

@@ -299,11 +299,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     if let Some(diagonal) = diagonal_mm {
         record["diagonal_mm"] = json!(diagonal);
         for (key, rms) in [
-            ("lbs_rms_mm", trained.report.lbs_rms),
-            ("training_rms_mm", trained.report.training_rms),
-            ("validated_rms_mm", validated_rms),
+            ("lbs_rms_mm", Some(trained.report.lbs_rms)),
+            ("own_weights_rms_mm", trained.report.own_weights_rms),
+            ("training_rms_mm", Some(trained.report.training_rms)),
+            ("validated_rms_mm", Some(validated_rms)),
         ] {
-            record[key] = json!(rms * diagonal);
+            if let Some(rms) = rms {
+                record[key] = json!(rms * diagonal);
+            }
         }
     }
     // The model last, so that none ever stands without its record.

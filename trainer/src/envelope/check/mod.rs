@@ -24,11 +24,11 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
-use crate::envelope::evaluate::NOTHING;
+use crate::envelope::evaluate::{NOTHING, own_weights};
 use crate::envelope::predicted::Sound;
-use crate::envelope::skin::painted::Painted;
+use crate::envelope::skin::targets::Targets;
 use crate::envelope::skin::training::Training;
-use crate::examples::{Clip, Examples, ExamplesError};
+use crate::examples::{Clip, Examples, ExamplesError, Importance};
 use crate::progress::Progress;
 use context::{Context, worst_first};
 use finding::{Finding, FrameName, Kind, Severity};
@@ -66,11 +66,13 @@ pub struct Floor {
     /// RMS in millimetres; `None` where the unit is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_mm: Option<f64>,
-    /// RMS by the joint weights that come with the mesh, as they are, over the vertices that have any.
-    pub painted_percent: Option<f64>,
-    /// That in millimetres; `None` where the unit is not known.
+    /// RMS of LBS by the joint weights that come with the mesh; `None` where there are none. A vertex without weights
+    /// takes its fitted ones.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub painted_mm: Option<f64>,
+    pub own_weights_percent: Option<f64>,
+    /// That RMS in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_weights_mm: Option<f64>,
     /// The worst frames with their RMS.
     pub frames: Vec<(FrameName, f64)>,
     /// The worst vertices with their RMS.
@@ -201,23 +203,22 @@ fn floor(context: &Context<'_>) -> Floor {
     let frames = worst_first(0..context.frames.len(), of_frame).into_iter().take(WORST);
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
     let rms_percent = 100.0 * context.lbs_rms();
-    let painted_percent =
-        Painted::of(context.examples).map(|own| 100.0 * painted_rms(&own, context));
+    let own_weights_percent = own_weights_rms(context).map(|rms| 100.0 * rms);
     Floor {
         rms_percent,
         rms_mm: context.mm(rms_percent),
-        painted_percent,
-        painted_mm: painted_percent.and_then(|percent| context.mm(percent)),
+        own_weights_percent,
+        own_weights_mm: own_weights_percent.and_then(|percent| context.mm(percent)),
         frames: frames.map(|i| (context.frame(i), of_frame(i))).collect(),
         vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
     }
 }
 
-/// RMS error of LBS by weights as they were painted, over the vertices that have any, in diagonals.
-fn painted_rms(painted: &Painted<'_>, context: &Context<'_>) -> f64 {
-    let (training, weights) = (&context.training, painted.weights());
-    let left = training.targets(&weights).residuals(&training.poses.stacked());
-    let some = (0..weights.len()).filter(|&vertex| weights.strongest(vertex).is_some());
-    let squares = some.clone().flat_map(|vertex| left.col_as_slice(vertex)).map(|x| x * x);
-    (squares.sum::<f64>() / (some.count() * context.frames.len()).max(1) as f64).sqrt()
+/// RMS error of LBS by the joint weights that come with the mesh, in diagonals, where there are any.
+fn own_weights_rms(context: &Context<'_>) -> Option<f64> {
+    let training = &context.training;
+    let own = own_weights(context.examples, &training.lbs.weights)?;
+    // Every vertex counts the same, as for the fitted weights.
+    let targets = Targets { importance: Importance::ALIKE, ..training.targets(&own) };
+    Some(targets.rms(&training.poses.stacked()))
 }

@@ -1,5 +1,6 @@
 //! What a model was measured to do, on frames of a split.
 
+use super::baselines::Baselines;
 use super::character::Character;
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
@@ -40,6 +41,10 @@ pub struct Evaluation {
     pub regions: Vec<Region>,
     /// 4-influence LBS fitted to the training frames, on the same frames.
     pub lbs: Errors,
+    /// LBS by the joint weights that come with the mesh, on the same frames; `None` where there are none. A vertex
+    /// without weights takes those of `lbs`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_weights: Option<Errors>,
 }
 
 /// A part of the mesh, and its errors.
@@ -53,14 +58,20 @@ pub struct Region {
     pub vertices: usize,
     /// RMS distance in % of the rest diagonal.
     pub rms_percent: f64,
-    /// That of LBS.
+    /// RMS distance of LBS, fitted.
     pub lbs_rms_percent: f64,
+    /// RMS distance of own weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_weights_rms_percent: Option<f64>,
     /// RMS distance in millimetres; `None` where the unit is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_mm: Option<f64>,
-    /// That of LBS.
+    /// RMS distance of LBS, fitted, in millimetres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lbs_rms_mm: Option<f64>,
+    /// RMS distance of own weights in millimetres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_weights_rms_mm: Option<f64>,
 }
 
 /// Lists the parts of a mesh that have names: of which kind, the name, and their vertices.
@@ -158,34 +169,39 @@ impl Evaluation {
     ) -> Result<Self, EvaluateError> {
         let chosen = frames.measurable(examples, told)?;
         let measured = Measured::model(character, examples, &chosen)?;
-        let baseline = told.baseline(examples);
-        let lbs = Measured::lbs(&baseline, examples, &chosen);
+        let baselines = Baselines::new(told, examples, &chosen);
         let read = told.read_len(&chosen);
         let of_character = (character, model_bytes, &measured);
-        Ok(Self::new((frames, read), of_character, examples, (&baseline, &lbs)))
+        Ok(Self::new((frames, read), of_character, examples, &baselines))
     }
 
-    /// Summarises what was measured of a character in a file of so many bytes, and of LBS, on frames of which
-    /// training has read so many.
+    /// Summarises the errors of a character and of the baselines.
+    ///
+    /// - `read`: number of the measured frames that training has read.
+    /// - `model_bytes`: length of the character's file.
     pub fn new(
         (frames, read): (Frames, Option<usize>),
         (character, model_bytes, measured): (&Character<'_>, usize, &Measured),
         examples: &Examples,
-        (baseline, lbs): (&Baseline, &Measured),
+        Baselines { lbs, own_weights }: &Baselines,
     ) -> Self {
         let Character { envelope, skin, .. } = character;
         let region = |(kind, name, own): (&'static str, String, Vec<usize>)| {
-            let [rms_percent, lbs_rms_percent] = [measured, lbs].map(|m| m.rms_percent_of(&own));
-            let [rms_mm, lbs_rms_mm] = [rms_percent, lbs_rms_percent]
-                .map(|percent| measured.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal));
+            let [rms_percent, lbs_rms_percent] =
+                [measured, &lbs.measured].map(|m| m.rms_percent_of(&own));
+            let own_weights_rms_percent =
+                own_weights.as_ref().map(|of| of.measured.rms_percent_of(&own));
+            let mm = |percent: f64| Some(percent / 100.0 * measured.diagonal_mm?);
             Region {
                 kind,
                 name,
                 vertices: own.len(),
                 rms_percent,
                 lbs_rms_percent,
-                rms_mm,
-                lbs_rms_mm,
+                own_weights_rms_percent,
+                rms_mm: mm(rms_percent),
+                lbs_rms_mm: mm(lbs_rms_percent),
+                own_weights_rms_mm: own_weights_rms_percent.and_then(mm),
             }
         };
         Self {
@@ -200,8 +216,9 @@ impl Evaluation {
             model_bytes,
             predictor: envelope.predictor().name(),
             proxies: envelope.proxy_len(),
-            regions: regions(examples, baseline).into_iter().map(region).collect(),
-            lbs: lbs.errors(),
+            regions: regions(examples, &lbs.baseline).into_iter().map(region).collect(),
+            lbs: lbs.measured.errors(),
+            own_weights: own_weights.as_ref().map(|of| of.measured.errors()),
         }
     }
 }

@@ -41,13 +41,13 @@ pub struct Millimetres {
     pub max_mm: f64,
 }
 
-/// RMS error of LBS, in % of the rest diagonal, below which it is none that another may be compared with.
+/// RMS error of a baseline, in % of the rest diagonal, below which no error is compared with it.
 pub const NOTHING: f64 = 1e-4;
 
 impl Errors {
-    /// Gives the RMS error as a share of that of LBS; none where LBS leaves nothing.
-    pub fn share_of(&self, lbs: &Self) -> Option<f64> {
-        (lbs.rms_percent > NOTHING).then(|| self.rms / lbs.rms)
+    /// Returns the RMS error as a share of a baseline's; `None` where the baseline is exact.
+    pub fn share_of(&self, baseline: &Self) -> Option<f64> {
+        (baseline.rms_percent > NOTHING).then(|| self.rms / baseline.rms)
     }
 }
 
@@ -81,7 +81,7 @@ pub struct Measured {
 pub struct MeasuredFrame {
     /// Its number.
     pub frame: usize,
-    /// The model's confidence in its pose; 1 for LBS.
+    /// The model's confidence in its pose; 1 for a baseline.
     pub confidence: f64,
     /// V distances, in units of the input.
     pub distances: Vec<f64>,
@@ -109,7 +109,7 @@ impl Measured {
         Ok(Self::new(examples, frames.collect::<Result<_, EvaluateError>>()?))
     }
 
-    /// Measures the baseline.
+    /// Measures a baseline.
     pub fn lbs(lbs: &Baseline, examples: &Examples, frames: &[usize]) -> Self {
         let truth = TrueNormals::new(examples.surface());
         let frames = frames.par_iter().map(|&frame| {

@@ -1,6 +1,7 @@
-//! Measures a baked model: the f32 runtime on the file's bytes against the examples, and LBS
+//! Measures a baked model: the f32 runtime on the file's bytes against the examples, and baselines
 //! beside it.
 
+mod baselines;
 mod character;
 mod error;
 mod evaluation;
@@ -8,6 +9,7 @@ mod measured;
 mod skin;
 mod told;
 
+pub use baselines::{Baselines, LBS, MeasuredBaseline, OWN_WEIGHTS, own_weights};
 pub use character::Character;
 pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, Region, evaluate};

@@ -65,7 +65,7 @@ pub fn most_doubting<'a>(
     if found[joint] < 1.0 { character.envelope.joint_name(joint) } else { None }
 }
 
-/// The baseline: LBS with 4 influences, fitted to the training frames.
+/// A baseline: LBS by some joint weights.
 pub struct Baseline {
     /// The joint weights of each vertex.
     pub weights: Weights,
@@ -73,12 +73,12 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// Fits the weights.
+    /// Fits weights to the training frames, 4 a vertex.
     pub fn fit(examples: &Examples) -> Self {
         Self::new(weights::baseline(examples), examples)
     }
 
-    /// Takes weights that were fitted to the training frames of examples.
+    /// Takes the joint weights of the examples' V vertices.
     pub fn new(weights: Weights, examples: &Examples) -> Self {
         Self { weights, normals: examples.surface().normals() }
     }

@@ -1,7 +1,8 @@
 //! What a report is about: models, examples, and what was measured of the ones on the other.
 
 use crate::envelope::evaluate::{
-    Baseline, Character, EvaluateError, Evaluation, Frames, Measured, Told,
+    Baseline, Baselines, Character, EvaluateError, Evaluation, Frames, LBS, Measured,
+    MeasuredBaseline, OWN_WEIGHTS, Told,
 };
 use crate::examples::{Clip, Examples, Split};
 use crate::space::beside;
@@ -28,16 +29,14 @@ pub struct NamedModel<'a> {
     pub skin: Option<&'a str>,
 }
 
-/// One or two models, LBS beside them, and their errors on frames of the examples.
+/// One or two models, baselines beside them, and their errors on frames of the examples.
 pub struct Comparison<'a> {
     /// The examples.
     pub source: NamedExamples<'a>,
     /// Which of their frames are measured.
     pub frames: Frames,
-    /// The baseline.
-    pub lbs: Baseline,
-    /// Its errors.
-    pub baseline: Measured,
+    /// The baselines.
+    pub baselines: Baselines,
     /// The model.
     pub model: MeasuredModel<'a>,
     /// The one that it is compared with.
@@ -67,15 +66,31 @@ pub struct Series<'a> {
     pub class: &'static str,
     /// Its errors.
     pub measured: &'a Measured,
-    /// Its model; none for LBS.
-    pub model: Option<&'a MeasuredModel<'a>>,
+    /// Its model or baseline.
+    pub skin: SeriesSkin<'a>,
 }
 
-/// What the baseline is called.
-pub const LBS: &str = "LBS, 4 influences";
+/// Whose skin a series shows.
+#[derive(Clone, Copy)]
+pub enum SeriesSkin<'a> {
+    /// A baseline's.
+    Baseline(&'a Baseline),
+    /// A model's.
+    Model(&'a MeasuredModel<'a>),
+}
+
+impl<'a> Series<'a> {
+    /// Returns the model; `None` for a baseline.
+    pub fn model(&self) -> Option<&'a MeasuredModel<'a>> {
+        match self.skin {
+            SeriesSkin::Baseline(_) => None,
+            SeriesSkin::Model(model) => Some(model),
+        }
+    }
+}
 
 impl<'a> Comparison<'a> {
-    /// Measures a model and the baseline, on the frames of [`Frames::usual`] where none are chosen.
+    /// Measures a model and the baselines, on the frames of [`Frames::usual`] where none are chosen.
     ///
     /// # Errors
     /// Those of [`crate::envelope::evaluate::evaluate`].
@@ -90,10 +105,9 @@ impl<'a> Comparison<'a> {
         let frames = frames.unwrap_or_else(|| Frames::usual(examples, &told));
         let chosen = frames.measurable(examples, &told)?;
         let measured = Measured::model(&character, examples, &chosen)?;
-        let lbs = told.baseline(examples);
+        let baselines = Baselines::new(&told, examples, &chosen);
         let model = MeasuredModel { file, character, measured, read: told.read_len(&chosen), told };
-        let baseline = Measured::lbs(&lbs, examples, &chosen);
-        Ok(Self { source, frames, lbs, baseline, model, other: None })
+        Ok(Self { source, frames, baselines, model, other: None })
     }
 
     /// Measures a second model, to stand beside the first.
@@ -112,17 +126,17 @@ impl<'a> Comparison<'a> {
 
     /// Lists the numbers of the measured frames.
     pub fn measured_frames(&self) -> Vec<usize> {
-        self.baseline.frames.iter().map(|frame| frame.frame).collect()
+        self.model.measured.frames.iter().map(|frame| frame.frame).collect()
     }
 
     /// Returns the millimetres of a length in % of the diagonal; `None` where the unit is not known.
     pub fn mm(&self, percent: f64) -> Option<f64> {
-        self.baseline.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal)
+        self.model.measured.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal)
     }
 
     /// Writes a length in % of the diagonal: `0.1234 %`, and ` (1.234 mm)` behind it where the unit is known.
     pub fn length(&self, percent: f64) -> String {
-        format!("{percent:.4} %{}", beside(percent, self.baseline.diagonal_mm))
+        format!("{percent:.4} %{}", beside(percent, self.model.measured.diagonal_mm))
     }
 
     /// Returns the use of a frame in the training of the model; in the examples where its file does not tell.
@@ -139,24 +153,42 @@ impl<'a> Comparison<'a> {
         std::iter::once(&self.model).chain(&self.other)
     }
 
-    /// Lists LBS and the models.
+    /// Lists the baselines, the model at [`Comparison::model_place`], and the one that it is compared with.
     pub fn series(&self) -> Vec<Series<'_>> {
-        let lbs = Series { name: LBS, class: "lbs", measured: &self.baseline, model: None };
         let models = self.models().zip(["model", "other"]).map(|(model, class)| Series {
             name: model.file.name,
             class,
             measured: &model.measured,
-            model: Some(model),
+            skin: SeriesSkin::Model(model),
         });
-        std::iter::once(lbs).chain(models).collect()
+        self.baseline_series().into_iter().chain(models).collect()
+    }
+
+    /// Lists the baselines: LBS, fitted, and own weights where the mesh comes with any.
+    pub fn baseline_series(&self) -> Vec<Series<'_>> {
+        let Baselines { lbs, own_weights } = &self.baselines;
+        let own_weights = own_weights.as_ref().map(|own| (OWN_WEIGHTS, "own", own));
+        let all = std::iter::once((LBS, "lbs", lbs)).chain(own_weights);
+        let series = all.map(|(name, class, MeasuredBaseline { baseline, measured })| Series {
+            name,
+            class,
+            measured,
+            skin: SeriesSkin::Baseline(baseline),
+        });
+        series.collect()
+    }
+
+    /// Returns the index of the model among [`Comparison::series`].
+    pub fn model_place(&self) -> usize {
+        self.baseline_series().len()
     }
 
     /// Summarises what was measured, a model each, as [`crate::envelope::evaluate::evaluate`] does.
     pub fn evaluations(&self) -> Vec<Evaluation> {
         let of = |model: &MeasuredModel<'_>| {
             let character = (&model.character, model.file.bytes.len(), &model.measured);
-            let lbs = (&self.lbs, &self.baseline);
-            Evaluation::new((self.frames, model.read), character, self.source.examples, lbs)
+            let (frames, examples) = ((self.frames, model.read), self.source.examples);
+            Evaluation::new(frames, character, examples, &self.baselines)
         };
         self.models().map(of).collect()
     }

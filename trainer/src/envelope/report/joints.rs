@@ -8,7 +8,7 @@ pub(super) struct JointErrors {
     pub(super) joint: usize,
     /// Its vertices.
     pub(super) vertices: usize,
-    /// RMS error in all frames of LBS and of each model, in % of the rest diagonal.
+    /// RMS error in all frames of each of [`Comparison::series`], in % of the rest diagonal.
     pub(super) rms_percent: Vec<f64>,
     /// Number of the frame in which the model errs most on them, and its RMS error there.
     pub(super) worst: (usize, f64),
@@ -19,7 +19,7 @@ pub(super) fn by_joint(comparison: &Comparison<'_>) -> Vec<JointErrors> {
     let examples = comparison.source.examples;
     let mut vertices = vec![Vec::new(); examples.joint_len()];
     for vertex in 0..examples.vertex_len() {
-        let strongest = comparison.lbs.weights.strongest(vertex);
+        let strongest = comparison.baselines.lbs.baseline.weights.strongest(vertex);
         vertices[strongest.unwrap_or(examples.skeleton.root())].push(vertex);
     }
     let (measured, series) = (&comparison.model.measured, comparison.series());
@@ -36,6 +36,7 @@ pub(super) fn by_joint(comparison: &Comparison<'_>) -> Vec<JointErrors> {
             JointErrors { joint, vertices: vertices.len(), rms_percent: of.collect(), worst }
         })
         .collect();
-    joints.sort_by(|a, b| b.rms_percent[1].total_cmp(&a.rms_percent[1]));
+    let own = |joint: &JointErrors| joint.rms_percent[comparison.model_place()];
+    joints.sort_by(|a, b| own(b).total_cmp(&own(a)));
     joints
 }

@@ -1,6 +1,6 @@
 //! The pictures of a report: which side they are taken from, and what is in them.
 
-use super::comparison::{Comparison, Series};
+use super::comparison::{Comparison, Series, SeriesSkin};
 use crate::envelope::evaluate::{EvaluateError, skin};
 use crate::envelope::normals::TrueNormals;
 use crate::examples::Examples;
@@ -66,7 +66,7 @@ pub(super) struct Shape {
     pub(super) name: String,
     /// E positions, of the engine's vertices.
     pub(super) positions: Vec<[f64; 3]>,
-    /// E normals: as the runtime returns them of a model, by cofactors of LBS, the true ones of the truth.
+    /// E normals: as the runtime returns them of a model, by cofactors of a baseline, the true ones of the truth.
     normals: Vec<[f64; 3]>,
 }
 
@@ -105,13 +105,15 @@ impl<'a> Pictures<'a> {
         frame: usize,
         series: &[Series<'_>],
     ) -> Result<Vec<Shape>, EvaluateError> {
-        let (examples, lbs) = (self.comparison.source.examples, &self.comparison.lbs);
+        let examples = self.comparison.source.examples;
         let mut shapes = vec![self.truth(frame)];
         for series in series {
             let vertices = 0..examples.surface().engine_len();
-            let skinned: Vec<_> = match series.model {
-                None => vertices.map(|vertex| lbs.vertex(examples, frame, vertex)).collect(),
-                Some(model) => {
+            let skinned: Vec<_> = match series.skin {
+                SeriesSkin::Baseline(baseline) => {
+                    vertices.map(|vertex| baseline.vertex(examples, frame, vertex)).collect()
+                }
+                SeriesSkin::Model(model) => {
                     let skin = skin(&model.character, examples, frame)?;
                     vertices.map(|vertex| skin.vertex(vertex)).collect()
                 }

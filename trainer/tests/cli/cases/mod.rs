@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use serde_json::Value;
 
 /// Makes a folder that holds copies of the cases `files`; `None` without shared data.
-fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
+pub(crate) fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
     let folder = Folder::new(test);
     for file in files {
         let from = shared(&format!("../cases/{file}"))?;

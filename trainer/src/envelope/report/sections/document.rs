@@ -3,7 +3,7 @@
 use super::error::ReportError;
 use super::series::{ERRORS, errors};
 use super::{frames, histogram, joints, pictures, sizes};
-use crate::envelope::evaluate::Frames;
+use crate::envelope::evaluate::{Frames, LBS, OWN_WEIGHTS};
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::pictures::{PictureOptions, Pictures};
 use crate::envelope::report::sizes::Sizes;
@@ -68,27 +68,37 @@ impl Page<'_> {
 }
 
 fn header(comparison: &Comparison<'_>) -> String {
-    let Comparison { source, model, baseline, .. } = comparison;
+    let Comparison { source, model, baselines, .. } = comparison;
     let examples = source.examples;
-    let (errors, lbs) = (model.measured.errors(), baseline.errors());
+    let (errors, lbs) = (model.measured.errors(), baselines.lbs.measured.errors());
     let compared = comparison
         .other
         .as_ref()
         .map_or(String::new(), |other| format!(", compared with {}", text(other.file.name)));
+    let own_weights = baselines.own_weights.as_ref().map(|own| own.measured.errors());
     let normals = format!(
-        " Its normals are turned by <b>{:.2}°</b>, RMS over the area (linear blend skinning: {:.2}°).",
-        errors.normal_rms_degrees, lbs.normal_rms_degrees
+        " Its normals are turned by <b>{:.2}°</b>, RMS over the area (linear blend skinning: {:.2}°{}).",
+        errors.normal_rms_degrees,
+        lbs.normal_rms_degrees,
+        own_weights.map_or(String::new(), |own| {
+            format!(", {OWN_WEIGHTS}: {:.2}°", own.normal_rms_degrees)
+        })
     );
     let mm = errors.millimetres.map(|of| format!(" (<b>{} mm</b>)", written(of.rms_mm)));
     let share = errors.share_of(&lbs).map(|share| {
         let lbs = comparison.length(lbs.rms_percent);
         format!(": {:.1} % of the error of linear blend skinning, {lbs}", 100.0 * share)
     });
+    let own_weights = own_weights.and_then(|own| {
+        let (share, own) = (errors.share_of(&own)?, comparison.length(own.rms_percent));
+        Some(format!("; {:.1} % of the error of {OWN_WEIGHTS}, {own}", 100.0 * share))
+    });
     let verdict = format!(
-        "The model is off by <b>{:.4} %</b> of the diagonal{}, RMS{}.",
+        "The model is off by <b>{:.4} %</b> of the diagonal{}, RMS{}{}.",
         errors.rms_percent,
         mm.unwrap_or_default(),
-        share.unwrap_or_default()
+        share.unwrap_or_default(),
+        own_weights.unwrap_or_default()
     );
     format!(
         "<h1>{} on {}{compared}</h1>\n\
@@ -100,7 +110,7 @@ fn header(comparison: &Comparison<'_>) -> String {
         grouped(examples.triangles.len()),
         grouped(examples.joint_len()),
         examples.diagonal(),
-        baseline.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm))),
+        model.measured.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm))),
         measured_on(comparison),
         read_by_other(comparison)
     )
@@ -109,7 +119,7 @@ fn header(comparison: &Comparison<'_>) -> String {
 /// Says in words which frames are measured, and what to think of that.
 fn measured_on(comparison: &Comparison<'_>) -> String {
     let examples = comparison.source.examples;
-    let frames = comparison.baseline.frames.len();
+    let frames = comparison.model.measured.frames.len();
     let count = grouped(frames);
     let better = "a fit is always better on what it has read than on what it will meet";
     match (comparison.frames, comparison.model.read) {
@@ -152,7 +162,7 @@ fn read_by_other(comparison: &Comparison<'_>) -> String {
     if read == comparison.model.read.unwrap_or(0) {
         return String::new();
     }
-    let frames = comparison.baseline.frames.len();
+    let frames = comparison.model.measured.frames.len();
     let of = if read == frames { "all".to_owned() } else { grouped(read) };
     format!("; {} has read {of} of them in training", text(other.file.name))
 }
@@ -162,7 +172,7 @@ fn accuracy(comparison: &Comparison<'_>) -> String {
     let row = |series: &Series<'_>| {
         let mut row = vec![text(series.name)];
         row.extend(errors(&series.measured.errors()));
-        row.extend(match series.model {
+        row.extend(match series.model() {
             None => ["", "", ""].map(str::to_owned),
             Some(model) => {
                 let (confidence, envelope) =
@@ -179,15 +189,22 @@ fn accuracy(comparison: &Comparison<'_>) -> String {
     };
     let rows: Vec<_> = comparison.series().iter().map(row).collect();
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
+    let own_weights = match comparison.baselines.own_weights {
+        Some(_) => format!(
+            " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning by all joint weights that come with the mesh; a \
+             vertex without weights takes its fitted ones."
+        ),
+        None => String::new(),
+    };
     table(&head, &rows)
-        + &paragraph(
+        + &paragraph(&format!(
             "Errors are distances of vertices from where the examples have them, in % of the diagonal \
              of the rest pose's box; 99 % of them are below the figure under that head. Normals are \
              compared by angle with the true ones, the area-weighted mean of the true mesh's triangles, \
              and count by the area of the rest pose. \
-             LBS is linear blend skinning with 4 influences a vertex, fitted to the same training \
-             frames, its normals by cofactors.",
-        )
+             \u{201c}{LBS}\u{201d} is linear blend skinning with 4 influences a vertex, fitted to the same \
+             training frames.{own_weights} Normals of linear blend skinning are by cofactors."
+        ))
 }
 
 fn footer(comparison: &Comparison<'_>) -> String {

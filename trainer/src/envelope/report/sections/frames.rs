@@ -18,7 +18,7 @@ const RANGES: [f64; 5] = [0.95, 0.8, 0.5, 0.2, 0.0];
 
 /// A chart of each frame's RMS error, and the frames where the model's is largest.
 pub(super) fn errors(comparison: &Comparison<'_>) -> String {
-    let count = comparison.baseline.frames.len();
+    let count = comparison.model.measured.frames.len();
     let series = comparison.series();
     let rms: Vec<Vec<f64>> = series
         .iter()
@@ -45,7 +45,7 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
 
 /// A chart of the confidence, where there is any doubt.
 pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
-    let doubtful = |s: &Series<'_>| s.model.is_some() && s.measured.confidence().least < CERTAIN;
+    let doubtful = |s: &Series<'_>| s.model().is_some() && s.measured.confidence().least < CERTAIN;
     let series: Vec<_> = comparison.series().into_iter().filter(doubtful).collect();
     if series.is_empty() {
         let models = if comparison.other.is_some() { "Both models are" } else { "The model is" };
@@ -53,7 +53,7 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
             "{models} certain of every measured pose: none is far from those of the training."
         ));
     }
-    let count = comparison.baseline.frames.len();
+    let count = comparison.model.measured.frames.len();
     let mut chart = Chart::new((SIZE.0, 190.0), along(count), Range::linear(0.0, 1.0));
     bands(&mut chart, comparison);
     chart.sides("frame", "confidence");
@@ -66,7 +66,7 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         rows.extend(least.iter().take(WORST).map(|&place| {
             let frame = series.measured.frames[place].frame;
             let rms = length(comparison, series.measured.errors_in(place).rms_percent);
-            let character = series.model.map(|model| &model.character);
+            let character = series.model().map(|model| &model.character);
             let examples = comparison.source.examples;
             let doubting = character.and_then(|c| most_doubting(c, examples, frame));
             vec![
@@ -89,12 +89,13 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         + &by_confidence(comparison, &series)
 }
 
-/// What the confidence promises: how many frames it is in what range, and what the model and LBS leave of them.
+/// A table of the frames in each range of the confidence, with the RMS errors of the model and of the baselines.
 fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
     let rms = |measured: &Measured, places: &[usize]| {
         let squares = places.iter().map(|&place| measured.errors_in(place).rms_percent.powi(2));
         length(comparison, (squares.sum::<f64>() / places.len() as f64).sqrt())
     };
+    let baselines = comparison.baseline_series();
     let mut rows = Vec::new();
     for series in series {
         let mut below = f64::INFINITY;
@@ -108,16 +109,14 @@ fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
             if own.is_empty() {
                 continue;
             }
-            rows.push(vec![
-                range,
-                text(series.name),
-                own.len().to_string(),
-                rms(series.measured, &own),
-                rms(&comparison.baseline, &own),
-            ]);
+            let mut row = vec![range, text(series.name), own.len().to_string()];
+            row.push(rms(series.measured, &own));
+            row.extend(baselines.iter().map(|baseline| rms(baseline.measured, &own)));
+            rows.push(row);
         }
     }
-    let head = ["confidence", "model", "frames", "RMS, %", "LBS, %"].map(str::to_owned);
+    let mut head = ["confidence", "model", "frames", "RMS, %"].map(str::to_owned).to_vec();
+    head.extend(baselines.iter().map(|baseline| format!("{}, %", baseline.name)));
     paragraph(
         "What the confidence promises: frames by how sure the model is of them, and what it and linear blend skinning \
          leave there.",
@@ -189,8 +188,9 @@ fn runs<T: PartialEq>(frames: &[usize], of: impl Fn(usize) -> T) -> Vec<((f64, f
 }
 
 fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
-    let mut order: Vec<usize> = (0..rms[1].len()).collect();
-    order.sort_by(|&a, &b| rms[1][b].total_cmp(&rms[1][a]));
+    let own = &rms[comparison.model_place()];
+    let mut order: Vec<usize> = (0..own.len()).collect();
+    order.sort_by(|&a, &b| own[b].total_cmp(&own[a]));
     let mut head = vec!["worst frames".to_owned(), "use".to_owned()];
     head.extend(names(comparison).iter().map(|name| format!("{name}, %")));
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));

@@ -1,7 +1,7 @@
 //! The sections made of pictures.
 
 use super::error::ReportError;
-use crate::envelope::evaluate::{Errors, Measured};
+use crate::envelope::evaluate::{Errors, Measured, OWN_WEIGHTS};
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::palette::{dominant_colours, follow_joints};
 use crate::envelope::report::pictures::{Paint, Pictures, Shape};
@@ -33,8 +33,9 @@ pub(super) fn worst_pose(
     let rows = |camera: &Camera| -> Result<String, ReportError> {
         let clay = shapes.iter().map(|s| pictures.take(s, &Paint::Clay, camera, None, &s.name));
         let clay = clay.collect::<Result<Vec<_>, _>>()?;
-        let heat =
-            heat(pictures, &series, &errors, |place| (&shapes[place + 1], camera, Some(vertex)))?;
+        let heat = heat(pictures, comparison, &errors, |place| {
+            (&shapes[place + 1], camera, Some(vertex))
+        })?;
         // Each map stands under the skin that it is of, none under the truth.
         let truth = std::iter::once("<div></div>\n".to_owned());
         let under: Vec<String> = truth.chain(heat).collect();
@@ -42,25 +43,30 @@ pub(super) fn worst_pose(
     };
     let told = |s: &Series<'_>| {
         let rms = s.measured.errors_in(pictures.worst).rms_percent;
-        format!("{} {}", text(s.name), comparison.length(rms))
+        format!("{}: {}", text(s.name), comparison.length(rms))
     };
     let told: Vec<String> = series.iter().map(told).collect();
+    let model = comparison.model_place();
+    let baselines = ["LBS", OWN_WEIGHTS].into_iter().zip(&errors[..model]);
+    let baselines =
+        baselines.map(|(name, errors)| format!("{name} by {}", comparison.length(errors[vertex])));
+    let baselines: Vec<String> = baselines.collect();
     let camera = pictures.whole(&shapes.iter().collect::<Vec<_>>());
     let angles: Vec<_> = series.iter().map(|s| s.measured.degrees_in(pictures.worst)).collect();
     let most = steepest(&series, |measured| measured.errors_in(pictures.worst));
     let angles = angle_maps(pictures, &series, &angles, most, |place| &shapes[place + 1], &camera)?;
     Ok(paragraph(&format!(
-        "The frame with the model's largest RMS error: {}. {SCALES}",
-        told.join(", ")
+        "The frame with the model's largest RMS error. {}. {SCALES}",
+        told.join("; ")
     )) + &rows(&camera)?
         + &angles
         + "<h3>Around the worst vertex</h3>\n"
         + &paragraph(&format!(
-            "Vertex {vertex}, where the model is off by {} and LBS by {}.",
-            comparison.length(errors[1][vertex]),
-            comparison.length(errors[0][vertex])
+            "Vertex {vertex}, where the model is off by {}, {}.",
+            comparison.length(errors[model][vertex]),
+            baselines.join(", ")
         ))
-        + &rows(&pictures.near(&shapes[0], vertex, &errors[1]))?)
+        + &rows(&pictures.near(&shapes[0], vertex, &errors[model]))?)
 }
 
 /// The rest pose, and on it each vertex's error over all measured frames.
@@ -71,29 +77,30 @@ pub(super) fn all_frames(
     let (rest, series) = (pictures.rest(), comparison.series());
     let camera = pictures.whole(&[&rest]);
     let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
-    let mut row = heat(pictures, &series, &errors, |_| (&rest, &camera, None))?;
+    let mut row = heat(pictures, comparison, &errors, |_| (&rest, &camera, None))?;
     row.insert(0, pictures.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
     let angles: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_degrees()).collect();
     let most = steepest(&series, Measured::errors);
     let angles = angle_maps(pictures, &series, &angles, most, |_| &rest, &camera)?;
     Ok(paragraph(&format!(
         "Each vertex's RMS error over the {} measured frames, on the rest pose.",
-        grouped(comparison.baseline.frames.len())
+        grouped(comparison.model.measured.frames.len())
     )) + &side_by_side(row.len(), &row)
-        + &worst_vertices(comparison, &errors)
+        + &worst_vertices(comparison, &errors[comparison.model_place()])
         + &angles)
 }
 
 /// The errors of every series on one scale, then of the model alone on a scale of its own.
 fn heat<'b>(
     pictures: &Pictures<'_>,
-    series: &[Series<'_>],
+    comparison: &Comparison<'_>,
     errors: &[Vec<f64>],
     shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
 ) -> Result<Vec<String>, ReportError> {
-    let (own, common) = (Scale::of(&errors[1]), Scale::of(errors.iter().flatten()));
+    let (series, model) = (comparison.series(), comparison.model_place());
+    let (own, common) = (Scale::of(&errors[model]), Scale::of(errors.iter().flatten()));
     let all = (0..series.len()).map(|place| (place, common, "error, %"));
-    let all = all.chain([(1, own, "on a scale of its own, %")]);
+    let all = all.chain([(model, own, "on a scale of its own, %")]);
     let pictures = all.map(|(place, scale, what)| {
         let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
@@ -130,13 +137,13 @@ fn steepest(series: &[Series<'_>], errors: impl Fn(&Measured) -> Errors) -> f64 
     series.iter().map(|s| errors(s.measured).normal_p99_degrees).fold(0.0, f64::max)
 }
 
-fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {
+fn worst_vertices(comparison: &Comparison<'_>, errors: &[f64]) -> String {
     const MOST: usize = 5;
-    let mut order: Vec<usize> = (0..errors[1].len()).collect();
-    order.sort_by(|&a, &b| errors[1][b].total_cmp(&errors[1][a]));
+    let mut order: Vec<usize> = (0..errors.len()).collect();
+    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
     let worst = order.iter().take(MOST).map(|&vertex| {
         let frame = comparison.source.number(worst_frame(&comparison.model.measured, vertex));
-        let error = errors[1][vertex];
+        let error = errors[vertex];
         let mm = comparison.mm(error).map_or(String::new(), |mm| format!(", {} mm", written(mm)));
         format!("{vertex} ({error:.4} %{mm}, worst in frame {frame})")
     });

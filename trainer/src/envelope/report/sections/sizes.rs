@@ -65,15 +65,22 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     let of = |value: fn(&Outcome) -> f64| -> Vec<(f64, f64)> {
         outcomes.iter().map(|o| (o.proxies as f64, value(o))).collect()
     };
-    let lbs = comparison.baseline.errors().rms_percent;
+    let baselines: Vec<_> = comparison
+        .baseline_series()
+        .iter()
+        .map(|baseline| (baseline.class, baseline.measured.errors().rms_percent))
+        .collect();
     let rms = of(|o| o.errors.rms_percent);
     let validated = of(|o| o.validated_percent);
-    let every = rms.iter().chain(&validated).map(|point| point.1).chain([lbs]);
+    let every = rms.iter().chain(&validated).map(|point| point.1);
+    let every = every.chain(baselines.iter().map(|baseline| baseline.1));
     let every = every.chain(other.map(|of| of[0].1));
     let mut errors = Chart::new(SIZE, along(), Range::log(every));
     errors.sides("proxies (logarithmic)", "RMS error, % (logarithmic)");
     if let (Some(first), Some(last)) = (rms.first(), rms.last()) {
-        errors.line("lbs", &[(first.0, lbs), (last.0, lbs)]);
+        for &(class, rms) in &baselines {
+            errors.line(class, &[(first.0, rms), (last.0, rms)]);
+        }
     }
     errors.line("model dashed", &validated);
     errors.line("model", &rms);

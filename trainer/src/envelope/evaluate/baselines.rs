@@ -1,0 +1,79 @@
+//! The baselines that stand beside a model, on the same frames: LBS as training fits it, and LBS by the artist's own
+//! weights.
+
+use super::{Baseline, Measured, Told};
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::painted::Painted;
+use crate::examples::Examples;
+
+/// Name of the baseline that is fitted to the training frames.
+pub const LBS: &str = "LBS, fitted";
+/// Name of the baseline by the weights that come with the mesh.
+pub const OWN_WEIGHTS: &str = "own weights";
+
+/// A baseline and its errors.
+pub struct MeasuredBaseline {
+    /// Its weights.
+    pub baseline: Baseline,
+    /// Its errors.
+    pub measured: Measured,
+}
+
+/// The baselines of examples, on the same frames.
+pub struct Baselines {
+    /// LBS with 4 influences, fitted to the training frames.
+    pub lbs: MeasuredBaseline,
+    /// LBS by [`own_weights`]; `None` where the mesh comes without weights.
+    pub own_weights: Option<MeasuredBaseline>,
+}
+
+impl Baselines {
+    /// Measures the baselines on frames of examples. A model that stores its LBS gives the fitted one.
+    pub fn new(told: &Told, examples: &Examples, frames: &[usize]) -> Self {
+        let measured = |baseline: Baseline| {
+            let measured = Measured::lbs(&baseline, examples, frames);
+            MeasuredBaseline { baseline, measured }
+        };
+        let lbs = told.baseline(examples);
+        let own = own_weights(examples, &lbs.weights);
+        Self {
+            own_weights: own.map(|own| measured(Baseline::new(own, examples))),
+            lbs: measured(lbs),
+        }
+    }
+}
+
+/// Returns the joint weights that come with the mesh: all influences of a vertex, scaled to a sum of 1.
+///
+/// A vertex without weights takes its fitted ones. `None` where no vertex has any.
+///
+/// - `fitted`: LBS weights of the V vertices.
+pub fn own_weights(examples: &Examples, fitted: &Weights) -> Option<Weights> {
+    let own = Painted::of(examples)?.weights();
+    let has_own: Vec<bool> = (0..own.len()).map(|vertex| own.strongest(vertex).is_some()).collect();
+    if !has_own.contains(&true) {
+        return None;
+    }
+    let of = |vertex: usize| if has_own[vertex] { &own } else { fitted };
+    let lists = (0..own.len()).map(|vertex| of(vertex).of(vertex).collect());
+    Some(Weights::from_lists(own.most().max(fitted.most()), lists))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::testing::triangle;
+
+    #[test]
+    fn all_influences_are_kept_and_vertices_without_weights_take_fitted_ones() {
+        let mut examples = triangle(1);
+        let fitted = Weights::from_lists(1, [0, 1, 1].map(|joint| vec![(joint, 1.0)]).into_iter());
+        assert!(own_weights(&examples, &fitted).is_none());
+        examples.joint_weights = Some(vec![0.0; 6]);
+        assert!(own_weights(&examples, &fitted).is_none());
+        examples.joint_weights = Some(vec![3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
+        let found = own_weights(&examples, &fitted).unwrap();
+        let lists: Vec<Vec<_>> = (0..3).map(|vertex| found.of(vertex).collect()).collect();
+        assert_eq!(lists, [vec![(0, 0.75), (1, 0.25)], vec![(1, 1.0)], vec![(1, 1.0)]]);
+    }
+}
