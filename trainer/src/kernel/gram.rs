@@ -72,28 +72,10 @@ impl GramRegression {
         self.gram[(sample, sample)]
     }
 
-    /// Returns the squared distance of a sample from rest, as the kernel has it: its prior variance.
-    pub fn moved(&self, sample: usize) -> f64 {
-        self.kernel[(sample, sample)]
-    }
-
     /// Predicts every sample by the others; `blocks` cover all. None where
     /// rounding makes a fit indefinite.
     pub fn errors(&self, blocks: &[Block]) -> Option<SampleErrors> {
         SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
-    }
-
-    /// Returns how far each of some samples is from the nearest other: what of its prior variance that one leaves, as a
-    /// share of the mean prior variance.
-    pub fn apart(&self, samples: &[usize]) -> Vec<f64> {
-        let variance = |i: usize| self.kernel[(i, i)].max(f64::MIN_POSITIVE);
-        let mean = samples.iter().map(|&i| variance(i)).sum::<f64>() / samples.len().max(1) as f64;
-        let of_sample = |&i: &usize| {
-            let others = samples.iter().filter(|&&j| j != i);
-            let explained = others.map(|&j| self.kernel[(i, j)].powi(2) / variance(j));
-            (variance(i) - explained.fold(0.0, f64::max)).max(0.0) / mean
-        };
-        samples.iter().map(of_sample).collect()
     }
 
     /// Predicts every sample by those of some that are others: squared errors, summed over the outputs, over their variance

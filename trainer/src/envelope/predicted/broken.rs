@@ -1,39 +1,24 @@
 //! Frames whose meshes do not belong to their poses: a simulation that exploded, a mesh that is moved or a frame late.
 //!
-//! Each frame is predicted by others from its pose, and its error is measured against what the prediction is unsure of: a
-//! pose like no other may be predicted badly, up to what skinning errs by there, one among others may not. Where other frames
-//! hardly move the joints of a region, they say nothing of its skin in frames that do. A frame that is an
-//! order of magnitude worse than is usual spoils the prediction of its neighbours too, and of few frames that of all: so
-//! frames are judged by those alone that belong to their meshes, in turn with which those are.
+//! The other frames predict each frame from its pose. The error is measured against the uncertainty of the prediction:
+//! a pose unlike all others may be predicted badly. A wrong frame spoils the predictions of its neighbours, so only inlier
+//! frames predict. Frames are judged again each time the inliers change.
 
-use super::moved::{Stand, stands};
-use super::region::{Region, regions};
+use super::moved::stands;
+use super::region::{POSES, Region, regions};
+use super::sound::{MOST, ROUNDS};
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
-use crate::kernel::gram::GramRegression;
 
-/// How many times a frame's error is what is usual.
-const TIMES: f64 = 10.0;
-/// How many times farther from all others a pose stands alone than nine of ten do, and how many times larger than theirs,
-/// as LBS leaves it, the error of such a pose may be: of it the others tell little.
-const ALONE: f64 = 3.0;
-/// How many times farther from rest a pose moves a region's joints than any other, from where the others say nothing of it.
-const UNKNOWN: f64 = 10.0;
-/// Error below which no frame is wrong, RMS over the skin in diagonals.
-pub(super) const RIGHT: f64 = 1e-4;
-/// Fewest others that must move as far for a pose to be known.
-const FEWEST: usize = 5;
-/// Share of the frames that do not judge the others to begin with, those that surprise most, and how often all are judged.
-const SUSPECTED: f64 = 0.25;
-const ROUNDS: usize = 10;
-/// Share of the frames that others are compared with.
-const MOST_FRAMES: f64 = 0.9;
-/// Share of the RMS error of LBS below which an error spoils nothing.
-const SHARE: f64 = 0.3;
-/// Frames up to which an error is to be as large as that of LBS: what so few tell of each other is little.
+/// A wrong frame has more than this multiple of the usual error. At 4 sound frames of small sets are named; at 6 an exploded
+/// frame of 12 is missed.
+const TIMES: f64 = 5.0;
+/// Least error that is usual in a pose unlike all others, RMS in diagonals. LBS has an error of 0.003 to 0.007 on
+/// the arm, the leg and the bone.
+const BULGE: f64 = 0.005;
+/// From this number of frames on a wrong frame may have a smaller error than LBS. The bound falls with the root of the
+/// number, as many frames predict each other well.
 const FEW: f64 = 16.0;
-/// Most frames that are compared at once: the work grows with their cube.
-const FRAMES: usize = 300;
 
 /// A frame whose mesh does not belong to its pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,183 +30,126 @@ pub struct Broken {
     pub error: f64,
     /// The error that is usual at this pose.
     pub usual: f64,
-    /// Whether enough others move at least a tenth as far. If not, only an exact skin shows that the mesh is wrong.
-    pub is_known: bool,
 }
 
-impl Broken {
-    /// Returns how many times its error is the usual one: a measure to sort by, as the usual one may be nearly nothing.
-    pub(super) fn times(&self) -> f64 {
-        self.error / self.usual
-    }
-}
-
-/// Finds the training frames whose meshes do not belong to their poses, the worst first.
+/// Finds the training frames whose meshes do not belong to their poses. Sorts them by error over usual error, the largest
+/// first.
 ///
-/// - `out`: poses that LBS was fitted without. They are judged, and judge no other where they stand elsewhere.
+/// - `out`: poses that LBS was fitted without. Other poses that stand elsewhere bend LBS, and are found alone.
 pub fn broken(training: &Training, out: &[usize]) -> Vec<Broken> {
     let (left, dominant) = training.left_by_lbs();
     let residuals = Residuals { training, left: &left, dominant: &dominant };
     let mut found = elsewhere(residuals);
-    let is_new = |broken: &Broken| !out.contains(&broken.pose);
-    if !found.iter().any(is_new) {
-        let is_moved = |pose: &usize| found.iter().any(|broken| broken.pose == *pose);
-        let rest: Vec<usize> = (0..training.poses.len()).filter(|pose| !is_moved(pose)).collect();
-        let parts = rest.len().div_ceil(FRAMES);
-        let poses = |part| Vec::from_iter(rest.iter().copied().skip(part).step_by(parts));
-        found
-            .extend((0..parts).flat_map(|part| among(residuals, &poses(part))).collect::<Vec<_>>());
+    if found.iter().all(|broken| out.contains(&broken.pose)) {
+        let rest = without(training.poses.len(), &found);
+        let parts = rest.len().div_ceil(POSES);
+        for part in 0..parts {
+            let poses = Vec::from_iter(rest.iter().copied().skip(part).step_by(parts));
+            found.extend(among(residuals, &poses));
+        }
     }
-    found.sort_by(|a, b| b.times().total_cmp(&a.times()));
+    let times = |broken: &Broken| broken.error / broken.usual;
+    found.sort_by(|a, b| times(b).total_cmp(&times(a)));
     found
 }
 
-/// Those that stand elsewhere than their joints, where most do not. The others are judged when LBS is fitted without them.
+/// Finds the frames that stand elsewhere than their joints; none if most frames do.
 fn elsewhere(residuals: Residuals<'_>) -> Vec<Broken> {
     let all = stands(residuals);
     let usual = middle(all.iter().map(|stand| stand.moved).collect());
-    let is_elsewhere = |(_, stand): &(usize, Stand)| stand.is_elsewhere();
-    let found = all.iter().copied().enumerate().filter(is_elsewhere);
-    let found: Vec<Broken> = found
-        .map(|(pose, stand)| Broken { pose, error: stand.moved, usual, is_known: true })
-        .collect();
+    let found = all.iter().enumerate().filter(|(_, stand)| stand.is_elsewhere());
+    let found: Vec<Broken> =
+        found.map(|(pose, stand)| Broken { pose, error: stand.moved, usual }).collect();
     if 2 * found.len() < all.len() { found } else { Vec::new() }
 }
 
+/// Finds the wrong frames among some poses.
 fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Broken> {
     let regions = regions(residuals, poses);
-    let left = |i: usize| regions.iter().map(|r| r.regression.left(i)).sum::<f64>();
-    let vertex_len = regions.iter().map(|r| r.vertex_len).sum();
-    let moved = |i: usize| regions.iter().map(|r| r.regression.moved(i)).sum::<f64>();
-    let [left, moved] =
-        [&left as &dyn Fn(usize) -> f64, &moved].map(|of| (0..poses.len()).map(of).collect());
-    let compared = Compared { left, moved, regions, vertex_len };
-    let judged = compared.judged().unwrap_or_default();
-    let named = |broken: Broken| Broken { pose: poses[broken.pose], ..broken };
-    judged.into_iter().flatten().map(named).collect()
+    let left = |i: usize| regions.iter().map(|region| region.regression.left(i)).sum();
+    let compared = Compared {
+        left: (0..poses.len()).map(left).collect(),
+        vertex_len: regions.iter().map(|region| region.vertex_len as f64).sum(),
+        regions,
+    };
+    let found = compared.outliers().unwrap_or_default();
+    found.into_iter().map(|broken| Broken { pose: poses[broken.pose], ..broken }).collect()
 }
 
 /// Poses that are compared.
 struct Compared {
-    /// What of each joint's skin they predict of each other.
+    /// The skin of each joint.
     regions: Vec<Region>,
-    /// Squared error of LBS in each, of the skin that the regions look at.
+    /// Squared error of LBS in each pose, summed over the regions.
     left: Vec<f64>,
-    /// Squared distance of each from rest, summed over the regions.
-    moved: Vec<f64>,
-    /// Vertices that the regions look at.
-    vertex_len: usize,
-}
-
-/// A squared error as others predict it.
-#[derive(Clone, Copy, Default)]
-struct Missed {
-    /// Over what the prediction is unsure of.
-    surprise: f64,
-    squared: f64,
+    /// Vertices of all regions.
+    vertex_len: f64,
 }
 
 impl Compared {
-    /// Judges every pose by those that belong to their meshes. Returns the error of each wrong pose, and the usual error
-    /// there. The first to judge are those that surprise least.
-    fn judged(&self) -> Option<Vec<Option<Broken>>> {
+    /// Finds the wrong frames. The first inliers are those with the smallest standardised residuals.
+    fn outliers(&self) -> Option<Vec<Broken>> {
         let n = self.left.len();
-        let all = self.missed(&Vec::from_iter(0..n))?;
-        let mut judges: Vec<usize> = (0..n).collect();
-        judges.sort_by(|&a, &b| all[a].surprise.total_cmp(&all[b].surprise));
-        judges.truncate(n - ((SUSPECTED * n as f64) as usize).max(1));
-        judges.sort_unstable();
-        let mut judged = Vec::new();
+        let all = self.errors(&Vec::from_iter(0..n))?;
+        let mut inliers: Vec<usize> = (0..n).collect();
+        inliers.sort_by(|&a, &b| all[a].0.total_cmp(&all[b].0));
+        inliers.truncate(n - ((MOST * n as f64) as usize).max(1));
+        inliers.sort_unstable();
+        let mut found = Vec::new();
         for _ in 0..ROUNDS {
-            judged = self.judged_by(&judges)?;
-            let belong: Vec<usize> = (0..n).filter(|&i| judged[i].is_none()).collect();
-            if belong == judges || 2 * belong.len() < n {
+            found = self.judged_by(&inliers)?;
+            let belong = without(n, &found);
+            if belong == inliers || 2 * belong.len() < n {
                 break;
             }
-            judges = belong;
+            inliers = belong;
         }
-        Some(judged)
+        Some(found)
     }
 
-    fn judged_by(&self, judges: &[usize]) -> Option<Vec<Option<Broken>>> {
-        let right = RIGHT.powi(2) * self.vertex_len as f64;
-        let missed = self.missed(judges)?;
-        let usual = judges.iter().map(|&i| missed[i].surprise).collect();
-        let usual = middle(usual).max(f64::MIN_POSITIVE);
+    /// Finds the poses whose errors are much larger than usual, as inliers predict them.
+    ///
+    /// The usual squared error is the variance of the prediction, times the median standardised residual of the inliers. It
+    /// is at most the squared error of LBS.
+    fn judged_by(&self, inliers: &[usize]) -> Option<Vec<Broken>> {
+        let bulge = BULGE.powi(2) * self.vertex_len;
+        let errors = self.errors(inliers)?;
+        let usual = middle(inliers.iter().map(|&i| errors[i].0).collect()).max(bulge);
         let judge = |i: usize| {
-            let Missed { surprise, squared } = missed[i];
-            let times = (surprise / usual).sqrt();
-            let others: Vec<usize> = judges.iter().copied().filter(|&other| other != i).collect();
-            let left: Vec<f64> = others.iter().map(|&other| self.left[other]).collect();
-            let share = (FEW / (others.len() + 1) as f64).clamp(SHARE, 1.0);
-            let mean = left.iter().sum::<f64>() / left.len().max(1) as f64;
-            let is_seen = times >= ALONE && squared > (share.powi(2) * mean).max(right);
-            let is_broken = is_seen
-                && match self.is_alone(i, &others) {
-                    true => times >= TIMES && squared > ALONE.powi(2) * most(left),
-                    false => {
-                        let largest = left.into_iter().fold(0.0, f64::max);
-                        times >= TIMES || squared > ALONE.powi(2) * largest
-                    }
-                };
-            let error = (squared / self.vertex_len as f64).sqrt();
-            let far = self.moved[i] / UNKNOWN.powi(2);
-            let is_known =
-                others.iter().filter(|&&other| self.moved[other] >= far).count() >= FEWEST;
-            is_broken.then_some(Broken { pose: i, error, usual: error / times, is_known })
+            let (standardised, squared) = errors[i];
+            let others = inliers.iter().filter(|&&other| other != i);
+            let count = others.clone().count().max(1) as f64;
+            let lbs = others.map(|&other| self.left[other]).sum::<f64>() / count;
+            let times = (standardised / usual).max(squared / lbs.max(bulge)).sqrt();
+            let is_wrong = times > TIMES && squared > FEW / (count + 1.0) * lbs;
+            let error = (squared / self.vertex_len).sqrt();
+            is_wrong.then_some(Broken { pose: i, error, usual: error / times })
         };
-        Some((0..self.left.len()).map(judge).collect())
+        Some((0..self.left.len()).filter_map(judge).collect())
     }
 
-    /// Whether a pose is much farther from all others than they are from each other.
-    fn is_alone(&self, pose: usize, others: &[usize]) -> bool {
-        let with = [&[pose], others].concat();
-        let mut apart = vec![0.0; with.len()];
+    /// Predicts each pose by the inliers among the others: squared errors over their variance, and squared errors, both
+    /// summed over the regions.
+    fn errors(&self, inliers: &[usize]) -> Option<Vec<(f64, f64)>> {
+        let mut sums = vec![(0.0, 0.0); self.left.len()];
         for region in &self.regions {
-            apart.iter_mut().zip(region.regression.apart(&with)).for_each(|(sum, own)| *sum += own);
-        }
-        let own = apart[0];
-        own > ALONE.powi(2) * most(apart)
-    }
-
-    /// How far each pose is missed by those of some that are others, summed over the joints of which they know.
-    fn missed(&self, by: &[usize]) -> Option<Vec<Missed>> {
-        let mut sums = vec![Missed::default(); self.left.len()];
-        for Region { regression, .. } in &self.regions {
-            let is_known = known(regression, by);
-            let missed = regression.surprises(by)?.into_iter().zip(is_known);
-            for (sum, ((surprise, squared), is_known)) in sums.iter_mut().zip(missed) {
-                if is_known {
-                    sum.surprise += surprise;
-                    sum.squared += squared;
-                }
+            for (sum, own) in sums.iter_mut().zip(region.regression.surprises(inliers)?) {
+                *sum = (sum.0 + own.0, sum.1 + own.1);
             }
         }
         Some(sums)
     }
 }
 
-/// Tells of each pose whether another one of some moves a region's joints at least a tenth as far from rest.
-fn known(regression: &GramRegression, by: &[usize]) -> Vec<bool> {
-    let mut farthest: Vec<(f64, usize)> = by.iter().map(|&i| (regression.moved(i), i)).collect();
-    farthest.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let of_pose = |pose: usize| {
-        let other = farthest.iter().find(|far| far.1 != pose).map_or(0.0, |far| far.0);
-        other * UNKNOWN.powi(2) >= regression.moved(pose)
-    };
-    (0..regression.sample_len()).map(of_pose).collect()
+/// Lists the poses, n in all, that are not among the found ones.
+fn without(n: usize, found: &[Broken]) -> Vec<usize> {
+    (0..n).filter(|&pose| found.iter().all(|broken| broken.pose != pose)).collect()
 }
 
-/// The middle one of some values.
+/// Returns the median, 0 without values.
 fn middle(mut values: Vec<f64>) -> f64 {
     let place = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
-}
-
-/// What most of some values do not exceed.
-fn most(mut values: Vec<f64>) -> f64 {
-    let place = (MOST_FRAMES * values.len() as f64) as usize;
-    if place < values.len() { *values.select_nth_unstable_by(place, f64::total_cmp).1 } else { 0.0 }
 }
 
 #[cfg(test)]

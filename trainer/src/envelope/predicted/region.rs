@@ -13,7 +13,7 @@ use faer::Mat;
 use rayon::prelude::*;
 
 /// Most poses that are compared: the work grows with their cube.
-const POSES: usize = 300;
+pub(super) const POSES: usize = 300;
 /// Poses on which width and ridge are chosen.
 const TRIED: usize = 100;
 /// Vertices that are looked at; more tell no more of the poses.

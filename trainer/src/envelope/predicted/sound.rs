@@ -1,6 +1,6 @@
 //! A training on the frames that belong to their poses.
 
-use super::broken::{Broken, RIGHT, broken};
+use super::broken::{Broken, broken};
 use crate::envelope::error::FitError;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::{MIN_POSES, Training};
@@ -8,13 +8,10 @@ use crate::examples::{Examples, Split};
 use crate::progress::Progress;
 use serde::Serialize;
 
-/// How often frames are looked at anew, as LBS is fitted without those that were found.
-const ROUNDS: usize = 4;
-/// Share of the frames beyond which they are no exceptions, and stay.
-const MOST: f64 = 0.25;
-/// Where too many frames are found, LBS is fitted without those that are off by this share of the worst: one wrong frame
-/// bends LBS for all.
-const WORST: f64 = 0.5;
+/// How often at most frames are judged again, as the inliers or LBS change.
+pub(super) const ROUNDS: usize = 4;
+/// Largest share of wrong frames: more are no exceptions, and stay.
+pub(super) const MOST: f64 = 0.25;
 
 /// A training frame whose mesh does not belong to its pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -67,25 +64,20 @@ impl Sound {
             |out: &[usize]| out.len() <= most && !Poses::new(examples, &without(out)).are_one();
         let mut out = Vec::new();
         for _ in 0..ROUNDS {
-            match exceptions(&found, is_fair) {
-                Some(next) if next != out => out = next,
-                _ => break,
+            let next = poses(&found);
+            if next == out || !is_fair(&next) {
+                break;
             }
-            all.lbs = Training::of(examples, &without(&out), progress)?.lbs;
+            all.lbs = Training::of(examples, &without(&next), progress)?.lbs;
             progress.step("frames", 1);
+            out = next;
             found = broken(&all, &out);
         }
-        let kept = |found: &[Broken]| {
-            let stay = !is_fair(&poses(found));
-            let kept = if stay { frames.clone() } else { without(&poses(found)) };
-            Ok::<_, FitError>((Training::of(examples, &kept, progress)?, stay))
-        };
-        let (mut training, mut stay) = kept(&found)?;
-        if found.iter().any(|broken| !broken.is_known) && training.lbs_rms() > RIGHT {
-            found.retain(|broken| broken.is_known);
-            (training, stay) = kept(&found)?;
-        }
-        let doubted = |&Broken { pose, error, usual, .. }: &Broken| Doubted {
+        let out = poses(&found);
+        let stay = !is_fair(&out);
+        let kept = if stay { frames.clone() } else { without(&out) };
+        let training = Training::of(examples, &kept, progress)?;
+        let doubted = |&Broken { pose, error, usual }: &Broken| Doubted {
             frame: frames[pose],
             percent: 100.0 * error,
             usual_percent: 100.0 * usual,
@@ -115,16 +107,6 @@ impl Sound {
         }
         Training::of(examples, &repeated, progress)
     }
-}
-
-/// Chooses the poses that LBS is next fitted without, in order: all found ones, those that are nearly as far off as the worst,
-/// or the worst alone. `None` where each choice leaves too few frames or no motion.
-///
-/// - `found`: the worst first.
-fn exceptions(found: &[Broken], is_fair: impl Fn(&[usize]) -> bool) -> Option<Vec<usize>> {
-    let worst = found.first()?.times();
-    let nearly = found.partition_point(|broken| broken.times() >= WORST * worst);
-    [found.len(), nearly, 1].map(|len| poses(&found[..len])).into_iter().find(|out| is_fair(out))
 }
 
 /// Lists the poses of found frames in order.
