@@ -31,6 +31,18 @@ impl Constant {
 pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 /// A vertex on which LBS errs less, RMS in diagonals, keeps its weights: there is nothing to gain.
 pub static SERVED: Constant = Constant::new("SERVED", 1e-4);
+/// A distance from a bone that is near, in diagonals: what is nearer yet says no more of what a vertex follows.
+pub static NEAR: Constant = Constant::new("NEAR", 0.03);
+/// Share of its squared error that a vertex is charged for distance, times the square of how many times farther than the
+/// nearest bone it follows: too little to matter where poses tell, enough to decide where they do not.
+pub static NEARER: Constant = Constant::new("NEARER", 0.25);
+/// How many times more a distance counts among joints and helpers: of more maps more do as well by chance.
+pub static FARTHER: Constant = Constant::new("FARTHER", 1.4);
+/// How much farther than the nearest, over its distance, a joint is of which hardly any weight is painted on a vertex.
+pub static PAINTED: Constant = Constant::new("PAINTED", 1.0);
+/// How many times farther than its bone a joint is of which no weight is painted on a vertex: an artist who left it out
+/// knows more than poses in which it happens to move as another does.
+pub static UNPAINTED: Constant = Constant::new("UNPAINTED", 20.0);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its dominant joint, of the mean diagonal: what few vertices support is noise that no map can predict.
@@ -73,10 +85,15 @@ pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 /// directions that the samples hardly take, is learned of their noise, and throws wherever a pose takes them.
 pub static PLAUSIBLE: Constant = Constant::new("PLAUSIBLE", 1e6);
 
-/// All of them.
-pub static ALL: [&Constant; 20] = [
+/// Those that count where joint weights are painted.
+pub static OF_PAINTED: [&Constant; 2] = [&PAINTED, &UNPAINTED];
+/// All others.
+pub static OTHERS: [&Constant; 23] = [
     &ERRS,
     &SERVED,
+    &NEAR,
+    &NEARER,
+    &FARTHER,
     &RESIDUAL_SHARE,
     &PULL,
     &BASE,

@@ -272,7 +272,7 @@ fn inspect_accounts_for_every_byte_and_repeats_the_record() {
     for (in_file, in_record) in [
         ("diagonal", &record["diagonal"]),
         ("training_rms", &record["report"]["training_rms"]),
-        ("same_clips_rms", &record["report"]["same_clips_rms"]),
+        ("cross_validated_rms", &chosen["validated_rms"]),
         ("lbs_training_rms", &record["report"]["lbs_rms"]),
     ] {
         let unit = if in_file == "diagonal" { 1.0 } else { number(&record["diagonal"]) };

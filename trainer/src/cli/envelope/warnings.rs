@@ -18,18 +18,18 @@ pub(super) fn is_told(finding: &&Finding) -> bool {
     }
 }
 
-/// Warns where a model gains nothing over LBS: forecast for more of these clips and error of LBS in % of the diagonal.
+/// Warns where a model gains nothing over LBS: errors in % of the diagonal, cross-validated and of LBS.
 ///
 /// - `known`: whether a warning said before that LBS leaves nothing.
 pub(super) fn no_gain(
-    forecast: f64,
+    validated: f64,
     lbs: f64,
     diagonal_mm: Option<f64>,
     known: bool,
 ) -> Option<String> {
     match lbs <= NOTHING {
         true if !known => Some(nothing(lbs)),
-        _ if forecast > NOTHING => hardly(forecast, lbs, diagonal_mm),
+        _ if validated > NOTHING => hardly(validated, lbs, diagonal_mm),
         _ => None,
     }
 }
@@ -44,19 +44,19 @@ fn nothing(lbs: f64) -> String {
 }
 
 /// Says that a model is hardly better than LBS, no better, or worse, where it is; errors in % of the diagonal.
-fn hardly(forecast: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
-    if forecast <= HARDLY * lbs {
+fn hardly(validated: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
+    if validated <= HARDLY * lbs {
         return None;
     }
     let [own, of_lbs] =
-        [forecast, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
-    let is_tied = forecast <= SMALLER * lbs && lbs <= SMALLER * forecast;
+        [validated, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
+    let is_tied = validated <= SMALLER * lbs && lbs <= SMALLER * validated;
     let (how, figures) = match own == of_lbs {
         true => ("no better", format!("both are off by {own} of the diagonal")),
         false => {
             let how = if is_tied {
                 "no better"
-            } else if forecast > lbs {
+            } else if validated > lbs {
                 "worse"
             } else {
                 "hardly better"

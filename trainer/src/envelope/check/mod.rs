@@ -15,7 +15,6 @@ pub mod finding;
 mod folded;
 mod joints;
 mod order;
-mod painted;
 mod repeats;
 pub mod rest;
 pub mod size;

@@ -101,7 +101,7 @@ impl Distinct {
     }
 
     /// Lists the poses of some of the groups, in order.
-    pub(super) fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
+    fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut poses: Vec<usize> = groups.flat_map(|at| &self.groups[at]).copied().collect();
         poses.sort_unstable();
         poses

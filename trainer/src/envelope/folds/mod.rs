@@ -9,7 +9,6 @@ mod distinct;
 pub mod testing;
 
 use super::skin::poses::Poses;
-use super::skin::training::MIN_POSES;
 use crate::constants::BEYOND;
 use crate::kernel::outputs::Block;
 use distinct::Distinct;
@@ -21,8 +20,6 @@ const RUNS: usize = 10;
 const RUN_LEN: usize = 2;
 /// Most parts of a run.
 const PARTS: usize = 4;
-/// Fewest stretches of poses for a forecast.
-const STRETCHES: usize = 5;
 /// Joints whose angles spread less, in radians, have no range.
 const STILL: f64 = 0.03;
 
@@ -71,52 +68,14 @@ impl Folds {
         blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
     }
 
-    /// Lists two blocks for a forecast on more frames of the same clips: the middle halves of every second stretch. A
-    /// stretch holds at most a fifth of the poses, and ends where frames are missing: next to a hole, the block would be one
-    /// with the hole.
-    pub fn spread(&self) -> Vec<Block> {
-        let times = &self.distinct.times;
-        let n = times.len();
-        let is_hole = |at: usize| {
-            let (last, next) = (times[at - 1], times[at]);
-            last.clip != next.clip || next.frame > last.frame + 1
-        };
-        let (least, most) = (n.div_ceil(2 * STRETCHES), n.div_ceil(STRETCHES));
-        let mut cuts = vec![0];
-        for at in 1..n {
-            let len = at - cuts[cuts.len() - 1];
-            if len == most || len >= least && is_hole(at) {
-                cuts.push(at);
-            }
-        }
-        cuts.push(n);
-        let middle = |ends: &[usize]| {
-            let count = ((ends[1] - ends[0]) / 2).max(1);
-            let start = ends[0] + (ends[1] - ends[0] - count) / 2;
-            start..start + count
-        };
-        let middles: Vec<Range<usize>> = cuts.windows(2).map(middle).collect();
-        let of_block = |first: usize| middles.iter().skip(first).step_by(2).cloned().flatten();
-        let blocks = (0..2).map(|first| self.distinct.block(of_block(first).collect()));
-        let is_some = |block: &Block| !block.own.is_empty() && block.out_len() + MIN_POSES <= n;
-        blocks.filter(is_some).collect()
-    }
-
-    /// Lists the blocks that are least like the poses that are left: the clips, or with one clip the runs.
-    pub fn elsewhere(&self) -> Vec<Block> {
-        let clips = self.clips();
-        if clips.is_empty() { self.runs() } else { clips }
-    }
-
-    /// Lists the clips without which enough poses are left; none with one clip.
-    pub fn clips(&self) -> Vec<Block> {
+    /// Lists the clips; none with one clip.
+    fn clips(&self) -> Vec<Block> {
         let times = &self.distinct.times;
         let cuts = (1..times.len()).filter(|&i| times[i].clip != times[i - 1].clip);
         let cuts: Vec<usize> = std::iter::once(0).chain(cuts).chain([times.len()]).collect();
         let clips = cuts.windows(2).map(|pair| pair[0]..pair[1]);
         let clips = clips.filter(|clip| clip.len() >= RUN_LEN && clip.len() < times.len());
-        let blocks = clips.map(|clip| self.distinct.block(clip.collect()));
-        blocks.filter(|block| block.out_len() + MIN_POSES <= times.len()).collect()
+        clips.map(|clip| self.distinct.block(clip.collect())).collect()
     }
 
     /// Lists for each joint the poses that turn it most.
@@ -150,8 +109,7 @@ fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
         ends.min_by_key(|at| at.abs_diff(cut)).unwrap_or(cut)
     };
     let starts = distinct.starts();
-    let place =
-        |pose: usize| starts.partition_point(|&start| start < pose).clamp(1, (n - 1).max(1));
+    let place = |pose: usize| starts.partition_point(|&start| start < pose).clamp(1, n - 1);
     let cut = |run: usize| near(place(run * starts[n] / count));
     let mut cuts: Vec<usize> = (1..count).map(cut).collect();
     cuts.insert(0, 0);
@@ -217,35 +175,6 @@ mod tests {
         let own: Vec<usize> = parts.iter().flat_map(|part| part.own.clone()).collect();
         assert_eq!(own, Vec::from_iter(0..40));
         assert_eq!(parts[3], Block { own: vec![6, 7], near: vec![5, 8] });
-    }
-
-    #[test]
-    fn forecasts_leave_out_runs_that_are_spread_over_the_poses() {
-        let own = |poses: &Poses| -> Vec<Vec<usize>> {
-            Folds::new(poses).spread().into_iter().map(|block| block.own).collect()
-        };
-        let runs = |starts: &[usize]| -> Vec<usize> {
-            starts.iter().flat_map(|&start| start..start + 6).collect()
-        };
-        let long = moving(&[80]);
-        assert_eq!(own(&long.only(&Vec::from_iter(0..60))), [runs(&[3, 27, 51]), runs(&[15, 39])]);
-        // Five stretches between holes.
-        let some: Vec<usize> = (0..80).filter(|frame| frame % 16 < 12).collect();
-        assert_eq!(own(&long.only(&some)), [runs(&[3, 27, 51]), runs(&[15, 39])]);
-        assert_eq!(own(&moving(&[8])), [vec![0, 4], vec![2, 6]]);
-        assert!(own(&moving(&[6])).is_empty(), "too few would be left");
-        let repeated = &Folds::new(&looped(30, 2)).spread()[1];
-        assert_eq!((&repeated.own, &repeated.near), (&runs(&[15, 39]), &runs(&[9, 45])));
-    }
-
-    #[test]
-    fn a_clip_without_which_too_few_poses_are_left_is_not_left_out() {
-        let clips = |lengths: &[usize]| -> Vec<usize> {
-            Folds::new(&moving(lengths)).clips().iter().map(|block| block.own.len()).collect()
-        };
-        assert_eq!(clips(&[20, 30]), [20, 30]);
-        assert_eq!(clips(&[20, 5]), [5]);
-        assert!(clips(&[30]).is_empty());
     }
 
     #[test]

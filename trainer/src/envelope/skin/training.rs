@@ -2,14 +2,12 @@
 
 use super::blend::Weights;
 use super::poses::{Poses, local, seen_from};
-use super::stacked::in_poses;
 use super::targets::Targets;
 use super::weights::Lbs;
 use crate::envelope::error::FitError;
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
-use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -82,8 +80,7 @@ impl Training {
         }
         let (poses, trajectories) = seen_from(examples, frames, seen);
         progress.step("LBS weights", 1);
-        let folds = Folds::new(&poses);
-        let lbs = Lbs::new(examples, &rest, &trajectories, (&poses, &folds));
+        let lbs = Lbs::new(examples, &rest, &trajectories, &poses);
         Ok(Self {
             unit,
             centre,
@@ -91,42 +88,13 @@ impl Training {
             triangles,
             origins: skeleton.rest.iter().map(|m| m.map(|row| row[3]).into()).collect(),
             skeleton,
+            folds: Folds::new(&poses),
             poses,
-            folds,
             trajectories,
             lbs,
             importance: examples.importance.clone(),
             basis: OnceLock::new(),
         })
-    }
-
-    /// Returns some of the vertices in some of the poses, with LBS fitted anew.
-    #[must_use]
-    pub fn part(&self, vertices: &[usize], poses: &[usize]) -> Self {
-        let rest: Vec<_> = vertices.iter().map(|&v| self.rest[v]).collect();
-        let trajectories = in_poses(&columns::some(&self.trajectories, vertices), poses);
-        let poses = self.poses.only(poses);
-        let prior = columns::some(&self.lbs.prior, vertices);
-        let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior, self.lbs.strength));
-        let mut place = vec![None; self.rest.len()];
-        vertices.iter().enumerate().for_each(|(k, &v)| place[v] = Some(k));
-        let moved = |corners: &[usize; 3]| {
-            let [a, b, c] = corners.map(|v| place[v]);
-            Some([a?, b?, c?])
-        };
-        Self {
-            triangles: self.triangles.iter().filter_map(moved).collect(),
-            skeleton: self.skeleton.clone(),
-            origins: self.origins.clone(),
-            folds: Folds::new(&poses),
-            importance: self.importance().some(vertices),
-            basis: OnceLock::new(),
-            rest,
-            trajectories,
-            poses,
-            lbs,
-            ..*self
-        }
     }
 
     /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.

@@ -1,6 +1,7 @@
 //! The fit of weights to given maps.
 
-use super::items::{Items, Maps, Pull, Pulled, Supports, Weights};
+use super::items::{Items, Maps, Supports, Weights};
+use crate::constants::NEARER;
 use crate::numeric::dot::dot_by_lanes;
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -10,12 +11,12 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Most maps that a fit of one item looks at: those of the least cost by themselves.
+/// Most maps that a fit of one item looks at, those of the least errors by themselves, with what distance adds.
 pub const CANDIDATES: usize = 12;
 /// Error of a Gram matrix's entries, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
-/// Least weight where weights are pulled: less is a trace of the pull, which nobody sees.
-const LEAST: f64 = 1e-3;
+/// An error below this share of the squared length of the target is one that nobody sees.
+const UNSEEN: f64 = 1e-8;
 /// Items that are read at a time.
 const BLOCK: usize = 256;
 
@@ -106,8 +107,8 @@ struct ItemFit<'a> {
     /// Squared length of its target.
     size: f64,
     item: usize,
-    /// The weights that its own are pulled to, and the constant part of their cost.
-    pull: Option<(Pull<'a>, f64)>,
+    /// How many times farther each map is than the nearest, where it is known.
+    farther: Option<&'a [f64]>,
     products: &'a Products,
     /// Its part of [`Products::onto`].
     onto: &'a [f64],
@@ -126,8 +127,8 @@ impl<'a> ItemFit<'a> {
                 squares.iter_mut().zip(h).for_each(|(square, hi)| *square += hi * hj);
             }
         }
-        let pull = items.pull.map(|pull| (pull, pull.constant(item)));
-        Self { width: m, h, squares, size, item, pull, products, onto }
+        let farther = items.farther.map(|all| all.col_as_slice(item));
+        Self { width: m, h, squares, size, item, farther, products, onto }
     }
 
     fn run(&self, supports: Supports<'_>) -> ItemWeights {
@@ -151,12 +152,12 @@ impl<'a> ItemFit<'a> {
         }
     }
 
-    /// Lists the maps that have the least cost by themselves, each with its error.
+    /// The maps by which alone the item errs least, with what distance adds, each with its error.
     fn nearest(&self) -> Vec<(f64, usize)> {
         let errors = self.errors_alone();
         let cost = |map: usize| {
-            let pulled = self.pulled(map);
-            errors[map] + pulled.product(&pulled)
+            let farther = self.farther.map_or(0.0, |farther| farther[map]);
+            self.with_distance(errors[map], farther)
         };
         let mut costs: Vec<_> = (0..errors.len()).map(|map| (cost(map), map)).collect();
         if costs.len() > CANDIDATES {
@@ -166,16 +167,16 @@ impl<'a> ItemFit<'a> {
         costs.into_iter().map(|(_, map)| (errors[map], map)).collect()
     }
 
-    /// Fits at most `most` weights of candidates, each with its error alone.
+    /// Fits at most so many weights of candidates, each with its error alone.
     fn solve(&self, mut candidates: Vec<(f64, usize)>, most: usize) -> ItemWeights {
         candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
-        let mut pulled = [Pulled::default(); MAX_COLUMNS];
-        pulled.iter_mut().zip(&candidates).for_each(|(own, of)| *own = self.pulled(of.1));
-        let constant = self.pull.map_or(0.0, |pull| pull.1);
-        let cost = gram.plus(|i, j| constant + pulled[i].product(&pulled[j]));
-        let least = if self.pull.is_some() { LEAST } else { 0.0 };
-        let weights = simplex::solve_sparse(&cost, most, least);
+        let mut weights = simplex::solve_sparse(&gram, most);
+        if let Some(farther) = self.farther {
+            let aside = self.aside(gram.error(&weights)).sqrt();
+            let aside = gram.set_aside(|i| aside * farther[candidates[i].1]);
+            weights = simplex::solve_sparse(&aside, most);
+        }
         let mut list: Vec<(usize, f64)> = (0..gram.len)
             .filter(|&i| weights[i] > 0.0)
             .map(|i| (candidates[i].1, weights[i]))
@@ -184,17 +185,20 @@ impl<'a> ItemFit<'a> {
         (list, gram.error(&weights))
     }
 
-    /// Returns the error of weights with the cost of the pull.
+    /// Gives an error with what the distance of what is followed adds to it.
     fn cost(&self, (list, error): &ItemWeights) -> f64 {
-        let of_map = |&(a, w): &(usize, f64)| {
-            list.iter().map(|&(b, v)| w * v * self.pulled(a).product(&self.pulled(b))).sum::<f64>()
-        };
-        error + list.iter().map(of_map).sum::<f64>()
+        let mean = |farther: &[f64]| list.iter().map(|(map, w)| w * farther[*map]).sum();
+        self.with_distance(*error, self.farther.map_or(0.0, mean))
     }
 
-    /// Returns a map in the cost of the pull.
-    fn pulled(&self, map: usize) -> Pulled {
-        self.pull.map_or(Pulled::default(), |(pull, _)| pull.of(self.item, map))
+    fn with_distance(&self, error: f64, farther: f64) -> f64 {
+        error + self.aside(error) * farther * farther
+    }
+
+    /// Squared length by which a map as near as any stands aside of an item that errs by so much; others stand aside by
+    /// that length times how many times farther they are.
+    fn aside(&self, error: f64) -> f64 {
+        NEARER.get() * error.max(UNSEEN * self.size)
     }
 
     /// Gives the item's squared error by each map alone.
