@@ -463,8 +463,8 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
     assert!((errors.max_percent * examples.diagonal() / most - 100.0).abs() < 1e-7);
 
     let html = page(&comparison, true);
-    // Truth, two baselines and two models twice over, each with errors and one on its own scale; then the errors on the
-    // rest pose, the angles of four on both, and two pictures of palettes.
+    // The worst pose, whole and near: the truth and four skins, four error maps and one on its own scale. Then the rest
+    // pose with these maps, maps of four skins' angles on both poses, and two palettes.
     let pictures = tags(&html).iter().filter(|tag| *tag == "img").count();
     assert_eq!(pictures, 4 * 5 + 6 + 2 * 4 + 2);
     let cells = rows(&html);
@@ -472,7 +472,7 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
     for class in ["line own", "area own"] {
         assert!(html.contains(&format!("class=\"{class}\"")), "{class}");
     }
-    // What is told of the model alone is the model's.
+    // The worst vertex is the model's.
     assert!(
         html.contains("Vertex 123, where the model is off by ")
             && html.contains(", own weights by ")

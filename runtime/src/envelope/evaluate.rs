@@ -190,6 +190,7 @@ impl Envelope<'_> {
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
     ) -> f32 {
+        // Both predictors end in one place: an early return took 1196 bytes of stack on Cortex-M, over the budget of 950.
         let mut confidence = 1.0;
         if self.predictor().reconstructs() {
             confidence = self.reconstruct(pose, scratch, out_palette);

@@ -292,7 +292,7 @@ impl PredictorSearch<'_> {
             lbs_rms,
             own_weights_rms: own_weights(examples, &training.lbs.weights)
                 .map(|own| training.targets(&own).rms(&training.poses.stacked())),
-            folds: training.folds.runs().into_iter().map(|fold| fold.own).collect(),
+            folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
             chosen: chosen.report,
             training_rms,
             rotational: chosen.rotational.clone(),

@@ -19,8 +19,8 @@ use std::path::PathBuf;
 ///
 /// The runtime evaluates the file's bytes in f32, as an engine would. Baselines are measured on
 /// the same frames. "LBS, fitted" has 4 influences a vertex, as training fitted them. "own weights" is LBS by the
-/// joint weights that come with the mesh, where EXAMPLES have any. EXAMPLES may be new poses alone: the model knows which frames it was
-/// trained on. Normals are measured by their angle to the true
+/// joint weights that come with the mesh, where EXAMPLES have any. EXAMPLES may be new poses alone: the model knows which
+/// frames it was trained on. Normals are measured by their angle to the true
 /// ones, the area-weighted mean of the true mesh's triangles, over the area of the rest pose. Examples in other axes or another unit than
 /// the model's are converted, where both are known. Errors in % of the diagonal do not depend on them.
 #[derive(clap::Args)]

@@ -41,8 +41,8 @@ impl GroupOutputs {
         let outputs = Outputs {
             all: &all * &directions,
             beyond: beyond.len(),
-            blocks: [folds.overlapping(), beyond].concat(),
-            parts: folds.parts(),
+            blocks: [folds.overlapping(), &beyond[..]].concat(),
+            parts: folds.parts().to_vec(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
             exact: EXACT.get() * signal / (poses.len() * directions.ncols().max(1)) as f64,

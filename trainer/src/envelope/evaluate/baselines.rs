@@ -1,5 +1,4 @@
-//! The baselines that stand beside a model, on the same frames: LBS as training fits it, and LBS by the artist's own
-//! weights.
+//! Baselines of a model, on the same frames: LBS by fitted weights, and LBS by the artist's own weights.
 
 use super::{Baseline, Measured, Told};
 use crate::envelope::skin::blend::Weights;

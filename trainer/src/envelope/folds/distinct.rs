@@ -1,16 +1,17 @@
-//! Poses without those that repeat them: a walk that is looped, a frame that is held, a pose that is come back to.
+//! Poses that repeat others: a looped walk, a held frame.
 //!
-//! A fit that has seen a pose knows its repeats: left out one without the other they would prove nothing.
+//! A fit that has seen a pose knows its repeats, so repeats are left out together.
 
 use crate::envelope::skin::poses::{Poses, Time};
 use crate::kernel::outputs::Block;
 use std::ops::Range;
 
-/// Poses are one where no entry of a joint's map differs by more than this share of how far the farthest comes from its
-/// first, of 2 at most, which is as far as an entry of a rotation does: what export leaves of a loop.
+/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size. Export
+/// leaves such differences in a loop.
 const SAME: f64 = 1e-3;
+/// Largest size of the motion: the entries of two rotations differ by 2 at most.
 const FARTHEST: f64 = 2.0;
-/// Frames on either side of a block that a fit without it does not see either.
+/// Frames on either side of a block that are left out with it.
 const GAP: usize = 3;
 
 /// Poses in groups of repeats.
@@ -24,7 +25,7 @@ pub(super) struct Distinct {
 }
 
 impl Distinct {
-    /// Groups the poses that repeat the first pose of a group. If all poses are one, each gets a group of its own.
+    /// Groups the poses that repeat the first pose of a group. If all poses are one, each gets its own group.
     pub(super) fn new(poses: &Poses) -> Self {
         let most = SAME * poses.farthest_apart().min(FARTHEST);
         let mut groups = Vec::<Vec<usize>>::new();
@@ -44,12 +45,12 @@ impl Distinct {
         Self { times: poses.times().to_vec(), groups, of }
     }
 
-    /// Counts them.
+    /// Counts the groups.
     pub(super) fn count(&self) -> usize {
         self.groups.len()
     }
 
-    /// Counts the poses before each of them, and all.
+    /// Counts the poses before each group, and last all poses.
     pub(super) fn starts(&self) -> Vec<usize> {
         let sizes = self.groups.iter().map(Vec::len);
         let sum = sizes.scan(0, |sum, size| {
@@ -59,14 +60,14 @@ impl Distinct {
         std::iter::once(0).chain(sum).collect()
     }
 
-    /// Whether a clip ends before one of them.
+    /// Returns whether a clip ends before a group.
     pub(super) fn is_cut(&self, at: usize) -> bool {
         let clip = |at: usize| self.times[self.groups[at][0]].clip;
         at > 0 && clip(at - 1) != clip(at)
     }
 
-    /// A block of some in a row, and near it their neighbours in time with all that repeat these: of so many frames that
-    /// they are no more than its own, nor more than half of the others.
+    /// Makes a block of consecutive groups. Near it are its neighbours in time and their repeats: at most as many poses as
+    /// the block has, and at most half of the others.
     pub(super) fn run(&self, range: Range<usize>) -> Block {
         let own = self.poses_of(range.clone());
         let most = own.len().min((self.of.len() - own.len()) / 2);
@@ -76,12 +77,12 @@ impl Distinct {
         Block { near: near.unwrap_or_default(), own }
     }
 
-    /// A block of some poses, in order, and near it those that repeat them.
+    /// Makes a block of poses, in order, with their repeats near it.
     pub(super) fn block(&self, own: Vec<usize>) -> Block {
         Block { near: without(self.with_repeats(own.iter().copied()), &own), own }
     }
 
-    /// Lists the poses of a clip that are no more than so many frames from one of them.
+    /// Lists the poses of a pose's clip that are at most `gap` frames from it.
     fn neighbours(&self, pose: usize, gap: usize) -> impl Iterator<Item = usize> {
         let times = &self.times;
         let own = times[pose];
@@ -92,7 +93,7 @@ impl Distinct {
         before.chain((pose + 1..times.len()).take_while(is_near))
     }
 
-    /// Lists some poses and all that repeat them, in order.
+    /// Lists poses and their repeats, in order.
     fn with_repeats(&self, poses: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut groups: Vec<usize> = poses.map(|pose| self.of[pose]).collect();
         groups.sort_unstable();
@@ -100,7 +101,7 @@ impl Distinct {
         self.poses_of(groups.into_iter())
     }
 
-    /// Lists the poses of some of the groups, in order.
+    /// Lists the poses of groups, in order.
     fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut poses: Vec<usize> = groups.flat_map(|at| &self.groups[at]).copied().collect();
         poses.sort_unstable();
@@ -108,7 +109,7 @@ impl Distinct {
     }
 }
 
-/// Those of some poses that are not among others, which are in order.
+/// Returns the poses that are not among others, which are in order.
 fn without(mut poses: Vec<usize>, others: &[usize]) -> Vec<usize> {
     poses.retain(|pose| others.binary_search(pose).is_err());
     poses
@@ -152,7 +153,7 @@ mod tests {
         let held: Vec<usize> = [0; 90].into_iter().chain(1..5).collect();
         let few = (2..7).flat_map(|poses| (2..5).map(move |times| looped(poses, times)));
         for poses in few.chain([moving(&[5]).only(&held)]) {
-            let folds = Folds::new(&poses).runs();
+            let folds = Folds::new(&poses).runs().to_vec();
             assert!(folds.len() > 1);
             for fold in folds {
                 assert!(!fold.others(poses.len()).is_empty(), "{fold:?} of {}", poses.len());

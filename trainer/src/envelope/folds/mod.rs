@@ -1,12 +1,12 @@
-//! Which training frames are left out together (METHOD §1.9). Every choice of the fit and every forecast asks here.
+//! Which training frames are left out together (METHOD §1.9). Every choice of the fit asks here.
 //!
-//! Neighbours in an animation are almost the same pose. A fit that leaves out single frames therefore proves nothing, so
-//! whole blocks are left out: runs of frames with gaps around them, whole clips, or the ends of joints' ranges. Repeats of
-//! a pose are always left out together.
+//! Neighbours in an animation are almost the same pose. A fit without a single frame therefore proves nothing. Whole
+//! blocks are left out: runs of frames with gaps around them, clips, or the ends of joints' ranges. Repeats of a pose are
+//! always left out together.
 
 mod distinct;
 #[cfg(test)]
-pub mod testing;
+mod testing;
 
 use super::skin::poses::Poses;
 use crate::constants::BEYOND;
@@ -26,39 +26,48 @@ const STILL: f64 = 0.03;
 /// The training poses, cut into blocks that are left out together.
 pub struct Folds {
     distinct: Distinct,
-    /// Ranges of distinct poses that cover all.
-    ranges: Vec<Range<usize>>,
+    /// Number of runs, which are the first of the overlapping blocks.
+    run_len: usize,
+    overlapping: Vec<Block>,
+    parts: Vec<Block>,
 }
 
 impl Folds {
     /// Finds repeats and cuts poses into runs.
     pub fn new(poses: &Poses) -> Self {
         let distinct = Distinct::new(poses);
-        Self { ranges: ranges(&distinct), distinct }
-    }
-
-    /// Cuts the poses into runs, at least two, that cover all of them.
-    pub fn runs(&self) -> Vec<Block> {
-        self.blocks(self.ranges.iter().cloned())
-    }
-
-    /// Lists the runs and a further one across the middle of each pair: more blocks choose better.
-    pub fn overlapping(&self) -> Vec<Block> {
-        let middle = |range: &Range<usize>| (range.start + range.end) / 2;
-        let across = self.ranges.windows(2).map(|pair| middle(&pair[0])..middle(&pair[1]));
-        self.blocks(self.ranges.iter().cloned().chain(across))
-    }
-
-    /// Cuts the runs into parts. The model has seen all poses, so that fits without a whole run have larger errors than the
-    /// model itself.
-    pub fn parts(&self) -> Vec<Block> {
+        let runs = ranges(&distinct);
+        let middle = |run: &Range<usize>| (run.start + run.end) / 2;
+        let across = runs.windows(2).map(|pair| middle(&pair[0])..middle(&pair[1]));
         let parts = |run: &Range<usize>| {
             let (start, len) = (run.start, run.len());
             let count = (len / RUN_LEN).clamp(1, PARTS);
             let cut = move |part: usize| start + part * len / count;
             (0..count).map(move |part| cut(part)..cut(part + 1))
         };
-        self.blocks(self.ranges.iter().flat_map(parts))
+        let block = |range: Range<usize>| distinct.run(range);
+        Self {
+            run_len: runs.len(),
+            overlapping: runs.iter().cloned().chain(across).map(block).collect(),
+            parts: runs.iter().flat_map(parts).map(block).collect(),
+            distinct,
+        }
+    }
+
+    /// Returns the runs, at least two, which cover all poses.
+    pub fn runs(&self) -> &[Block] {
+        &self.overlapping[..self.run_len]
+    }
+
+    /// Returns the runs and a further one across the middle of each pair: more blocks choose better.
+    pub fn overlapping(&self) -> &[Block] {
+        &self.overlapping
+    }
+
+    /// Returns the parts of the runs. The model has seen all poses, so that fits without a whole run have larger errors than
+    /// the model itself.
+    pub fn parts(&self) -> &[Block] {
+        &self.parts
     }
 
     /// Lists the blocks that a fit for some joints has to extrapolate to: whole clips, and for each joint the quarter of the
@@ -91,10 +100,6 @@ impl Folds {
             (moves && count >= RUN_LEN).then(|| self.distinct.block(own))
         };
         joints.iter().filter_map(end)
-    }
-
-    fn blocks(&self, ranges: impl Iterator<Item = Range<usize>>) -> Vec<Block> {
-        ranges.map(|range| self.distinct.run(range)).collect()
     }
 }
 
@@ -129,7 +134,7 @@ mod tests {
     #[test]
     fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
         for n in 2..60 {
-            let folds = Folds::new(&moving(&[n])).runs();
+            let folds = Folds::new(&moving(&[n])).runs().to_vec();
             assert_eq!(folds.len(), (n / 2).clamp(2, 10));
             let own: Vec<usize> = folds.iter().flat_map(|fold| fold.own.clone()).collect();
             assert_eq!(own, Vec::from_iter(0..n));
@@ -140,7 +145,7 @@ mod tests {
 
     #[test]
     fn folds_end_where_clips_do() {
-        let folds = Folds::new(&moving(&[33, 41, 26])).runs();
+        let folds = Folds::new(&moving(&[33, 41, 26])).runs().to_vec();
         let ends: Vec<usize> = folds.iter().map(|fold| fold.own[fold.own.len() - 1] + 1).collect();
         assert_eq!(ends, [10, 20, 33, 40, 50, 60, 74, 80, 90, 100]);
     }
@@ -148,14 +153,14 @@ mod tests {
     #[test]
     fn a_pose_that_is_held_counts_as_often_as_it_is_there() {
         let held: Vec<usize> = (0..20).chain([20; 20]).chain(20..40).collect();
-        let folds = Folds::new(&moving(&[40]).only(&held)).runs();
+        let folds = Folds::new(&moving(&[40]).only(&held)).runs().to_vec();
         let lengths: Vec<usize> = folds.iter().map(|fold| fold.own.len()).collect();
         assert_eq!(lengths, [6, 6, 6, 23, 1, 6, 6, 6]);
     }
 
     #[test]
     fn folds_of_a_loop_hold_every_pass() {
-        let folds = Folds::new(&looped(40, 2)).runs();
+        let folds = Folds::new(&looped(40, 2)).runs().to_vec();
         assert_eq!(folds.len(), 10);
         assert_eq!(folds[1].own, [4, 5, 6, 7, 44, 45, 46, 47]);
         let mut own: Vec<usize> = folds.iter().flat_map(|fold| fold.own.clone()).collect();
@@ -168,7 +173,7 @@ mod tests {
         let poses = moving(&[40]);
         let folds = Folds::new(&poses);
         let (blocks, parts) = (folds.overlapping(), folds.parts());
-        assert_eq!(blocks[..10], folds.runs());
+        assert_eq!(&blocks[..10], folds.runs());
         assert_eq!(blocks.len(), 19);
         assert_eq!(blocks[10].own, [2, 3, 4, 5]);
         assert_eq!(blocks[10].near, [0, 1, 6, 7]);

@@ -3,13 +3,13 @@
 use crate::envelope::skin::poses::Poses;
 use crate::examples::testing::triangle;
 
-/// Clips of so many poses, none like another.
-pub fn moving(clips: &[usize]) -> Poses {
+/// Makes clips of the given lengths, in which no pose repeats another.
+pub(super) fn moving(clips: &[usize]) -> Poses {
     placed(clips, |pose| pose)
 }
 
 /// One clip that plays so many poses several times.
-pub fn looped(poses: usize, times: usize) -> Poses {
+pub(super) fn looped(poses: usize, times: usize) -> Poses {
     placed(&[times * poses], |pose| pose % poses)
 }
 

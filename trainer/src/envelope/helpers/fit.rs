@@ -359,7 +359,7 @@ impl Helpers {
     pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
         CorrectionTarget {
             poses: &training.poses,
-            folds: &training.folds,
+            folds: training.folds(),
             features: Features::of(training),
             dominant: &self.dominant,
             listens: &self.listens,

@@ -75,5 +75,5 @@ impl Region {
 
 /// Folds of some of the training poses.
 fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
-    Folds::new(&training.poses.only(poses)).runs()
+    Folds::new(&training.poses.only(poses)).runs().to_vec()
 }

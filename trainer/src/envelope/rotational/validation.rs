@@ -44,7 +44,7 @@ impl<'a> Validation<'a> {
         predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
         progress: &dyn Progress,
     ) -> Self {
-        let folds = Folds::new(poses).runs();
+        let folds = Folds::new(poses).runs().to_vec();
         progress.step("cross-validation", folds.len() * sequences.len());
         let folds = folds
             .into_iter()

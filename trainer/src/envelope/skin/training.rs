@@ -35,8 +35,6 @@ pub struct Training {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
-    /// Which of them are left out together.
-    pub folds: Folds,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -44,6 +42,7 @@ pub struct Training {
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
     basis: OnceLock<Basis>,
+    folds: OnceLock<Folds>,
 }
 
 impl Training {
@@ -88,12 +87,12 @@ impl Training {
             triangles,
             origins: skeleton.rest.iter().map(|m| m.map(|row| row[3]).into()).collect(),
             skeleton,
-            folds: Folds::new(&poses),
             poses,
             trajectories,
             lbs,
             importance: examples.importance.clone(),
             basis: OnceLock::new(),
+            folds: OnceLock::new(),
         })
     }
 
@@ -141,6 +140,11 @@ impl Training {
     /// How much each vertex counts.
     pub fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
+    }
+
+    /// Which poses are left out together, found when this is first asked for.
+    pub fn folds(&self) -> &Folds {
+        self.folds.get_or_init(|| Folds::new(&self.poses))
     }
 
     /// A short basis of the trajectories, made when it is first asked for.
