@@ -6,7 +6,6 @@
 
 use super::moved::stands;
 use super::region::{POSES, Region, regions};
-use super::sound::{MOST, ROUNDS};
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 
@@ -19,6 +18,10 @@ const BULGE: f64 = 0.005;
 /// From this number of frames on a wrong frame may have a smaller error than LBS. The bound falls with the root of the
 /// number, as many frames predict each other well.
 const FEW: f64 = 16.0;
+/// How often at most frames are judged again, as the inliers or LBS change.
+pub(super) const ROUNDS: usize = 4;
+/// Largest share of wrong frames: more are no exceptions, and stay.
+pub(super) const MOST: f64 = 0.25;
 
 /// A frame whose mesh does not belong to its pose.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,17 +1,12 @@
 //! A training on the frames that belong to their poses.
 
-use super::broken::{Broken, broken};
+use super::broken::{Broken, MOST, ROUNDS, broken};
 use crate::envelope::error::FitError;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::{MIN_POSES, Training};
 use crate::examples::{Examples, Split};
 use crate::progress::Progress;
 use serde::Serialize;
-
-/// How often at most frames are judged again, as the inliers or LBS change.
-pub(super) const ROUNDS: usize = 4;
-/// Largest share of wrong frames: more are no exceptions, and stay.
-pub(super) const MOST: f64 = 0.25;
 
 /// A training frame whose mesh does not belong to its pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
