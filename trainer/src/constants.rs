@@ -31,25 +31,13 @@ impl Constant {
 pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 /// A vertex on which LBS errs less, RMS in diagonals, keeps its weights: there is nothing to gain.
 pub static SERVED: Constant = Constant::new("SERVED", 1e-4);
-/// A distance from a bone that is near, in diagonals: what is nearer yet says no more of what a vertex follows.
-pub static NEAR: Constant = Constant::new("NEAR", 0.03);
-/// Share of its squared error that a vertex is charged for distance, times the square of how many times farther than the
-/// nearest bone it follows: too little to matter where poses tell, enough to decide where they do not.
-pub static NEARER: Constant = Constant::new("NEARER", 0.25);
-/// How many times more a distance counts among joints and helpers: of more maps more do as well by chance.
-pub static FARTHER: Constant = Constant::new("FARTHER", 1.4);
-/// How much farther than the nearest, over its distance, a joint is of which hardly any weight is painted on a vertex.
-pub static PAINTED: Constant = Constant::new("PAINTED", 1.0);
-/// How many times farther than its bone a joint is of which no weight is painted on a vertex: an artist who left it out
-/// knows more than poses in which it happens to move as another does.
-pub static UNPAINTED: Constant = Constant::new("UNPAINTED", 20.0);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its dominant joint, of the mean diagonal: what few vertices support is noise that no map can predict.
 pub static PULL: Constant = Constant::new("PULL", 3e-6);
 /// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike
 /// those of training. With less of it a fit errs less on poses like those, and more on others.
-pub static BASE: Constant = Constant::new("BASE", 0.025);
+pub static BASE: Constant = Constant::new("BASE", 0.015);
 /// Most of its last step that a round of helpers starts ahead: with more the last digit of a file decides more of what
 /// comes out.
 pub static AHEAD: Constant = Constant::new("AHEAD", 0.7);
@@ -57,43 +45,25 @@ pub static AHEAD: Constant = Constant::new("AHEAD", 0.7);
 pub static DISPLACEMENT: Constant = Constant::new("DISPLACEMENT", 3.0);
 /// A displacement that spreads less, RMS in weighted diagonals, is no input.
 pub static STILL: Constant = Constant::new("STILL", 3e-4);
-/// How much better a score is to be with further joints, or with one more list of them: folds of training tell little of
+/// How much better a score is to be with further joints or a wider kernel: folds of training tell little of
 /// poses unlike it, and there a map that listens to less errs less.
 pub static EARNS: Constant = Constant::new("EARNS", 0.2);
-/// How much better a score is to be where one joint weighs twice as much as it did, or half, for the same reason.
-pub static WEIGHS: Constant = Constant::new("WEIGHS", 0.3);
-/// Share of what is left over, squared, that joints may have together whose maps are chosen by joints and width alone: for
-/// the rest of the choices they matter too little.
-pub static MINOR: Constant = Constant::new("MINOR", 0.05);
-/// Share of the outputs' squared size without which joints and widths are chosen: far less than any map leaves over.
-pub static TELLS_NOTHING: Constant = Constant::new("TELLS_NOTHING", 1e-4);
-/// How much worse a simpler choice may score.
-pub static SIMPLER: Constant = Constant::new("SIMPLER", 0.02);
 /// Share of the outputs' squared size that no latent output carries.
 pub static NEGLIGIBLE: Constant = Constant::new("NEGLIGIBLE", 1e-7);
-/// Share of LBS's squared error below which no error is better than another.
-pub static EXACT: Constant = Constant::new("EXACT", 1e-5);
 /// Share of the poses that are beyond a joint's range.
 pub static BEYOND: Constant = Constant::new("BEYOND", 0.25);
 /// Share of the linear kernel beside the other, over the median squared distance.
 pub static LINEAR: Constant = Constant::new("LINEAR", 0.2);
 /// Power of the mean over blocks: near 0 it is geometric, so that the hardest block does not decide alone.
 pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
-/// How much worse a larger ridge may score.
-pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 /// Most that a function's squared norm may be, over the one that its outputs' size tells by the prior: more hangs on
 /// directions that the samples hardly take, is learned of their noise, and throws wherever a pose takes them.
 pub static PLAUSIBLE: Constant = Constant::new("PLAUSIBLE", 1e6);
 
-/// Those that count where joint weights are painted.
-pub static OF_PAINTED: [&Constant; 2] = [&PAINTED, &UNPAINTED];
-/// All others.
-pub static OTHERS: [&Constant; 23] = [
+/// All of them.
+pub static ALL: [&Constant; 14] = [
     &ERRS,
     &SERVED,
-    &NEAR,
-    &NEARER,
-    &FARTHER,
     &RESIDUAL_SHARE,
     &PULL,
     &BASE,
@@ -101,15 +71,9 @@ pub static OTHERS: [&Constant; 23] = [
     &DISPLACEMENT,
     &STILL,
     &EARNS,
-    &WEIGHS,
-    &MINOR,
-    &TELLS_NOTHING,
-    &SIMPLER,
     &NEGLIGIBLE,
-    &EXACT,
     &BEYOND,
     &LINEAR,
     &GENTLE,
-    &STIFFER,
     &PLAUSIBLE,
 ];

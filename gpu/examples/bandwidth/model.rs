@@ -50,10 +50,11 @@ fn envelope() -> EnvelopeModel {
         certificate: Certificate {
             diagonal: 10.0,
             training_rms: 0.0,
-            cross_validated_rms: 0.0,
+            same_clips_rms: 0.0,
             lbs_training_rms: 0.0,
             correction_error: 0.0,
             base_training_rms: 0.0,
+            other_clip_rms: None,
         },
     }
 }

@@ -569,14 +569,16 @@ typedef struct sinew_certificate {
     float diagonal;
     /// RMS error over vertices and training frames.
     float training_rms;
-    /// The same, each frame predicted by a fit that had not seen its fold.
-    float cross_validated_rms;
-    /// The same, of linear blend skinning.
+    /// Forecast of the RMS error on more frames of the training clips.
+    float same_clips_rms;
+    /// RMS error of linear blend skinning over vertices and training frames.
     float lbs_training_rms;
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     float correction_error;
     /// RMS error over vertices and training frames of `SINEW_LEVEL_JOINTS`.
     float base_training_rms;
+    /// Forecast of the RMS error on another clip; negative if training had one clip.
+    float other_clip_rms;
 } sinew_certificate;
 
 /// What an envelope is made of: every length that its calls need.

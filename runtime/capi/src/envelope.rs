@@ -46,14 +46,16 @@ pub struct sinew_certificate {
     pub diagonal: f32,
     /// RMS error over vertices and training frames.
     pub training_rms: f32,
-    /// The same, each frame predicted by a fit that had not seen its fold.
-    pub cross_validated_rms: f32,
-    /// The same, of linear blend skinning.
+    /// Forecast of the RMS error on more frames of the training clips.
+    pub same_clips_rms: f32,
+    /// RMS error of linear blend skinning over vertices and training frames.
     pub lbs_training_rms: f32,
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     pub correction_error: f32,
     /// RMS error over vertices and training frames of `SINEW_LEVEL_JOINTS`.
     pub base_training_rms: f32,
+    /// Forecast of the RMS error on another clip; negative if training had one clip.
+    pub other_clip_rms: f32,
 }
 
 /// What an envelope is made of: every length that its calls need.
@@ -236,10 +238,11 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
         certificate: sinew_certificate {
             diagonal: certificate.diagonal,
             training_rms: certificate.training_rms,
-            cross_validated_rms: certificate.cross_validated_rms,
+            same_clips_rms: certificate.same_clips_rms,
             lbs_training_rms: certificate.lbs_training_rms,
             correction_error: certificate.correction_error,
             base_training_rms: certificate.base_training_rms,
+            other_clip_rms: certificate.other_clip_rms.unwrap_or(-1.0),
         },
     }
 }

@@ -64,6 +64,9 @@ impl Predictor {
     }
 }
 
+/// The error on another clip where training had one clip.
+const NO_FORECAST: f32 = -1.0;
+
 /// What the fit was measured to reach, in the units of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Certificate {
@@ -71,43 +74,51 @@ pub struct Certificate {
     pub diagonal: f32,
     /// RMS error over vertices and training frames.
     pub training_rms: f32,
-    /// The same, each frame predicted by a fit that had not seen its fold.
-    pub cross_validated_rms: f32,
-    /// The same, of linear blend skinning.
+    /// Forecast of the RMS error on more frames of the training clips: the error of fits on frames that they had not seen.
+    pub same_clips_rms: f32,
+    /// RMS error of linear blend skinning over vertices and training frames.
     pub lbs_training_rms: f32,
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     pub correction_error: f32,
     /// RMS error over vertices and training frames at [`super::Level::Joints`].
     pub base_training_rms: f32,
+    /// Forecast of the RMS error on another clip: the error of fits on clips that they had not seen. `None` if training
+    /// had one clip.
+    pub other_clip_rms: Option<f32>,
 }
 
 impl Certificate {
     /// Bytes of section `certificate`.
-    pub const BYTES: usize = 24;
+    pub const BYTES: usize = 28;
 
     /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 6] {
+    pub const fn figures(&self) -> [f32; 7] {
         [
             self.diagonal,
             self.training_rms,
-            self.cross_validated_rms,
+            self.same_clips_rms,
             self.lbs_training_rms,
             self.correction_error,
             self.base_training_rms,
+            match self.other_clip_rms {
+                Some(rms) => rms,
+                None => NO_FORECAST,
+            },
         ]
     }
 
     /// Makes it of its figures.
-    pub const fn from_figures(figures: [f32; 6]) -> Self {
-        let [diagonal, training_rms, cross_validated_rms, ..] = figures;
-        let [.., lbs_training_rms, correction_error, base_training_rms] = figures;
+    pub const fn from_figures(figures: [f32; 7]) -> Self {
+        let [diagonal, training_rms, same_clips_rms, lbs_training_rms, ..] = figures;
+        let [.., correction_error, base_training_rms, other_clip] = figures;
         Self {
             diagonal,
             training_rms,
-            cross_validated_rms,
+            same_clips_rms,
             lbs_training_rms,
             correction_error,
             base_training_rms,
+            other_clip_rms: if other_clip == NO_FORECAST { None } else { Some(other_clip) },
         }
     }
 }

@@ -181,10 +181,11 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.0,
-            cross_validated_rms: 0.0,
+            same_clips_rms: 0.0,
             lbs_training_rms: 0.0,
             correction_error: 0.0,
             base_training_rms: 0.0,
+            other_clip_rms: None,
         },
     };
     let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };

@@ -136,10 +136,11 @@ fn file_model(predictor: Predictor) -> FileModel {
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.125,
-            cross_validated_rms: 0.25,
+            same_clips_rms: 0.25,
             lbs_training_rms: 0.5,
             correction_error: if predictor.corrects() { 0.0625 } else { 0.0 },
             base_training_rms: if predictor.corrects() { 0.375 } else { 0.125 },
+            other_clip_rms: predictor.corrects().then_some(0.4375),
         },
     };
     let space = Space {

@@ -10,7 +10,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::constants::OTHERS;
+use sinew_trainer::constants::ALL;
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
@@ -312,7 +312,7 @@ fn constants() -> Result<(), Box<dyn Error>> {
     }
     let row: String = usual.iter().map(|error| format!("{error:>16.4} %")).collect();
     println!("{:<16}{:>8}{row}", "as set", "");
-    for constant in OTHERS {
+    for constant in ALL {
         let value = constant.get();
         let mut cells = String::new();
         for ((_, examples), usual) in sets.iter().zip(&usual) {

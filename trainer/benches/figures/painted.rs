@@ -1,7 +1,6 @@
 //! Joint weights as an artist painted them: what they make of a fit.
 
 use super::{SETS, found, trained_on_first};
-use sinew_trainer::constants::OF_PAINTED;
 use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Examples, Source, Split, load, npz};
@@ -9,7 +8,7 @@ use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::fs::File;
 
-/// What painted joint weights make of LBS and of a model, held out, and what hangs on their constants: in range, and beyond
+/// What painted joint weights make of LBS and of a model, held out, in range and beyond
 /// the clip, or the first frames, that train.
 pub(crate) fn painted() -> Result<(), Box<dyn Error>> {
     let errors = |examples: &Examples| -> Result<[f64; 2], Box<dyn Error>> {
@@ -20,18 +19,8 @@ pub(crate) fn painted() -> Result<(), Box<dyn Error>> {
     println!("{:<26}{:>24}{:>24}", "LBS, model (%)", "without", "with");
     for (name, painted) in scenes()? {
         let plain = Examples { joint_weights: None, ..painted.clone() };
-        let [[lbs, model], with @ [lbs_with, model_with]] = [errors(&plain)?, errors(&painted)?];
+        let [[lbs, model], [lbs_with, model_with]] = [errors(&plain)?, errors(&painted)?];
         println!("{name:<26}{lbs:>16.4}{model:>8.4}{lbs_with:>16.4}{model_with:>8.4}");
-        for constant in OF_PAINTED {
-            for (factor, times) in [(1.0 / 3.0, "a third"), (3.0, "3 times")] {
-                constant.vary(factor);
-                let [lbs, model] = errors(&painted)?;
-                constant.vary(1.0);
-                let (lbs, model) = (lbs / with[0], model / with[1]);
-                let name = format!("  {times} {}", constant.name);
-                println!("{name:<50}{lbs:>16.2}{model:>8.2}");
-            }
-        }
     }
     Ok(())
 }

@@ -79,10 +79,10 @@ impl<'a> Budget<'a> {
     }
 
     /// Bakes a model with the record of its training, as much of it as there is room for.
-    pub(super) fn recorded(self, mut model: FileModel) -> Result<Vec<u8>, TrainError> {
+    pub(super) fn recorded(&self, mut model: FileModel) -> Result<Vec<u8>, TrainError> {
         let most = self.most();
         let marks = RecordModel { lbs: None, ..self.record.clone() };
-        for record in [self.record, marks] {
+        for record in [self.record.clone(), marks] {
             model.records = vec![record];
             let bytes = model.bake()?;
             if bytes.len() <= most {

@@ -7,6 +7,7 @@ use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
 use super::evaluate::own_weights;
 use super::fitted::{Fitted, corrected};
+use super::forecast::forecast;
 use super::helpers::fit::{HelperFit, Helpers, STEP};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
@@ -21,10 +22,13 @@ use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
-use crate::progress::Progress;
+use crate::examples::spread;
+use crate::progress::{Progress, Silent};
 use faer::Mat;
 use sinew_runtime::envelope::{Certificate, Predictor};
 
+/// Vertices on which forecasts are made; more forecast the same.
+const FORECAST_VERTICES: usize = 1000;
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
 
@@ -250,20 +254,70 @@ impl PredictorSearch<'_> {
         self.reports.push(report);
     }
 
+    /// Forecasts the error of what was chosen on more frames of the training clips and on another clip.
+    fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
+        let Self { training, options, .. } = *self;
+        let folds = training.folds();
+        let [some, all] =
+            [FORECAST_VERTICES, usize::MAX].map(|most| spread(training.rest.len(), most));
+        let envelope = &chosen.fitted.envelope;
+        let proxies = ProxyCount::Fixed(envelope.proxy_len());
+        match chosen.rotational {
+            Some(_) => {
+                let options = RotationalOptions {
+                    proxies,
+                    influences: options.influences,
+                    method: options.method(),
+                };
+                let fit = |part: &Training| {
+                    let rotational = rotational::fit(part, &options, &Silent).ok()?;
+                    Some(rotational.fitted(part))
+                };
+                [None, forecast(training, &all, &folds.clips(), &fit)]
+            }
+            None => {
+                let bytes = &self.reports[chosen.report].groups;
+                let bytes =
+                    self.options.budget.map(|_| bytes.iter().map(|group| group.bytes).sum());
+                let fit = |part: &Training| {
+                    Some(self.again(part, envelope.proxy_len(), bytes.unwrap_or(usize::MAX)))
+                };
+                [folds.spread(), folds.clips()]
+                    .map(|blocks| forecast(training, &some, &blocks, &fit))
+            }
+        }
+    }
+
+    /// Fits helpers to a part of the training as they were fitted to all of it.
+    ///
+    /// - `bytes`: most bytes of their maps.
+    fn again(&self, part: &Training, count: usize, bytes: usize) -> Fitted {
+        let Some(fit) = HelperFit::new(part).filter(|_| count > 0) else {
+            return Fitted::new(part, part.lbs.weights.clone(), None);
+        };
+        let helpers = fit.run(count, self.options.influences).listening(part, &self.known);
+        let search = Search::new(helpers.target(part), &self.known, &Silent);
+        let correction = search.fit(bytes);
+        let groups = correction.map_or_else(|| search.nothing(), |correction| correction.groups);
+        helpers.fitted(part, groups)
+    }
+
     /// Takes the candidate that scores best, or a smaller one where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, budget, mut reports, candidates, .. } =
-            self;
-        let Some(chosen) = chosen(&candidates, &reports) else {
-            return Err(budget.exceeded());
+        let (training, examples, progress, lbs_rms) =
+            (self.training, self.examples, self.progress, self.lbs_rms);
+        let Some(chosen) = chosen(&self.candidates, &self.reports) else {
+            return Err(self.budget.exceeded());
         };
         let palette = chosen.fitted.envelope.palettes(&training.poses);
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
+        let [same_clips, other_clip] = self.forecasts(chosen);
         let certificate = Certificate {
             training_rms: training_rms as f32,
-            cross_validated_rms: chosen.validated_rms as f32,
+            same_clips_rms: same_clips.unwrap_or(chosen.validated_rms) as f32,
+            other_clip_rms: other_clip.map(|rms| rms as f32),
             lbs_training_rms: lbs_rms as f32,
             base_training_rms: base_rms as f32,
             ..Certificate::default()
@@ -285,7 +339,8 @@ impl PredictorSearch<'_> {
                 Vec::new()
             }
         };
-        let model = budget.recorded(model)?;
+        let model = self.budget.recorded(model)?;
+        let mut reports = self.reports.clone();
         reports[chosen.report].bytes = Some(model.len());
         let report = TrainingReport {
             left_out: Vec::new(),
@@ -295,6 +350,8 @@ impl PredictorSearch<'_> {
             folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
             chosen: chosen.report,
             training_rms,
+            same_clips_rms: same_clips.unwrap_or(chosen.validated_rms),
+            other_clip_rms: other_clip,
             rotational: chosen.rotational.clone(),
             angle_ranges: training.poses.angle_ranges(),
             candidates: reports,

@@ -110,7 +110,8 @@ impl Fitted {
         envelope.certificate = Certificate {
             diagonal: training.unit as f32,
             training_rms: length(certificate.training_rms),
-            cross_validated_rms: length(certificate.cross_validated_rms),
+            same_clips_rms: length(certificate.same_clips_rms),
+            other_clip_rms: certificate.other_clip_rms.map(length),
             lbs_training_rms: length(certificate.lbs_training_rms),
             correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
             base_training_rms: length(certificate.base_training_rms),

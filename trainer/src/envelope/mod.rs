@@ -28,6 +28,7 @@ pub mod evaluate;
 pub mod export;
 pub mod fitted;
 pub mod folds;
+mod forecast;
 pub mod helpers;
 pub mod levels;
 pub mod model;

@@ -23,6 +23,10 @@ pub struct TrainingReport {
     pub chosen: usize,
     /// It on the training frames.
     pub training_rms: f64,
+    /// Forecast of its error on more frames of the training clips.
+    pub same_clips_rms: f64,
+    /// Forecast of its error on another clip; `None` if training had one clip.
+    pub other_clip_rms: Option<f64>,
     /// How its reconstruction was fitted, where it has one.
     pub rotational: Option<RotationalReport>,
     /// Largest |θ_j| in the training poses, J values in radians.

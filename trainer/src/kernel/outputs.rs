@@ -61,27 +61,12 @@ pub struct Outputs {
     pub signal: f64,
     /// The squared size in a sample that counts as nothing.
     pub negligible: f64,
-    /// The same of one output where fits are compared: of errors that are smaller none is better than another.
-    pub exact: f64,
     /// Most values of a map's certainty.
     pub certainty: usize,
 }
 
 impl Outputs {
-    /// The first outputs, without the last that hold no more than a share of the squared size.
-    #[must_use]
-    pub fn leading(&self, share: f64) -> Self {
-        let sizes: Vec<f64> = self.all.col_iter().map(|c| c.squared_norm_l2()).collect();
-        let mut spare = share * sizes.iter().sum::<f64>();
-        let last = sizes.iter().rev().take_while(|&&size| {
-            spare -= size;
-            spare >= 0.0
-        });
-        let len = sizes.len() - last.count();
-        self.columns(&Vec::from_iter(0..len))
-    }
-
-    /// Some of the outputs.
+    /// Returns some of the outputs.
     #[must_use]
     pub fn columns(&self, columns: &[usize]) -> Self {
         Self {
@@ -99,15 +84,12 @@ impl Outputs {
     #[must_use]
     pub fn beside(several: &[Self]) -> Self {
         let columns: Vec<_> = several.iter().flat_map(|own| own.all.col_iter()).collect();
-        let sum = |of: fn(&Self) -> f64| several.iter().map(of).sum::<f64>();
-        let len = sum(|own| own.all.ncols() as f64).max(1.0);
         let first = &several[0];
         Self {
             all: Mat::from_fn(first.all.nrows(), columns.len(), |i, k| columns[k][i]),
             blocks: first.blocks.clone(),
             parts: first.parts.clone(),
-            signal: sum(|own| own.signal),
-            exact: sum(|own| own.exact * own.all.ncols() as f64) / len,
+            signal: several.iter().map(|own| own.signal).sum(),
             ..*first
         }
     }
@@ -117,7 +99,7 @@ impl Outputs {
         let size = |o: usize| {
             gentle_mean(self.blocks.iter().map(|block| {
                 let own = block.own.iter().map(|&sample| self.all[(sample, o)].powi(2));
-                own.sum::<f64>() + self.exact * block.own.len() as f64
+                own.sum::<f64>()
             }))
         };
         (0..self.all.ncols()).map(size).collect()

@@ -6,7 +6,7 @@ use super::certainty::Certainty;
 use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Block, Outputs, gentle_mean};
-use crate::constants::{PLAUSIBLE, STIFFER};
+use crate::constants::PLAUSIBLE;
 use faer::Mat;
 use sinew_runtime::format::CORRECTION_MAX;
 
@@ -46,31 +46,19 @@ pub struct KernelFit {
 }
 
 impl Scored {
-    /// The same with ridges ten times as large.
-    pub fn smoother(mut self) -> Self {
-        self.ridges.iter_mut().for_each(|ridge| *ridge *= 10.0);
-        self
-    }
-
     /// Score of all outputs.
     pub fn score(&self) -> f64 {
         self.scores.iter().sum()
     }
 }
 
-/// Chooses the ridge of each output, of those that make a plausible function of it; none where rounding makes every fit
-/// indefinite.
+/// Chooses the ridge of each output, of those that make a plausible function of it; none where rounding makes every fit indefinite.
 pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     best_of(design, outputs, &RIDGES)
 }
 
-/// The score of [`best`] to within what half of the ridges tell, at half the cost: enough to compare designs.
-pub fn coarse(design: &Design<'_>, outputs: &Outputs) -> Option<f64> {
-    coarse_each(design, outputs).map(|scores| scores.iter().sum())
-}
-
-/// The same of each output.
-pub fn coarse_each(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
+/// The scores of [`best`] to within what half of the ridges tell, at half the cost: enough to compare designs.
+pub fn coarse(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
     let ridges: Vec<f64> = RIDGES.into_iter().step_by(2).collect();
     best_of(design, outputs, &ridges).map(|scored| scored.scores)
 }
@@ -88,11 +76,7 @@ fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Sco
             if squared_norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
                 return f64::INFINITY;
             }
-            let errors = left.iter().map(|left| {
-                let exact = outputs.exact * left.nrows() as f64;
-                left.col(output).squared_norm_l2() + exact + rounding
-            });
-            gentle_mean(errors)
+            gentle_mean(left.iter().map(|left| left.col(output).squared_norm_l2() + rounding))
         };
         Some(OfRidge { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
     };
@@ -231,9 +215,8 @@ struct OfRidge {
 
 /// The ridge that scores best for an output, the largest tried first, and its score.
 fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
-    let least = tried.iter().map(|at| at.scores[output]).fold(f64::INFINITY, f64::min);
-    let found = tried.iter().find(|at| at.scores[output] <= (1.0 + STIFFER.get()) * least)?;
-    Some((found.ridge, found.scores[output]))
+    let of = tried.iter().map(|at| (at.ridge, at.scores[output]));
+    of.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 #[cfg(test)]
@@ -257,7 +240,6 @@ mod tests {
             beyond: 0,
             signal: 1.0,
             negligible: 1e-6,
-            exact: 0.0,
             certainty: 16,
         }
     }

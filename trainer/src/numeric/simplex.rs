@@ -31,10 +31,10 @@ impl Gram {
         Self { len: columns.len(), noise: self.noise, value }
     }
 
-    /// Returns the Gram matrix of the same differences, each set aside in one more direction by a length of its own.
-    pub fn set_aside(mut self, by: impl Fn(usize) -> f64) -> Self {
+    /// Returns the sum with a further matrix, given by its entries.
+    pub fn plus(mut self, entry: impl Fn(usize, usize) -> f64) -> Self {
         for i in 0..self.len {
-            (0..self.len).for_each(|j| self.value[i][j] += by(i) * by(j));
+            (0..self.len).for_each(|j| self.value[i][j] += entry(i, j));
         }
         self
     }
@@ -96,11 +96,12 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     weights.map(|w| w / sum)
 }
 
-/// Solves with at most `most` weights not zero: solve, keep the strongest, solve again.
-pub fn solve_sparse(gram: &Gram, most: usize) -> [f64; MAX_COLUMNS] {
+/// Solves with at most `most` weights not zero, of more than `least` each: solve, keep the strongest, solve again.
+pub fn solve_sparse(gram: &Gram, most: usize, least: f64) -> [f64; MAX_COLUMNS] {
     let dense = solve(gram);
-    let mut columns: Vec<usize> = (0..gram.len).filter(|&j| dense[j] > 0.0).collect();
-    if columns.len() <= most {
+    let is_kept = |j: &usize| dense[*j] > 0.0 && dense[*j] >= least;
+    let mut columns: Vec<usize> = (0..gram.len).filter(is_kept).collect();
+    if columns.len() <= most && dense.iter().all(|&w| w == 0.0 || w >= least) {
         return dense;
     }
     columns.sort_by(|&a, &b| dense[b].total_cmp(&dense[a]).then(a.cmp(&b)));
@@ -255,7 +256,7 @@ mod tests {
     #[test]
     fn pruning_keeps_the_strongest_and_solves_again() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let w = solve_sparse(&gram(&corners, [0.01, 0.4, 0.5]), 2);
+        let w = solve_sparse(&gram(&corners, [0.01, 0.4, 0.5]), 2, 0.0);
         assert!(w[0] == 0.0 && w[1] == 0.0 && (w[2] - 0.45).abs() < 1e-9);
     }
 

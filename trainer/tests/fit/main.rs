@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod authored;
+mod clips;
 mod coarse;
 mod held_out;
 mod importance;

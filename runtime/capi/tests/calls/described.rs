@@ -98,10 +98,11 @@ fn envelopes_are_described() {
         let (found, expected) = (info.certificate, envelope.certificate());
         assert_eq!(found.diagonal, expected.diagonal);
         assert_eq!(found.training_rms, expected.training_rms);
-        assert_eq!(found.cross_validated_rms, expected.cross_validated_rms);
+        assert_eq!(found.same_clips_rms, expected.same_clips_rms);
         assert_eq!(found.lbs_training_rms, expected.lbs_training_rms);
         assert_eq!(found.correction_error, expected.correction_error);
         assert_eq!(found.base_training_rms, expected.base_training_rms);
+        assert_eq!(found.other_clip_rms, expected.other_clip_rms.unwrap_or(-1.0));
     });
 }
 

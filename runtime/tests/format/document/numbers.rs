@@ -185,10 +185,11 @@ fn the_document_lays_counts_out_as_the_code() {
     let fields = [
         ("diagonal", bits(certificate.diagonal)),
         ("training_rms", bits(certificate.training_rms)),
-        ("cross_validated_rms", bits(certificate.cross_validated_rms)),
+        ("same_clips_rms", bits(certificate.same_clips_rms)),
         ("lbs_training_rms", bits(certificate.lbs_training_rms)),
         ("correction_error", bits(certificate.correction_error)),
         ("base_training_rms", bits(certificate.base_training_rms)),
+        ("other_clip_rms", bits(certificate.other_clip_rms.unwrap_or(-1.0))),
     ];
     let bytes = figures.map(f32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), Certificate::BYTES);

@@ -100,12 +100,14 @@ fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> String {
     out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
     out += &format!("{:<24}RMS error, % of the diagonal\n", "certificate");
     for (name, rms) in [
-        ("training frames", certificate.training_rms),
-        ("cross-validated", certificate.cross_validated_rms),
-        ("without its correction", certificate.base_training_rms),
-        ("LBS, training frames", certificate.lbs_training_rms),
-        ("rounding, bound", certificate.correction_error),
+        ("training frames", Some(certificate.training_rms)),
+        ("more of these clips", Some(certificate.same_clips_rms)),
+        ("another clip", certificate.other_clip_rms),
+        ("without its correction", Some(certificate.base_training_rms)),
+        ("LBS, training frames", Some(certificate.lbs_training_rms)),
+        ("rounding, bound", Some(certificate.correction_error)),
     ] {
+        let Some(rms) = rms else { continue };
         let mm = unit_mm.map(|unit| format!("{:>12} mm", written(unit * f64::from(rms))));
         let percent = 100.0 * rms / certificate.diagonal;
         out += &format!("{name:<24}{percent:.4} %{}\n", mm.unwrap_or_default());
@@ -181,10 +183,11 @@ fn envelope_as_json(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Value {
     let mut errors = json!({
         "diagonal": certificate.diagonal,
         "training_rms": certificate.training_rms,
-        "cross_validated_rms": certificate.cross_validated_rms,
+        "same_clips_rms": certificate.same_clips_rms,
         "lbs_training_rms": certificate.lbs_training_rms,
         "correction_error": certificate.correction_error,
         "base_training_rms": certificate.base_training_rms,
+        "other_clip_rms": certificate.other_clip_rms,
     });
     if let (Some(unit), Value::Object(all)) = (unit_mm, &mut errors) {
         let length =

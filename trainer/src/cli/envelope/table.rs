@@ -52,10 +52,14 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let own = width + 20;
     let mm = in_mm(diagonal_mm, "mm".to_owned());
     out += &format!("{:<own$}{:>20}{mm}\n", "RMS error, training frames", "% of the diagonal");
-    let own_weights = report.own_weights_rms.map(|rms| (OWN_WEIGHTS, rms));
-    let baselines = std::iter::once((LBS, report.lbs_rms)).chain(own_weights);
-    let model = [("the model", report.training_rms), ("cross-validated", validated)];
-    for (name, rms) in baselines.chain(model) {
+    let baselines = [(LBS, Some(report.lbs_rms)), (OWN_WEIGHTS, report.own_weights_rms)];
+    let model = [
+        ("the model", Some(report.training_rms)),
+        ("forecast: more of these clips", Some(report.same_clips_rms)),
+        ("forecast: another clip", report.other_clip_rms),
+    ];
+    for (name, rms) in baselines.into_iter().chain(model) {
+        let Some(rms) = rms else { continue };
         let mm = in_mm(diagonal_mm, length(Some(rms)).map_or(String::new(), written));
         out += &format!("{name:<own$}{:>20.4}{mm}\n", 100.0 * rms);
     }

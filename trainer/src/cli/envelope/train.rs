@@ -39,7 +39,7 @@ pub(in crate::cli) struct Arguments {
     /// Write every choice, fold, candidate, score and input hash to FILE, as JSON
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Fail, and write nothing, if the cross-validated error is above so many % of the diagonal, RMS
+    /// Fail, and write nothing, if the forecast for more of these clips is above this RMS error, in % of the diagonal
     #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     fail_above: Option<f64>,
     #[command(flatten)]
@@ -253,16 +253,15 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let diagonal_mm = examples.diagonal_mm();
     levels::warn(&trained.levels, also, diagonal_mm, output);
     let lbs = 100.0 * trained.report.lbs_rms;
-    let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
-    let validated = 100.0 * validated_rms;
+    let forecast = 100.0 * trained.report.same_clips_rms;
     let known = told.contains(&Warning::PlainSkin);
-    if let Some(text) = warnings::no_gain(validated, lbs, diagonal_mm, known) {
+    if let Some(text) = warnings::no_gain(forecast, lbs, diagonal_mm, known) {
         output.warn(&source, &text);
         said.push(text);
     }
-    if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
+    if let Some(most) = arguments.fail_above.filter(|most| forecast > *most) {
         bail!(
-            "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}: nothing was written"
+            "{source}: the forecast for more of these clips is {forecast:.4} %, above --fail-above {most}: nothing was written"
         );
     }
     let is_left_out = |frame: &usize| trained.report.left_out.iter().any(|out| out.frame == *frame);
@@ -302,7 +301,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             ("lbs_rms_mm", Some(trained.report.lbs_rms)),
             ("own_weights_rms_mm", trained.report.own_weights_rms),
             ("training_rms_mm", Some(trained.report.training_rms)),
-            ("validated_rms_mm", Some(validated_rms)),
+            ("same_clips_rms_mm", Some(trained.report.same_clips_rms)),
+            ("other_clip_rms_mm", trained.report.other_clip_rms),
         ] {
             if let Some(rms) = rms {
                 record[key] = json!(rms * diagonal);

@@ -18,18 +18,18 @@ pub(super) fn is_told(finding: &&Finding) -> bool {
     }
 }
 
-/// Warns where a model gains nothing over LBS: errors in % of the diagonal, cross-validated and of LBS.
+/// Warns where a model gains nothing over LBS: forecast for more of these clips and error of LBS in % of the diagonal.
 ///
 /// - `known`: whether a warning said before that LBS leaves nothing.
 pub(super) fn no_gain(
-    validated: f64,
+    forecast: f64,
     lbs: f64,
     diagonal_mm: Option<f64>,
     known: bool,
 ) -> Option<String> {
     match lbs <= NOTHING {
         true if !known => Some(nothing(lbs)),
-        _ if validated > NOTHING => hardly(validated, lbs, diagonal_mm),
+        _ if forecast > NOTHING => hardly(forecast, lbs, diagonal_mm),
         _ => None,
     }
 }
@@ -44,19 +44,19 @@ fn nothing(lbs: f64) -> String {
 }
 
 /// Says that a model is hardly better than LBS, no better, or worse, where it is; errors in % of the diagonal.
-fn hardly(validated: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
-    if validated <= HARDLY * lbs {
+fn hardly(forecast: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
+    if forecast <= HARDLY * lbs {
         return None;
     }
     let [own, of_lbs] =
-        [validated, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
-    let is_tied = validated <= SMALLER * lbs && lbs <= SMALLER * validated;
+        [forecast, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
+    let is_tied = forecast <= SMALLER * lbs && lbs <= SMALLER * forecast;
     let (how, figures) = match own == of_lbs {
         true => ("no better", format!("both are off by {own} of the diagonal")),
         false => {
             let how = if is_tied {
                 "no better"
-            } else if validated > lbs {
+            } else if forecast > lbs {
                 "worse"
             } else {
                 "hardly better"

@@ -2,6 +2,7 @@
 
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
+use super::painted::misleading;
 use super::thresholds::{IDLE, SCALED, STILL};
 use crate::envelope::training_report::SEAM;
 use crate::examples::{Matrix3x4, Warning};
@@ -35,21 +36,7 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             places: places(context, &still),
         });
     }
-    let misleading = &context.training.lbs.misleading;
-    if !misleading.is_empty() {
-        findings.push(Finding {
-            kind: Kind::Weights,
-            severity: Severity::Warning,
-            text: format!(
-                "the joint weights that come with the mesh mislead about the skin of {}: near to them LBS errs far more \
-                 than without, so they are left aside there; look whether they are of this mesh and these joints, and \
-                 more than a first binding: {}",
-                count(misleading.len(), "joint", "joints"),
-                names(context, misleading)
-            ),
-            places: places(context, misleading),
-        });
-    }
+    misleading(context, findings);
     let mut used = vec![false; context.examples.joint_len()];
     let weights = &context.training.lbs.weights;
     for vertex in 0..weights.len() {
@@ -142,10 +129,10 @@ fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
     });
 }
 
-fn names(context: &Context<'_>, joints: &[usize]) -> String {
+pub(super) fn names(context: &Context<'_>, joints: &[usize]) -> String {
     listed(joints.iter().map(|&joint| context.joint(joint)))
 }
 
-fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
+pub(super) fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
     joints.iter().map(|&joint| context.joint_place(joint)).collect()
 }

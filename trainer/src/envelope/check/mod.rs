@@ -15,6 +15,7 @@ pub mod finding;
 mod folded;
 mod joints;
 mod order;
+mod painted;
 mod repeats;
 pub mod rest;
 pub mod size;

@@ -5,6 +5,7 @@ use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
 use super::thresholds::{NEAR_REST, REST_ERROR, ROUNDED, VISIBLE};
 use crate::envelope::correction::features::near;
 use crate::envelope::predicted::HOPS;
+use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES, FREE};
 use crate::space::written;
 use serde::Serialize;
 
@@ -34,6 +35,14 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let all: Vec<usize> = (0..context.dominant.len()).collect();
 
     let seen = VISIBLE.max(ROUNDED * context.examples.coarseness());
+    // By weights that the poses alone decide: painted ones may be off near rest too.
+    let training = &context.training;
+    let pull = Some((&training.lbs.prior, FREE));
+    let (rest, poses_seen) = (&training.rest, &training.poses);
+    let (free, errors) =
+        weights::fit(rest, &training.trajectories, poses_seen, BASELINE_INFLUENCES, pull);
+    let left = training.targets(&free).residuals(&poses_seen.stacked());
+    let rms = |sum: f64, count: usize| (sum / count.max(1) as f64).sqrt();
     let (mut joints, mut tested) = (0, 0);
     let mut off = Vec::new();
     for (joint, skin) in context.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
@@ -41,12 +50,14 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         let around = near(&context.training.skeleton.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
         // One frame with the rest mesh is enough: in others muscles may tense without a joint.
-        let error = |i: &usize| context.rms(*i, skin);
+        let squared = |i: usize, v: usize| left.col(v).subrows(3 * i, 3).squared_norm_l2();
+        let error = |&i: &usize| rms(skin.iter().map(|&v| squared(i, v)).sum(), skin.len());
         let near_rest = poses.clone().filter(|&i| bend(i) <= NEAR_REST);
         let Some(least) = near_rest.min_by(|a, b| error(a).total_cmp(&error(b))) else { continue };
         tested += 1;
         let here = error(&least);
-        if here > seen && here > REST_ERROR * context.rms_of(skin) {
+        let usual = rms(skin.iter().map(|&v| errors[v]).sum(), skin.len() * poses_seen.len());
+        if here > seen && here > REST_ERROR * usual {
             off.push((joint, least, bend(least), here));
         }
     }

@@ -117,3 +117,7 @@ pub const ISOLATED: f64 = 1.5;
 /// A slide of a joint by a diagonal counts as much as this angle in degrees: the weight that pose
 /// features give it.
 pub const SLIDE: f64 = 120.0;
+
+/// Painted weights mislead from this multiple of the RMS error of fitted weights on: bones on the wrong mesh leave more, an
+/// artist's weights less.
+pub const MISLEADS: f64 = 3.0;

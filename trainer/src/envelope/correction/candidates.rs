@@ -1,17 +1,16 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
-use super::group_outputs::{EachOutputs, GroupOutputs};
-use super::listening::{Listening, NearJoints};
-use super::lists::Known;
+use super::group_outputs::GroupOutputs;
+use super::listening::Listening;
+use super::lists::{self, Known};
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::constants::SIMPLER;
+use crate::envelope::alike::SMALLER;
 use crate::envelope::model::{Group, Input};
 use crate::kernel::design::{Design, Hyperparameters};
 use crate::kernel::inputs::Inputs;
 use crate::kernel::outputs::Outputs;
 use crate::kernel::ridge::{self, KernelFit, Scored};
-use crate::numeric::registers;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
@@ -19,10 +18,6 @@ use std::ops::Range;
 
 /// Candidate numbers of centres beside the origin, and the most.
 const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
-/// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
-/// diagonals. The bound takes the worst of every rounding; what is seen is some fiftieth.
-const PRECISE: f64 = 5e-3;
-
 /// How a group's map was chosen.
 #[derive(Clone, Debug, Serialize)]
 pub struct GroupReport {
@@ -79,7 +74,6 @@ impl GroupCandidates {
     ///
     /// - `known`: what joints' maps listen to.
     pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, known: &Known) -> Self {
-        let CorrectionTarget { poses, features, .. } = *target;
         let (_, listens) = target.place(proxies.start);
         let group = GroupOutputs::new(target, proxies);
         let GroupOutputs { joint, proxies, metric, directions, outputs } = group;
@@ -88,23 +82,19 @@ impl GroupCandidates {
         let before = nothing.score;
         let mut found = vec![nothing];
         // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
-        let choose = || {
-            let each = EachOutputs::new(target, proxies.clone());
-            let near = NearJoints::choose(&each.outputs, poses, features, joint)?;
-            Some(near.listening(&each.outputs, poses, features))
-        };
+        let choose = || lists::of_joint(target, proxies.clone()).into_iter().next();
         let known = known.get(&joint).and_then(|lists| lists.get(listens));
         let listening = known.cloned().or_else(choose);
         if let Some(listening) = &listening {
-            let inputs = Inputs::new(features.evaluate(poses, &listening.inputs));
+            let inputs = target.features.evaluate(target.poses, &listening.inputs);
+            let inputs = Inputs::new(inputs);
             let found_of =
                 |inputs| choose_size(&inputs, listening.kernel, &outputs, &sizes, proxies.len());
             found.extend(inputs.map(found_of).unwrap_or_default());
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
-        let preferred =
-            sizes.iter().position(|s| s.score <= (1.0 + SIMPLER.get()) * least).unwrap_or(0);
+        let preferred = sizes.iter().position(|s| s.score <= SMALLER * least).unwrap_or(0);
         Self { joint, proxies, listening, metric, directions, outputs, before, sizes, preferred }
     }
 
@@ -135,8 +125,8 @@ impl GroupCandidates {
         let mut group = self.nothing();
         let fitted = self.listening.as_ref().zip(size.scored.as_ref()).and_then(|(to, scored)| {
             let inputs = Inputs::new(features.evaluate(poses, &to.inputs))?;
-            let fitted = precise(&inputs, &self.outputs, scored, size.rank, target.vertices)?;
-            Some((to, fitted))
+            let design = Design::new(&inputs, scored.hyperparameters)?;
+            Some((to, ridge::fit(&design, &self.outputs, &scored.ridges[..size.rank])?))
         });
         let Some((to, KernelFit { map, scale, predicted })) = fitted else {
             return (group, report, Mat::zeros(poses.len(), 0));
@@ -197,38 +187,6 @@ fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
         better
     });
     sizes
-}
-
-/// Fits a map, smoother where rounding to f32 would show.
-fn precise(
-    inputs: &Inputs,
-    outputs: &Outputs,
-    scored: &Scored,
-    rank: usize,
-    vertices: usize,
-) -> Option<KernelFit> {
-    let design = Design::new(inputs, scored.hyperparameters)?;
-    let mut scored = scored.clone();
-    loop {
-        let fitted = ridge::fit(&design, outputs, &scored.ridges[..rank])?;
-        registers::narrow();
-        let square = |error: Vec<f64>| error.iter().map(|e| e * e).sum::<f64>();
-        let sum: f64 = inputs
-            .scaled(fitted.scale)
-            .col_iter()
-            .map(|x| {
-                let x: Vec<f64> = x.iter().copied().collect();
-                square(fitted.map.error(&x).outputs)
-            })
-            .sum();
-        if (sum / (vertices * inputs.sample_len()) as f64).sqrt() <= PRECISE {
-            return Some(fitted);
-        }
-        if scored.ridges.iter().all(|&ridge| ridge > 1.0) {
-            return None;
-        }
-        scored = scored.smoother();
-    }
 }
 
 /// Bytes that a map of d inputs, n centres, r latent outputs and m values of its certainty for p proxies adds to the

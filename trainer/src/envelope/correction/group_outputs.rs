@@ -3,7 +3,7 @@
 use super::features::near;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::constants::{EXACT, NEGLIGIBLE, TELLS_NOTHING};
+use crate::constants::NEGLIGIBLE;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
 use crate::kernel::outputs::Outputs;
@@ -45,7 +45,6 @@ impl GroupOutputs {
             parts: folds.parts().to_vec(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
-            exact: EXACT.get() * signal / (poses.len() * directions.ncols().max(1)) as f64,
             certainty: target.certainty,
         };
         Self { joint, proxies, metric, directions, outputs }
@@ -59,15 +58,17 @@ pub struct EachOutputs {
     /// Whose each column is, counted from the first proxy.
     owners: Vec<usize>,
     /// How many proxies there are, those that have nothing left over among them.
-    proxy_len: usize,
+    pub proxy_len: usize,
 }
 
 impl EachOutputs {
-    /// Measures what is left over of some proxies of one dominant joint, as far as it tells what their maps need.
+    /// Measures what is left over of some proxies of one dominant joint.
+    ///
+    /// # Panics
+    /// If there is no proxy.
     pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Self {
-        let of =
-            |l: usize| GroupOutputs::new(target, l..l + 1).outputs.leading(TELLS_NOTHING.get());
-        let each: Vec<Outputs> = proxies.map(of).collect();
+        let each: Vec<Outputs> =
+            proxies.map(|l| GroupOutputs::new(target, l..l + 1).outputs).collect();
         let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
         let owners = each.iter().enumerate().flat_map(columns).collect();
         Self { outputs: Outputs::beside(&each), owners, proxy_len: each.len() }
@@ -80,11 +81,11 @@ impl EachOutputs {
         sums
     }
 
-    /// The outputs of some proxies.
-    pub fn of(&self, is_own: impl Fn(usize) -> bool) -> Outputs {
+    /// Returns the outputs of some proxies; `None` if nothing of them is left over.
+    pub fn of(&self, is_own: impl Fn(usize) -> bool) -> Option<Outputs> {
         let own: Vec<usize> =
             (0..self.owners.len()).filter(|&column| is_own(self.owners[column])).collect();
-        self.outputs.columns(&own)
+        (!own.is_empty()).then(|| self.outputs.columns(&own))
     }
 }
 

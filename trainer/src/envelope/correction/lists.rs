@@ -2,10 +2,9 @@
 
 use super::features::{near, neighbours, on_side};
 use super::group_outputs::{EachOutputs, groups};
-use super::listening::{HOPS, Listening, NearJoints, scores};
+use super::listening::{HOPS, Listening};
 use super::target::CorrectionTarget;
-use crate::constants::{EARNS, MINOR};
-use crate::kernel::inputs::Inputs;
+use crate::constants::EARNS;
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -21,82 +20,65 @@ pub type Known = BTreeMap<usize, Vec<Listening>>;
 pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> Known {
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     progress.step(STEP, groups.len());
-    let each = |proxies: &Range<usize>| EachOutputs::new(target, proxies.clone());
-    let each: Vec<EachOutputs> = groups.par_iter().map(each).collect();
-    let is_minor = minor(&each.iter().map(|own| own.outputs.signal).collect::<Vec<_>>());
-    let of_joint = |((proxies, each), is_minor): ((&Range<usize>, &EachOutputs), bool)| {
+    let of_joint = |proxies: Range<usize>| {
         let joint = target.dominant[proxies.start];
-        let near = NearJoints::choose(&each.outputs, target.poses, target.features, joint);
-        let lists = near.map_or_else(Vec::new, |near| match is_minor {
-            true => vec![near.plain()],
-            false => several(target, joint, each, near),
-        });
+        let lists = of_joint(target, proxies);
         progress.advance(1);
         (joint, lists)
     };
-    groups.par_iter().zip(&each).zip(is_minor).map(of_joint).collect()
-}
-
-/// Tells of signals those that are together no more than a small share of all.
-fn minor(signals: &[f64]) -> Vec<bool> {
-    let mut smallest_first: Vec<usize> = (0..signals.len()).collect();
-    smallest_first.sort_by(|&a, &b| signals[a].total_cmp(&signals[b]));
-    let mut spare = MINOR.get() * signals.iter().sum::<f64>();
-    let mut is_minor = vec![false; signals.len()];
-    for k in smallest_first {
-        spare -= signals[k];
-        is_minor[k] = spare >= 0.0;
-    }
-    is_minor
+    groups.into_par_iter().map(of_joint).collect()
 }
 
 /// Chooses lists for several proxies of a joint: one for all, and further ones, of fewer or more joints or of those on one
 /// side of theirs, as long as what each proxy's best list scores falls by enough. An armpit hears its own arm.
-fn several(
-    target: &CorrectionTarget<'_>,
-    joint: usize,
-    each: &EachOutputs,
-    first: NearJoints,
-) -> Vec<Listening> {
-    let CorrectionTarget { poses, features, .. } = *target;
-    let width = first.width();
-    let scored = |near: NearJoints| Some((near.scores(each, width)?, near));
-    let mut taken: Vec<(Vec<f64>, NearJoints)> = scored(first).into_iter().collect();
-    let other = |(hops, joints): (usize, Vec<usize>)| {
-        scored(NearJoints::new(poses, features, hops, &joints)?)
-    };
-    let sets = sets(features.parents, joint).into_iter();
-    let mut others: Vec<_> = sets.filter_map(other).collect();
-    let Some((least, _)) = taken.first() else { return Vec::new() };
-    let mut least = least.clone();
+pub(super) fn of_joint(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Vec<Listening> {
+    let joint = target.dominant[proxies.start];
+    let each = EachOutputs::new(target, proxies);
+    let Some(first) = Listening::near(target, &each.outputs, joint) else { return Vec::new() };
+    let mut lists = vec![first.clone()];
+    for (hops, joints) in sets(target.features.parents, joint) {
+        let inputs = target.features.inputs(target.poses, &joints);
+        lists.push(Listening { hops, inputs, ..first });
+    }
+    let scores = Scores::new(target, &each, &lists);
+    let mut taken = vec![0];
     loop {
-        let with = |scores: &[f64]| lesser(&least, scores).iter().sum::<f64>();
-        let best =
-            (0..others.len()).min_by(|&a, &b| with(&others[a].0).total_cmp(&with(&others[b].0)));
-        let Some(best) = best else { break };
-        if (1.0 + EARNS.get()) * with(&others[best].0) >= least.iter().sum() {
-            break;
+        let with = |list: usize| scores.sum(&[&taken[..], &[list]].concat());
+        let best = (0..lists.len()).min_by(|&a, &b| with(a).total_cmp(&with(b)));
+        match best.filter(|&best| (1.0 + EARNS.get()) * with(best) < scores.sum(&taken)) {
+            Some(best) => taken.push(best),
+            None => break,
         }
-        least = lesser(&least, &others[best].0);
-        taken.push(others.swap_remove(best));
     }
-    if taken.len() == 1 {
-        let all = |(_, near): (_, NearJoints)| near.listening(&each.outputs, poses, features);
-        return taken.into_iter().map(all).collect();
+    let of_list = |&list: &usize| {
+        let outputs = each.of(|proxy| scores.best(&taken, proxy).0 == list)?;
+        lists[list].best(target, &outputs)
+    };
+    taken.iter().filter_map(of_list).collect()
+}
+
+/// How each list predicts each proxy.
+struct Scores(Vec<Vec<f64>>);
+
+impl Scores {
+    fn new(target: &CorrectionTarget<'_>, each: &EachOutputs, lists: &[Listening]) -> Self {
+        let of = |list: &Listening| {
+            let scores = list.scores(target, &each.outputs);
+            scores.map_or(vec![f64::INFINITY; each.proxy_len], |all| each.by_proxy(&all))
+        };
+        Self(lists.iter().map(of).collect())
     }
-    let owner = |proxy: usize| {
-        let lists = 0..taken.len();
-        lists.min_by(|&a, &b| taken[a].0[proxy].total_cmp(&taken[b].0[proxy])).unwrap_or(0)
-    };
-    let owners: Vec<usize> = (0..least.len()).map(owner).collect();
-    let of_list = |(list, (_, near)): (usize, (Vec<f64>, NearJoints))| {
-        let outputs = each.of(|proxy| owners[proxy] == list);
-        if outputs.all.ncols() == 0 {
-            return None;
-        }
-        Some(near.fitted(&outputs, width)?.listening(&outputs, poses, features))
-    };
-    taken.into_iter().enumerate().filter_map(of_list).collect()
+
+    /// Finds the list among some that predicts a proxy best, and its score.
+    fn best(&self, lists: &[usize], proxy: usize) -> (usize, f64) {
+        let scores = lists.iter().map(|&list| (list, self.0[list][proxy]));
+        scores.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
+    }
+
+    /// Sums the scores of all proxies, each by its best list.
+    fn sum(&self, lists: &[usize]) -> f64 {
+        (0..self.0[0].len()).map(|proxy| self.best(lists, proxy).1).sum()
+    }
 }
 
 /// Sets of joints that a list of a joint may name, with their hops: those near it, on all sides or on one.
@@ -114,11 +96,6 @@ fn sets(parents: &[Option<usize>], joint: usize) -> Vec<(usize, Vec<usize>)> {
     sets
 }
 
-/// The lesser of two numbers of each proxy.
-fn lesser(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a.min(*b)).collect()
-}
-
 /// Says of each proxy which of its joint's lists predicts it best.
 pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
@@ -128,19 +105,9 @@ pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
         if lists.len() < 2 {
             return vec![0; len];
         }
-        let each = EachOutputs::new(target, proxies);
-        let score = |list: &Listening| {
-            let values = Inputs::new(target.features.evaluate(target.poses, &list.inputs))?;
-            scores(&values, &each, list.kernel)
-        };
-        let scores: Vec<Option<Vec<f64>>> = lists.iter().map(score).collect();
-        let of = |proxy: usize, list: usize| {
-            scores[list].as_ref().map_or(f64::INFINITY, |scores| scores[proxy])
-        };
-        let best = |proxy: usize| {
-            (0..lists.len()).min_by(|&a, &b| of(proxy, a).total_cmp(&of(proxy, b))).unwrap_or(0)
-        };
-        (0..len).map(best).collect()
+        let scores = Scores::new(target, &EachOutputs::new(target, proxies), lists);
+        let all: Vec<usize> = (0..lists.len()).collect();
+        (0..len).map(|proxy| scores.best(&all, proxy).0).collect()
     };
     groups.into_par_iter().map(of_joint).collect::<Vec<_>>().concat()
 }

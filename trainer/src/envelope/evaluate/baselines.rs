@@ -2,7 +2,7 @@
 
 use super::{Baseline, Measured, Told};
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::painted::Painted;
+use crate::envelope::skin::prior::painted;
 use crate::examples::Examples;
 
 /// Name of the baseline that is fitted to the training frames.
@@ -48,7 +48,7 @@ impl Baselines {
 ///
 /// - `fitted`: LBS weights of the V vertices.
 pub fn own_weights(examples: &Examples, fitted: &Weights) -> Option<Weights> {
-    let own = Painted::of(examples)?.weights();
+    let own = painted(examples)?;
     let has_own: Vec<bool> = (0..own.len()).map(|vertex| own.strongest(vertex).is_some()).collect();
     if !has_own.contains(&true) {
         return None;

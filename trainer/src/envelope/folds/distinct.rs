@@ -101,8 +101,8 @@ impl Distinct {
         self.poses_of(groups.into_iter())
     }
 
-    /// Lists the poses of groups, in order.
-    fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
+    /// Lists the poses of some of the groups, in order.
+    pub(super) fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut poses: Vec<usize> = groups.flat_map(|at| &self.groups[at]).copied().collect();
         poses.sort_unstable();
         poses

@@ -9,6 +9,7 @@ mod distinct;
 mod testing;
 
 use super::skin::poses::Poses;
+use super::skin::training::MIN_POSES;
 use crate::constants::BEYOND;
 use crate::kernel::outputs::Block;
 use distinct::Distinct;
@@ -20,6 +21,8 @@ const RUNS: usize = 10;
 const RUN_LEN: usize = 2;
 /// Most parts of a run.
 const PARTS: usize = 4;
+/// Fewest stretches of poses for a forecast.
+const STRETCHES: usize = 5;
 /// Joints whose angles spread less, in radians, have no range.
 const STILL: f64 = 0.03;
 
@@ -70,21 +73,59 @@ impl Folds {
         &self.parts
     }
 
-    /// Lists the blocks that a fit for some joints has to extrapolate to: whole clips, and for each joint the quarter of the
-    /// poses that turn it most.
+    /// Lists the blocks that a fit for some joints has to extrapolate to: for each joint the quarter of the poses that turn
+    /// it most.
     pub fn beyond(&self, poses: &Poses, joints: &[usize]) -> Vec<Block> {
-        let blocks = self.clips().into_iter().chain(self.ends(poses, joints));
+        let blocks = self.ends(poses, joints);
         blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
     }
 
-    /// Lists the clips; none with one clip.
-    fn clips(&self) -> Vec<Block> {
+    /// Lists two blocks for a forecast on more frames of the same clips: the middle halves of every second stretch. A
+    /// stretch holds at most a fifth of the poses, and ends where frames are missing: next to a hole, the block would be one
+    /// with the hole.
+    pub fn spread(&self) -> Vec<Block> {
+        let times = &self.distinct.times;
+        let n = times.len();
+        let is_hole = |at: usize| {
+            let (last, next) = (times[at - 1], times[at]);
+            last.clip != next.clip || next.frame > last.frame + 1
+        };
+        let (least, most) = (n.div_ceil(2 * STRETCHES), n.div_ceil(STRETCHES));
+        let mut cuts = vec![0];
+        for at in 1..n {
+            let len = at - cuts[cuts.len() - 1];
+            if len == most || len >= least && is_hole(at) {
+                cuts.push(at);
+            }
+        }
+        cuts.push(n);
+        let middle = |ends: &[usize]| {
+            let count = ((ends[1] - ends[0]) / 2).max(1);
+            let start = ends[0] + (ends[1] - ends[0] - count) / 2;
+            start..start + count
+        };
+        let middles: Vec<Range<usize>> = cuts.windows(2).map(middle).collect();
+        let of_block = |first: usize| middles.iter().skip(first).step_by(2).cloned().flatten();
+        let blocks = (0..2).map(|first| self.distinct.block(of_block(first).collect()));
+        let is_some = |block: &Block| !block.own.is_empty() && block.out_len() + MIN_POSES <= n;
+        blocks.filter(is_some).collect()
+    }
+
+    /// Lists the blocks that are least like the poses that are left: the clips, or with one clip the runs.
+    pub fn elsewhere(&self) -> Vec<Block> {
+        let clips = self.clips();
+        if clips.is_empty() { self.runs().to_vec() } else { clips }
+    }
+
+    /// Lists the clips without which enough poses are left; none with one clip.
+    pub fn clips(&self) -> Vec<Block> {
         let times = &self.distinct.times;
         let cuts = (1..times.len()).filter(|&i| times[i].clip != times[i - 1].clip);
         let cuts: Vec<usize> = std::iter::once(0).chain(cuts).chain([times.len()]).collect();
         let clips = cuts.windows(2).map(|pair| pair[0]..pair[1]);
         let clips = clips.filter(|clip| clip.len() >= RUN_LEN && clip.len() < times.len());
-        clips.map(|clip| self.distinct.block(clip.collect())).collect()
+        let blocks = clips.map(|clip| self.distinct.block(clip.collect()));
+        blocks.filter(|block| block.out_len() + MIN_POSES <= times.len()).collect()
     }
 
     /// Lists for each joint the poses that turn it most.
@@ -106,6 +147,9 @@ impl Folds {
 /// Cuts distinct poses into ranges of nearly as many poses, repeats included. A range ends where a clip does if one ends
 /// nearby.
 fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
+    if distinct.count() < 2 {
+        return (0..distinct.count()).map(|at| at..at + 1).collect();
+    }
     let (n, count) = (distinct.count(), (distinct.count() / RUN_LEN).clamp(2, RUNS));
     let half = n / count / 2;
     let near = |cut: usize| {
@@ -183,8 +227,37 @@ mod tests {
     }
 
     #[test]
-    fn whole_clips_and_the_ends_of_ranges_are_left_out() {
-        let mut examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
+    fn forecasts_leave_out_runs_that_are_spread_over_the_poses() {
+        let own = |poses: &Poses| -> Vec<Vec<usize>> {
+            Folds::new(poses).spread().into_iter().map(|block| block.own).collect()
+        };
+        let runs = |starts: &[usize]| -> Vec<usize> {
+            starts.iter().flat_map(|&start| start..start + 6).collect()
+        };
+        let long = moving(&[80]);
+        assert_eq!(own(&long.only(&Vec::from_iter(0..60))), [runs(&[3, 27, 51]), runs(&[15, 39])]);
+        // Five stretches between holes.
+        let some: Vec<usize> = (0..80).filter(|frame| frame % 16 < 12).collect();
+        assert_eq!(own(&long.only(&some)), [runs(&[3, 27, 51]), runs(&[15, 39])]);
+        assert_eq!(own(&moving(&[8])), [vec![0, 4], vec![2, 6]]);
+        assert!(own(&moving(&[6])).is_empty(), "too few would be left");
+        let repeated = &Folds::new(&looped(30, 2)).spread()[1];
+        assert_eq!((&repeated.own, &repeated.near), (&runs(&[15, 39]), &runs(&[9, 45])));
+    }
+
+    #[test]
+    fn a_clip_without_which_too_few_poses_are_left_is_not_left_out() {
+        let clips = |lengths: &[usize]| -> Vec<usize> {
+            Folds::new(&moving(lengths)).clips().iter().map(|block| block.own.len()).collect()
+        };
+        assert_eq!(clips(&[20, 30]), [20, 30]);
+        assert_eq!(clips(&[20, 5]), [5]);
+        assert!(clips(&[30]).is_empty());
+    }
+
+    #[test]
+    fn the_ends_of_ranges_are_left_out() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let parents = examples.skeleton.parents.clone();
         let moving = |poses: &Poses| {
@@ -206,13 +279,7 @@ mod tests {
             assert_eq!(block.own.len(), 10);
             assert!(joints.iter().any(is_end));
         }
-        let ranges = beyond(&poses).len();
-        assert!(ranges > 0);
-        examples.clip_starts = vec![0, 15, 39];
-        let poses = Poses::new(&examples, &frames);
-        let found = beyond(&poses);
-        assert_eq!(found[0], Block::row(0..15));
-        assert_eq!(found.len(), ranges + 1, "a clip that is more than half, or one pose, is none");
+        assert!(!beyond(&poses).is_empty());
     }
 
     #[test]

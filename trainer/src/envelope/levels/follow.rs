@@ -289,7 +289,7 @@ fn fit(gram: &Gram, transferred: &[f64; MAX_COLUMNS], most: usize) -> [f64; MAX_
             pulled.value[i][j] += PULL * mean * (both - transferred[i] - transferred[j] + square);
         }
     }
-    let fitted = simplex::solve_sparse(&pulled, most);
+    let fitted = simplex::solve_sparse(&pulled, most, 0.0);
     let better = pulled.error(&fitted) < pulled.error(transferred);
     if better { fitted } else { *transferred }
 }

@@ -47,7 +47,7 @@ impl Sound {
             found = broken(&all, &[]);
         }
         if found.is_empty() {
-            return Ok(Self { training: all, doubted: Vec::new(), stay: false });
+            return Ok(Self { training: all.pulled(), doubted: Vec::new(), stay: false });
         }
         let most = (MOST * frames.len() as f64).max(1.0) as usize;
         let most = most.min(frames.len() - MIN_POSES);
@@ -71,7 +71,7 @@ impl Sound {
         let out = poses(&found);
         let stay = !is_fair(&out);
         let kept = if stay { frames.clone() } else { without(&out) };
-        let training = Training::of(examples, &kept, progress)?;
+        let training = Training::of(examples, &kept, progress)?.pulled();
         let doubted = |&Broken { pose, error, usual }: &Broken| Doubted {
             frame: frames[pose],
             percent: 100.0 * error,
@@ -100,7 +100,7 @@ impl Sound {
         if repeated.len() == frames.len() {
             return Ok(self.training);
         }
-        Training::of(examples, &repeated, progress)
+        Ok(Training::of(examples, &repeated, progress)?.pulled())
     }
 }
 

@@ -45,8 +45,8 @@ pub(super) struct Outcome {
     pub(super) proxies: usize,
     /// Length of the file.
     pub(super) bytes: usize,
-    /// Cross-validated RMS error, in % of the rest diagonal.
-    pub(super) validated_percent: f64,
+    /// Forecast of the RMS error on more of these clips, in % of the rest diagonal.
+    pub(super) forecast_percent: f64,
     /// On the frames that the report measures.
     pub(super) errors: Errors,
     /// Of the whole training, without what is shared.
@@ -122,7 +122,7 @@ impl Sizes {
         Ok(Outcome {
             proxies: trained.envelope.proxy_len(),
             bytes: model.len(),
-            validated_percent: 100.0 * report.chosen().validated_rms.unwrap_or_default(),
+            forecast_percent: 100.0 * report.same_clips_rms,
             errors,
             seconds,
             steps,

@@ -2,9 +2,8 @@
 //! skin as a part of a file is `model/skin.rs` and `bake/skin.rs`.
 
 pub mod blend;
-pub mod bones;
-pub mod painted;
 pub mod poses;
+pub mod prior;
 pub mod projection;
 pub mod residuals;
 pub mod stacked;

@@ -2,12 +2,15 @@
 
 use super::blend::Weights;
 use super::poses::{Poses, local, seen_from};
+use super::prior::prior;
+use super::stacked::in_poses;
 use super::targets::Targets;
-use super::weights::Lbs;
+use super::weights::{FREE, Lbs};
 use crate::envelope::error::FitError;
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
+use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -51,10 +54,10 @@ impl Training {
     /// # Errors
     /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
     pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
-        Self::of(examples, &examples.frames_of(Split::Train), progress)
+        Ok(Self::of(examples, &examples.frames_of(Split::Train), progress)?.pulled())
     }
 
-    /// Gathers some of the training frames.
+    /// Gathers some of the training frames, with LBS weights that the poses alone decide.
     ///
     /// # Errors
     /// As [`Training::new`].
@@ -79,7 +82,7 @@ impl Training {
         }
         let (poses, trajectories) = seen_from(examples, frames, seen);
         progress.step("LBS weights", 1);
-        let lbs = Lbs::new(examples, &rest, &trajectories, &poses);
+        let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior(examples, &poses), FREE));
         Ok(Self {
             unit,
             centre,
@@ -88,12 +91,49 @@ impl Training {
             origins: skeleton.rest.iter().map(|m| m.map(|row| row[3]).into()).collect(),
             skeleton,
             poses,
+            folds: OnceLock::new(),
             trajectories,
             lbs,
             importance: examples.importance.clone(),
             basis: OnceLock::new(),
-            folds: OnceLock::new(),
         })
+    }
+
+    /// Chooses the strength of the pull to prior weights, and fits LBS anew.
+    #[must_use]
+    pub fn pulled(self) -> Self {
+        let (rest, trajectories, poses) = (&self.rest, &self.trajectories, &self.poses);
+        let lbs = Lbs::new(rest, trajectories, (poses, self.folds()), self.lbs.prior.clone());
+        Self { lbs, ..self }
+    }
+
+    /// Returns some of the vertices in some of the poses, with LBS fitted anew.
+    #[must_use]
+    pub fn part(&self, vertices: &[usize], poses: &[usize]) -> Self {
+        let rest: Vec<_> = vertices.iter().map(|&v| self.rest[v]).collect();
+        let trajectories = in_poses(&columns::some(&self.trajectories, vertices), poses);
+        let poses = self.poses.only(poses);
+        let prior = columns::some(&self.lbs.prior, vertices);
+        let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior, self.lbs.strength));
+        let mut place = vec![None; self.rest.len()];
+        vertices.iter().enumerate().for_each(|(k, &v)| place[v] = Some(k));
+        let moved = |corners: &[usize; 3]| {
+            let [a, b, c] = corners.map(|v| place[v]);
+            Some([a?, b?, c?])
+        };
+        Self {
+            triangles: self.triangles.iter().filter_map(moved).collect(),
+            skeleton: self.skeleton.clone(),
+            origins: self.origins.clone(),
+            folds: OnceLock::new(),
+            importance: self.importance().some(vertices),
+            basis: OnceLock::new(),
+            rest,
+            trajectories,
+            poses,
+            lbs,
+            ..*self
+        }
     }
 
     /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.

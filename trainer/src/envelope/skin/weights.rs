@@ -1,93 +1,125 @@
 //! LBS weights by non-negative least squares (METHOD §1.2): the near-rigid vertices' skinning and
 //! the baseline that every report compares with.
 
-use super::blend::{Items, Maps, Supports, Weights, fit_weights};
-use super::bones;
-use super::painted::Painted;
+use super::blend::{Items, Maps, Pull, Supports, Weights, fit_weights};
 use super::poses::{Poses, local, seen_from};
+use super::prior::prior;
+use super::stacked::in_poses;
 use super::targets::Targets;
-use crate::constants::ERRS;
-use crate::examples::{Examples, Importance, Matrix3x4, Split};
+use crate::envelope::folds::Folds;
+use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
+use crate::kernel::outputs::Block;
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
+use crate::numeric::columns;
 use faer::Mat;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// Influences of the baseline, as most engines skin.
 pub const BASELINE_INFLUENCES: usize = 4;
-/// Painted weights with a smaller error, RMS in diagonals, stay as they are: single precision rounds as much.
+/// Candidate strengths of the pull to prior weights, in squared diagonals. Against 1 no motion counts.
+const STRENGTHS: [f64; 10] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, FREE];
+/// The weakest pull, which decides only where poses do not.
+pub const FREE: f64 = 1e-12;
+/// Vertices on which the strength is chosen; more choose the same.
+const TRIED: usize = 200;
+/// Errors below this, RMS in diagonals, are alike: single precision rounds as much.
 const EXACT: f64 = 1e-6;
+/// How much more error, RMS, a stronger pull may leave: the better weights are also those that are nearer to the prior.
+const STRONGER: f64 = 1.02;
 
-/// Fits at most `most` joint weights a vertex to trajectories (3n x V); returns them and the
-/// vertices' squared errors, summed over the poses.
+/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the vertices' squared
+/// errors, summed over the poses.
 ///
-/// - `farther`: as [`bones::farther`] gives it, where positions are about the centroid; without, the poses alone tell.
+/// - `pull`: prior weights and the strength of the pull to them, in squared units of the trajectories. Without it the poses
+///   alone decide.
 pub fn fit(
     rest: &[[f64; 3]],
     trajectories: &Mat<f64>,
     poses: &Poses,
     most: usize,
-    farther: Option<&Mat<f64>>,
+    pull: Option<(&Mat<f64>, f64)>,
 ) -> (Weights, Vec<f64>) {
-    let items = Items { farther, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
+    let joints: Vec<usize> = (0..poses.joint_len()).collect();
+    let pull = pull.map(|(to, strength)| {
+        let strength = strength * poses.len() as f64;
+        Pull { to, joints: &joints, strength }
+    });
+    let items = Items { pull, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
     let joints = Maps { width: 4, columns: poses.stacked() };
     fit_weights(&items, &joints, Supports::Free(most))
 }
 
-/// Linear blend skinning: the baseline, and what stays where it is right.
+/// Linear blend skinning: the baseline of all reports, and the weights of vertices that need no helper.
 pub struct Lbs {
     /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
     pub weights: Weights,
     /// Squared error of each vertex, summed over the poses.
     pub errors: Vec<f64>,
-    /// How many times farther each joint is from each vertex than the nearest, J x V: by the weights that come with the
-    /// examples, else by the joints' bones.
-    pub farther: Mat<f64>,
-    /// Joints on whose skin those weights mislead, so that it goes by bones.
-    pub misleading: Vec<usize>,
+    /// Prior weights, J x V.
+    pub prior: Mat<f64>,
+    /// Strength of the pull to prior weights, in squared diagonals.
+    pub strength: f64,
 }
 
 impl Lbs {
     /// Fits LBS to training frames as they are seen: V rest positions, trajectories 3n x V and poses about the centre of
     /// the mesh, in diagonals.
     pub fn new(
-        examples: &Examples,
+        rest: &[[f64; 3]],
+        trajectories: &Mat<f64>,
+        (poses, folds): (&Poses, &Folds),
+        prior: Mat<f64>,
+    ) -> Self {
+        let strength = strength(rest, trajectories, (poses, &folds.elsewhere()), &prior);
+        Self::pulled(rest, trajectories, poses, (prior, strength))
+    }
+
+    /// Fits LBS with the given pull.
+    pub fn pulled(
         rest: &[[f64; 3]],
         trajectories: &Mat<f64>,
         poses: &Poses,
+        (prior, strength): (Mat<f64>, f64),
     ) -> Self {
-        let fit =
-            |farther: &Mat<f64>| fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(farther));
-        let by_bones = bones::farther(examples, poses);
-        let (weights, errors) = fit(&by_bones);
-        let Some(painted) = Painted::of(examples) else {
-            return Self { weights, errors, farther: by_bones, misleading: Vec::new() };
-        };
-        let mut farther = painted.farther(&by_bones);
-        let (mut near, mut near_errors) = fit(&farther);
-        let unseen = ERRS.get().powi(2) * (trajectories.nrows() / 3) as f64;
-        let misleading = painted.misleading(&near_errors, &errors, unseen);
-        if !misleading.is_empty() {
-            for vertex in (0..rest.len()).filter(|&vertex| painted.follows(vertex, &misleading)) {
-                farther.col_mut(vertex).copy_from(by_bones.col(vertex));
-            }
-            (near, near_errors) = fit(&farther);
-        }
-        // On a hinge the position of a vertex says nothing of its weights; its normal hangs on them.
-        let (own, importance) = (painted.weights(), Importance::ALIKE);
-        let targets = Targets { rest, weights: &own, trajectories, importance };
-        let left = targets.residuals(&poses.stacked());
-        let lists = (0..rest.len()).map(|vertex| {
-            let error = left.col(vertex).squared_norm_l2();
-            let len = own.of(vertex).count();
-            if len == 0 || len > BASELINE_INFLUENCES || error > EXACT * EXACT * poses.len() as f64 {
-                return near.of(vertex).collect();
-            }
-            near_errors[vertex] = error;
-            own.of(vertex).collect()
-        });
-        let near = Weights::from_lists(BASELINE_INFLUENCES, lists);
-        Self { weights: near, errors: near_errors, farther, misleading }
+        let pull = Some((&prior, strength));
+        let (weights, errors) = fit(rest, trajectories, poses, BASELINE_INFLUENCES, pull);
+        Self { weights, errors, prior, strength }
     }
+}
+
+/// Chooses the strength of the pull to prior weights: the strongest of those that predict blocks of poses nearly as well
+/// as any, each block left out in turn.
+fn strength(
+    rest: &[[f64; 3]],
+    trajectories: &Mat<f64>,
+    (poses, blocks): (&Poses, &[Block]),
+    prior: &Mat<f64>,
+) -> f64 {
+    let vertices = spread(rest.len(), TRIED);
+    let rest: Vec<_> = vertices.iter().map(|&v| rest[v]).collect();
+    let [trajectories, prior] = [trajectories, prior].map(|all| columns::some(all, &vertices));
+    let errors = blocks.par_iter().map(|block| {
+        let others = block.others(poses.len());
+        let [seen, unseen] = [&others, &block.own].map(|own| in_poses(&trajectories, own));
+        let [seen_poses, unseen_poses] = [&others, &block.own].map(|own| poses.only(own));
+        STRENGTHS.map(|strength| {
+            let pull = Some((&prior, strength));
+            let (weights, _) = fit(&rest, &seen, &seen_poses, BASELINE_INFLUENCES, pull);
+            let importance = Importance::ALIKE;
+            let targets =
+                Targets { rest: &rest, weights: &weights, trajectories: &unseen, importance };
+            targets.residuals(&unseen_poses.stacked()).squared_norm_l2()
+        })
+    });
+    let errors: Vec<_> = errors.collect();
+    let sums: [f64; STRENGTHS.len()] =
+        std::array::from_fn(|k| errors.iter().map(|of_block| of_block[k]).sum());
+    let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
+    let exact = EXACT.powi(2) * counted as f64;
+    let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
+    let alike = sums.iter().position(|&sum| sum <= STRONGER.powi(2) * least);
+    STRENGTHS[alike.unwrap_or(0)]
 }
 
 /// Fits the baseline's weights to the training frames of examples.
@@ -96,7 +128,7 @@ pub fn baseline(examples: &Examples) -> Weights {
     let seen = (examples.centroid(), examples.diagonal());
     let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
     let (poses, moved) = seen_from(examples, &frames, seen);
-    Lbs::new(examples, &rest, &moved, &poses).weights
+    Lbs::new(&rest, &moved, (&poses, &Folds::new(&poses)), prior(examples, &poses)).weights
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.

@@ -36,7 +36,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
     let seen = match sizes.seen {
         true => {
             "They were trained on frames that are measured here, for the model has read no others: there the error falls \
-             with every proxy. The cross-validated error shows the gain in new poses."
+             with every proxy. The forecast shows the gain in new poses."
         }
         false => "They have not read the measured frames.",
     };
@@ -71,8 +71,8 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
         .map(|baseline| (baseline.class, baseline.measured.errors().rms_percent))
         .collect();
     let rms = of(|o| o.errors.rms_percent);
-    let validated = of(|o| o.validated_percent);
-    let every = rms.iter().chain(&validated).map(|point| point.1);
+    let forecast = of(|o| o.forecast_percent);
+    let every = rms.iter().chain(&forecast).map(|point| point.1);
     let every = every.chain(baselines.iter().map(|baseline| baseline.1));
     let every = every.chain(other.map(|of| of[0].1));
     let mut errors = Chart::new(SIZE, along(), Range::log(every));
@@ -82,7 +82,7 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
             errors.line(class, &[(first.0, rms), (last.0, rms)]);
         }
     }
-    errors.line("model dashed", &validated);
+    errors.line("model dashed", &forecast);
     errors.line("model", &rms);
     errors.dots("model", &rms);
     let bytes = of(|o| o.bytes as f64 / 1000.0);
@@ -101,32 +101,32 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
         + &errors.finish("RMS error against the number of proxies")
         + &size.finish("size of the file against the number of proxies")
         + "</div>\n"
-        + &paragraph("Dashed: cross-validated inside the training frames.")
+        + &paragraph("Dashed: forecast for more of the training clips.")
 }
 
 fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
-    let head = [&["proxies"][..], &ERRORS, &["cross-validated", "file", "training"]].concat();
+    let head = [&["proxies"][..], &ERRORS, &["forecast", "file", "training"]].concat();
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
-    let row = |name: String, errors: &Errors, validated: f64, bytes: usize, seconds: String| {
+    let row = |name: String, errors: &Errors, forecast: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
         row.extend(cells(errors));
-        let validated = format!("{} %{}", percent(validated), below(comparison.mm(validated)));
-        row.extend([validated, format!("{} B", grouped(bytes)), seconds]);
+        let forecast = format!("{} %{}", percent(forecast), below(comparison.mm(forecast)));
+        row.extend([forecast, format!("{} B", grouped(bytes)), seconds]);
         row
     };
     let trial = |trial: &SizeTrial| match &trial.outcome {
         Ok(of) => {
             let seconds = format!("{:.1} s", of.seconds);
-            row(of.proxies.to_string(), &of.errors, of.validated_percent, of.bytes, seconds)
+            row(of.proxies.to_string(), &of.errors, of.forecast_percent, of.bytes, seconds)
         }
         Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
     };
     let other = comparison.other.as_ref().map(|other| {
         let name = format!("{} ({})", other.character.envelope.proxy_len(), text(other.file.name));
         let certificate = other.character.envelope.certificate();
-        let validated = 100.0 * f64::from(certificate.cross_validated_rms / certificate.diagonal);
+        let forecast = 100.0 * f64::from(certificate.same_clips_rms / certificate.diagonal);
         let (errors, bytes) = (other.measured.errors(), other.file.bytes.len());
-        row(name, &errors, validated, bytes, String::new())
+        row(name, &errors, forecast, bytes, String::new())
     });
     let rows: Vec<_> = trials.iter().map(trial).chain(other).collect();
     table(&head, &rows)

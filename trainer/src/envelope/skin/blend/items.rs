@@ -15,16 +15,15 @@ pub struct Items<'a> {
     pub y: &'a Mat<f64>,
     /// How much each item counts when maps are fitted.
     pub importance: Importance<'a>,
-    /// How many times farther each map is from each item than the nearest, maps x items: of weights that err nearly as
-    /// little those of nearer maps are taken. None where maps have no place, or the error alone is to tell.
-    pub farther: Option<&'a Mat<f64>>,
+    /// The weights that theirs are pulled to; `None` if the error alone decides.
+    pub pull: Option<Pull<'a>>,
 }
 
 impl<'a> Items<'a> {
     /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
     pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>, importance: Importance<'a>) -> Self {
         let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-        Self { width: 4, rows: 1, h, y, importance, farther: None }
+        Self { width: 4, rows: 1, h, y, importance, pull: None }
     }
 
     /// Returns the number of items.
@@ -44,6 +43,52 @@ impl<'a> Items<'a> {
 
     pub(super) fn row(&self, row: usize) -> &[f64] {
         &self.h[row * self.width..(row + 1) * self.width]
+    }
+}
+
+/// Prior weights that items' weights are pulled to: weights w on joints have the cost `λ Σ_j (w_j - p_j)² / (p_j + ε)`.
+#[derive(Clone, Copy)]
+pub struct Pull<'a> {
+    /// Prior weights p on joints, joints x items; the weights of an item sum to 1.
+    pub to: &'a Mat<f64>,
+    /// Joint of each map; weights of maps of one joint add up. l.
+    pub joints: &'a [usize],
+    /// λ, in squared units of the targets.
+    pub strength: f64,
+}
+
+/// A map in the cost of an item.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Pulled {
+    joint: usize,
+    toward: f64,
+    own: f64,
+}
+
+impl Pulled {
+    /// Returns the inner product of two maps in the cost of an item, whose weights sum to 1, without its constant part.
+    pub(super) fn product(&self, other: &Self) -> f64 {
+        let same = if self.joint == other.joint { self.own } else { 0.0 };
+        same - self.toward - other.toward
+    }
+}
+
+/// ε: prior weight below which one joint is as foreign to an item as another.
+const FOREIGN: f64 = 1e-4;
+
+impl Pull<'_> {
+    /// Returns the cost's constant part for an item.
+    pub(super) fn constant(&self, item: usize) -> f64 {
+        let squares = self.to.col_as_slice(item).iter().map(|p| p * p / (p + FOREIGN));
+        self.strength * squares.sum::<f64>()
+    }
+
+    /// Returns a map in the cost of an item.
+    pub(super) fn of(&self, item: usize, map: usize) -> Pulled {
+        let joint = self.joints[map];
+        let p = self.to[(joint, item)];
+        let own = self.strength / (p + FOREIGN);
+        Pulled { joint, toward: own * p, own }
     }
 }
 
@@ -100,6 +145,15 @@ impl Weights {
     /// Returns the map that an item follows most; none where it follows none.
     pub fn strongest(&self, item: usize) -> Option<usize> {
         self.of(item).next().map(|(map, _)| map)
+    }
+
+    /// Returns the weights on the first `len` maps as a matrix, len x items.
+    pub fn dense(&self, len: usize) -> Mat<f64> {
+        let mut dense = Mat::zeros(len, self.len());
+        for item in 0..self.len() {
+            self.of(item).for_each(|(map, weight)| dense[(map, item)] = weight);
+        }
+        dense
     }
 
     /// Builds weights from lists of (map, weight), each at most `most` long, strongest first.

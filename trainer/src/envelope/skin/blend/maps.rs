@@ -7,7 +7,7 @@ use faer::{Mat, MatMut, Side};
 use rayon::prelude::*;
 
 /// Partial sums that a fit is split into, so that threads do not change the order.
-const CHUNKS: usize = 16;
+const CHUNKS: usize = 4;
 
 /// Fits the maps to given weights; a map moves from `previous` only as far as the items ask.
 ///

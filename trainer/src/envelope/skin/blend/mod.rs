@@ -10,14 +10,13 @@ mod maps;
 mod weights;
 
 pub use alternation::{Alternation, Blend, InTurn};
-pub use items::{Items, Maps, Supports, Weights};
+pub use items::{Items, Maps, Pull, Supports, Weights};
 pub use maps::fit_maps;
 pub use weights::{CANDIDATES, fit_weights};
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constants::NEARER;
     use crate::examples::Importance;
     use faer::Mat;
     use rand::{RngExt, SeedableRng};
@@ -48,7 +47,7 @@ mod tests {
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
@@ -73,7 +72,7 @@ mod tests {
         let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
         let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
@@ -87,65 +86,81 @@ mod tests {
         assert!(of_last.iter().zip(&of_chosen).any(|(last, chosen)| last > chosen));
     }
 
-    #[test]
-    fn of_weights_that_err_as_little_those_of_nearer_maps_are_taken() {
-        let (h, y, Maps { width, columns }, truth) = exact(300, 30);
-        // Each map twice, the second time farther.
-        let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
-        let farther =
-            Mat::from_fn(6, 300, |map, item| if (map < 3) == (item < 150) { 1.0 } else { 2.0 });
-        let items = Items {
-            width: 4,
-            rows: 1,
-            h,
-            y: &y,
-            importance: Importance::ALIKE,
-            farther: Some(&farther),
+    /// The cost of weights: squared error and pull.
+    fn cost(items: &Items<'_>, maps: &Maps, item: usize, weights: &[f64]) -> f64 {
+        let h = items.row(item);
+        let error = |row: usize| {
+            let blended: f64 = (0..maps.columns.ncols())
+                .map(|k| weights[k / 4] * h[k % 4] * maps.columns[(row, k)])
+                .sum();
+            (blended - items.y[(row, item)]).powi(2)
         };
+        let Pull { to, joints, strength } = items.pull.unwrap();
+        let pull = |joint: usize| {
+            let of_joint = joints.iter().zip(weights).filter(|(j, _)| **j == joint);
+            let p = to[(joint, item)];
+            (of_joint.map(|(_, w)| w).sum::<f64>() - p).powi(2) / (p + 1e-4)
+        };
+        let errors: f64 = (0..items.y.nrows()).map(error).sum();
+        errors + strength * (0..to.nrows()).map(pull).sum::<f64>()
+    }
+
+    #[test]
+    fn no_other_weights_cost_less() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+        let mut numbers = |rows, columns| {
+            Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
+        };
+        let (y, columns, prior) = (numbers(40, 50), numbers(40, 4 * 8), numbers(4, 50));
+        let sum = |item: usize| (0..4).map(|j| prior[(j, item)].abs()).sum::<f64>();
+        let prior = Mat::from_fn(4, 50, |j, item| prior[(j, item)].abs() / sum(item));
+        // Two maps a joint.
+        let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 0, 1, 2, 3], strength: 5.0 };
+        let h = (0..50).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: Some(pull) };
+        let maps = Maps { width: 4, columns };
+        // Of eight maps none is left out, so that the least cost is found.
+        let (weights, _) = fit_weights(&items, &maps, Supports::Free(8));
+        for item in 0..50 {
+            let mut found = [0.0; 8];
+            weights.of(item).for_each(|(map, weight)| found[map] = weight);
+            let least = cost(&items, &maps, item, &found);
+            for map in 0..8 {
+                let step = 1e-3;
+                let mut other = found.map(|weight| (1.0 - step) * weight);
+                other[map] += step;
+                assert!(cost(&items, &maps, item, &other) >= least, "item {item}, map {map}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_maps_that_coincide_the_prior_decides() {
+        let (h, y, Maps { width, columns }, truth) = exact(300, 30);
+        // Each map twice.
+        let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
+        let prior =
+            Mat::from_fn(6, 300, |map, item| f64::from(u8::from((map < 3) == (item < 150))) / 3.0);
+        let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 4, 5], strength: 1e-9 };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: Some(pull) };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
-        assert!(errors.iter().all(|&e| e < 1e-6), "{errors:?}");
+        // Weights below a thousandth are dropped, over 30 rows.
+        assert!(errors.iter().all(|&e| e < 30e-6), "{errors:?}");
         for (item, expected) in truth.iter().enumerate() {
             for (map, weight) in weights.of(item) {
-                assert_eq!(farther[(map, item)], 1.0, "item {item}");
+                assert!(prior[(map, item)] > 0.0, "item {item}");
                 assert!((weight - expected[map % 3]).abs() < 1e-3, "item {item}");
             }
         }
     }
 
     #[test]
-    fn what_is_near_adds_no_more_to_an_error_than_its_share() {
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(8);
-        let mut numbers = |rows, columns| {
-            Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
-        };
-        let (y, columns, farther) = (numbers(40, 200), numbers(40, 4 * 8), numbers(8, 200));
-        let farther = Mat::from_fn(8, 200, |map, item| 1.0 + farther[(map, item)].abs());
-        let h: Vec<f64> = (0..200).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let free =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
-        let near = Items { h: free.h.clone(), farther: Some(&farther), ..free };
-        let maps = Maps { width: 4, columns };
-        // Of eight maps none is left out, so that what is found is the least.
-        let [free, near] = [&free, &near].map(|items| fit_weights(items, &maps, Supports::Free(8)));
-        let distance = |weights: &Weights, item: usize| -> f64 {
-            weights.of(item).map(|(map, weight)| weight * farther[(map, item)]).sum()
-        };
-        let mut nearer = 0.0;
-        for (item, (least, error)) in free.1.iter().zip(&near.1).enumerate() {
-            let [was, is] = [&free.0, &near.0].map(|weights| distance(weights, item));
-            let share = 1.0 + NEARER.get() * (was * was - is * is);
-            assert!(*error <= least * share + 1e-9, "item {item}: {error} for {least}");
-            assert!(is <= was + 1e-9, "item {item}");
-            nearer += was - is;
-        }
-        assert!(nearer > 1.0, "{nearer}");
-    }
-
-    #[test]
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
@@ -156,7 +171,7 @@ mod tests {
     fn rounds_that_start_ahead_come_nearer() {
         let (h, y, maps, _) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
         let start = Maps {
             columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
             ..maps
@@ -176,7 +191,7 @@ mod tests {
     fn a_map_that_no_item_uses_stays_where_it_was() {
         let (h, y, maps, truth) = exact(50, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);

@@ -1,7 +1,6 @@
 //! The fit of weights to given maps.
 
-use super::items::{Items, Maps, Supports, Weights};
-use crate::constants::NEARER;
+use super::items::{Items, Maps, Pull, Pulled, Supports, Weights};
 use crate::numeric::dot::dot_by_lanes;
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -11,12 +10,12 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Most maps that a fit of one item looks at, those of the least errors by themselves, with what distance adds.
+/// Most maps that a fit of one item looks at: those of the least cost by themselves.
 pub const CANDIDATES: usize = 12;
 /// Error of a Gram matrix's entries, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
-/// An error below this share of the squared length of the target is one that nobody sees.
-const UNSEEN: f64 = 1e-8;
+/// Least weight where weights are pulled: less is a trace of the pull, which nobody sees.
+const LEAST: f64 = 1e-3;
 /// Items that are read at a time.
 const BLOCK: usize = 256;
 
@@ -107,8 +106,8 @@ struct ItemFit<'a> {
     /// Squared length of its target.
     size: f64,
     item: usize,
-    /// How many times farther each map is than the nearest, where it is known.
-    farther: Option<&'a [f64]>,
+    /// The weights that its own are pulled to, and the constant part of their cost.
+    pull: Option<(Pull<'a>, f64)>,
     products: &'a Products,
     /// Its part of [`Products::onto`].
     onto: &'a [f64],
@@ -127,8 +126,8 @@ impl<'a> ItemFit<'a> {
                 squares.iter_mut().zip(h).for_each(|(square, hi)| *square += hi * hj);
             }
         }
-        let farther = items.farther.map(|all| all.col_as_slice(item));
-        Self { width: m, h, squares, size, item, farther, products, onto }
+        let pull = items.pull.map(|pull| (pull, pull.constant(item)));
+        Self { width: m, h, squares, size, item, pull, products, onto }
     }
 
     fn run(&self, supports: Supports<'_>) -> ItemWeights {
@@ -152,12 +151,12 @@ impl<'a> ItemFit<'a> {
         }
     }
 
-    /// The maps by which alone the item errs least, with what distance adds, each with its error.
+    /// Lists the maps that have the least cost by themselves, each with its error.
     fn nearest(&self) -> Vec<(f64, usize)> {
         let errors = self.errors_alone();
         let cost = |map: usize| {
-            let farther = self.farther.map_or(0.0, |farther| farther[map]);
-            self.with_distance(errors[map], farther)
+            let pulled = self.pulled(map);
+            errors[map] + pulled.product(&pulled)
         };
         let mut costs: Vec<_> = (0..errors.len()).map(|map| (cost(map), map)).collect();
         if costs.len() > CANDIDATES {
@@ -167,16 +166,16 @@ impl<'a> ItemFit<'a> {
         costs.into_iter().map(|(_, map)| (errors[map], map)).collect()
     }
 
-    /// Fits at most so many weights of candidates, each with its error alone.
+    /// Fits at most `most` weights of candidates, each with its error alone.
     fn solve(&self, mut candidates: Vec<(f64, usize)>, most: usize) -> ItemWeights {
         candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
-        let mut weights = simplex::solve_sparse(&gram, most);
-        if let Some(farther) = self.farther {
-            let aside = self.aside(gram.error(&weights)).sqrt();
-            let aside = gram.set_aside(|i| aside * farther[candidates[i].1]);
-            weights = simplex::solve_sparse(&aside, most);
-        }
+        let mut pulled = [Pulled::default(); MAX_COLUMNS];
+        pulled.iter_mut().zip(&candidates).for_each(|(own, of)| *own = self.pulled(of.1));
+        let constant = self.pull.map_or(0.0, |pull| pull.1);
+        let cost = gram.plus(|i, j| constant + pulled[i].product(&pulled[j]));
+        let least = if self.pull.is_some() { LEAST } else { 0.0 };
+        let weights = simplex::solve_sparse(&cost, most, least);
         let mut list: Vec<(usize, f64)> = (0..gram.len)
             .filter(|&i| weights[i] > 0.0)
             .map(|i| (candidates[i].1, weights[i]))
@@ -185,20 +184,17 @@ impl<'a> ItemFit<'a> {
         (list, gram.error(&weights))
     }
 
-    /// Gives an error with what the distance of what is followed adds to it.
+    /// Returns the error of weights with the cost of the pull.
     fn cost(&self, (list, error): &ItemWeights) -> f64 {
-        let mean = |farther: &[f64]| list.iter().map(|(map, w)| w * farther[*map]).sum();
-        self.with_distance(*error, self.farther.map_or(0.0, mean))
+        let of_map = |&(a, w): &(usize, f64)| {
+            list.iter().map(|&(b, v)| w * v * self.pulled(a).product(&self.pulled(b))).sum::<f64>()
+        };
+        error + list.iter().map(of_map).sum::<f64>()
     }
 
-    fn with_distance(&self, error: f64, farther: f64) -> f64 {
-        error + self.aside(error) * farther * farther
-    }
-
-    /// Squared length by which a map as near as any stands aside of an item that errs by so much; others stand aside by
-    /// that length times how many times farther they are.
-    fn aside(&self, error: f64) -> f64 {
-        NEARER.get() * error.max(UNSEEN * self.size)
+    /// Returns a map in the cost of the pull.
+    fn pulled(&self, map: usize) -> Pulled {
+        self.pull.map_or(Pulled::default(), |(pull, _)| pull.of(self.item, map))
     }
 
     /// Gives the item's squared error by each map alone.

@@ -1,16 +1,58 @@
-//! How far the skin is from the joints' bones (METHOD §1.2): what poses do not tell of which it follows.
+//! Prior joint weights: those that a vertex gets where poses do not decide (METHOD §1.2).
 
+use super::blend::Weights;
 use super::poses::Poses;
-use crate::constants::NEAR;
 use crate::examples::{Examples, Matrix3x4};
 use faer::Mat;
 use nalgebra::Vector3;
 
-/// How many times farther each joint's bone is from each vertex than the nearest is, J x V numbers of at least 1.
+/// Distance in diagonals that is added to the distance from a bone: inside a limb all of its bones are near.
+const NEAR: f64 = 0.03;
+/// Power by which a weight falls with the distance from the joint's bone.
+const POWER: i32 = 8;
+
+/// Returns the prior weights of the joints, J x V; each vertex's weights sum to 1. They are the weights that an artist
+/// painted. A vertex without paint goes by its distance from the bones.
 ///
-/// - `poses`: of the training frames, in any unit. They place a joint of which the source does not say where it is, if it
-///   turns against its parent; else nothing does, and only its children's places tell of its bone.
-pub fn farther(examples: &Examples, poses: &Poses) -> Mat<f64> {
+/// - `poses`: the training poses, in any unit.
+pub fn prior(examples: &Examples, poses: &Poses) -> Mat<f64> {
+    let mut prior = by_bones(examples, poses);
+    for (vertex, row) in painted_rows(examples).enumerate() {
+        let sum: f64 = row.iter().sum();
+        if sum > 0.0 {
+            let column = prior.col_as_slice_mut(vertex);
+            column.iter_mut().zip(row).for_each(|(weight, painted)| *weight = painted / sum);
+        }
+    }
+    prior
+}
+
+/// Returns the weights that an artist painted, normalised; `None` if the examples come without. A vertex without paint
+/// has no weights.
+pub fn painted(examples: &Examples) -> Option<Weights> {
+    examples.joint_weights.as_ref()?;
+    let list = |row: &[f64]| {
+        let sum: f64 = row.iter().sum();
+        let some = row.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        let mut list: Vec<_> = some.map(|(joint, weight)| (joint, weight / sum)).collect();
+        list.sort_by(|a, b| b.1.total_cmp(&a.1));
+        list
+    };
+    let lists: Vec<_> = painted_rows(examples).map(list).collect();
+    let most = lists.iter().map(Vec::len).max().unwrap_or(0).max(1);
+    Some(Weights::from_lists(most, lists.into_iter()))
+}
+
+/// Lists the painted weights of each vertex on J joints.
+fn painted_rows(examples: &Examples) -> impl Iterator<Item = &[f64]> {
+    examples.joint_weights.iter().flat_map(|all| all.chunks_exact(examples.joint_len()))
+}
+
+/// Returns weights that fall with the distance from each joint's bones, J x V.
+///
+/// A joint that the source does not place stands where its motion shows it, if it turns against its parent. Else only its
+/// children's places tell of its bones.
+fn by_bones(examples: &Examples, poses: &Poses) -> Mat<f64> {
     let (skeleton, unit) = (&examples.skeleton, examples.diagonal());
     let parents = skeleton.own_parents();
     let turns = |joint: usize| parents[joint].is_some_and(|up| !poses.turn_as_one(joint, up));
@@ -20,17 +62,17 @@ pub fn farther(examples: &Examples, poses: &Poses) -> Mat<f64> {
     };
     let places: Vec<_> = skeleton.rest.iter().enumerate().map(place).collect();
     let bones: Vec<_> = (0..places.len()).map(|joint| bones_of(joint, &parents, &places)).collect();
-    let mut farther = Mat::from_fn(bones.len(), examples.vertex_len(), |joint, vertex| {
+    let mut weights = Mat::from_fn(bones.len(), examples.vertex_len(), |joint, vertex| {
         let x = Vector3::from(examples.rest[vertex]);
         let distances = bones[joint].iter().map(|bone| bone.distance(&x));
-        distances.fold(unit, f64::min) + NEAR.get() * unit
+        (distances.fold(unit, f64::min) / unit + NEAR).powi(-POWER)
     });
-    for vertex in 0..farther.ncols() {
-        let of_joints = farther.col_as_slice_mut(vertex);
-        let nearest = of_joints.iter().copied().fold(f64::INFINITY, f64::min);
-        of_joints.iter_mut().for_each(|distance| *distance /= nearest);
+    for vertex in 0..weights.ncols() {
+        let of_joints = weights.col_as_slice_mut(vertex);
+        let sum: f64 = of_joints.iter().sum();
+        of_joints.iter_mut().for_each(|weight| *weight /= sum);
     }
-    farther
+    weights
 }
 
 /// A bone, from a joint's origin to a child's.
@@ -82,36 +124,54 @@ mod tests {
     }
 
     fn found(examples: &Examples) -> Mat<f64> {
-        farther(examples, &Poses::new(examples, &[0, 1]))
+        prior(examples, &Poses::new(examples, &[0, 1]))
     }
 
     #[test]
-    fn distances_are_those_from_segments_over_the_nearest() {
+    fn weights_fall_with_the_distance_from_segments() {
         let examples = pair(false);
         let found = found(&examples);
-        let near = NEAR.get() * examples.diagonal();
         // The second bone goes on from 1 to 2.
-        let far = |x: f64, y: f64| x.hypot(y) + near;
+        let weight = |x: f64, y: f64| (x.hypot(y) / examples.diagonal() + NEAR).powi(-8);
         let expected = [
-            [1.0, far(0.5, 0.2) / far(0.0, 0.2)],
-            [far(0.5, 0.2) / far(0.0, 0.2), 1.0],
-            [1.0, far(1.0, 1.0) / far(0.0, 1.0)],
+            [weight(0.0, 0.2), weight(0.5, 0.2)],
+            [weight(0.5, 0.2), weight(0.0, 0.2)],
+            [weight(0.0, 1.0), weight(1.0, 1.0)],
         ];
         for (vertex, expected) in expected.iter().enumerate() {
+            let sum: f64 = expected.iter().sum();
             for (joint, expected) in expected.iter().enumerate() {
-                assert!((found[(joint, vertex)] - expected).abs() < 1e-12, "{joint} {vertex}");
+                assert!(
+                    (found[(joint, vertex)] - expected / sum).abs() < 1e-12,
+                    "{joint} {vertex}"
+                );
             }
         }
     }
 
     #[test]
-    fn joints_that_nothing_places_are_far() {
+    fn painted_weights_are_taken_as_they_are_and_a_vertex_without_goes_by_bones() {
+        let mut examples = pair(false);
+        let by_bones = found(&examples);
+        examples.joint_weights = Some(vec![3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
+        let found = found(&examples);
+        for (vertex, expected) in [(0, [0.75, 0.25]), (2, [0.0, 1.0])] {
+            assert_eq!([found[(0, vertex)], found[(1, vertex)]], expected);
+        }
+        assert_eq!(found.col(1), by_bones.col(1));
+        let painted = painted(&examples).unwrap();
+        let lists: Vec<Vec<_>> = (0..3).map(|vertex| painted.of(vertex).collect()).collect();
+        assert_eq!(lists, [vec![(0, 0.75), (1, 0.25)], vec![], vec![(1, 1.0)]]);
+    }
+
+    #[test]
+    fn joints_that_nothing_places_weigh_little() {
         for turns in [false, true] {
             let mut examples = pair(turns);
             examples.skeleton.unplaced = vec![1];
             let found = found(&examples);
-            assert_eq!(found[(1, 1)] == 1.0, turns);
-            assert_eq!(found[(0, 1)] == 1.0, !turns);
+            assert_eq!(found[(1, 1)] > 0.5, turns);
+            assert_eq!(found[(0, 1)] > 0.5, !turns);
         }
     }
 
@@ -120,16 +180,15 @@ mod tests {
         let mut examples = pair(false);
         examples.skeleton.unplaced = vec![1];
         examples.place_joints();
-        let near = NEAR.get() * examples.diagonal();
-        let from_root = f64::hypot(1.5, 0.2) + near;
-        let apart = found(&examples)[(1, 1)] * from_root;
-        assert!((apart - (1.0 + NEAR.get()) * examples.diagonal()).abs() < 1e-12, "no bone to it");
+        let ratio = found(&examples)[(1, 1)] / found(&examples)[(0, 1)];
+        let from_root = f64::hypot(1.5, 0.2) / examples.diagonal() + NEAR;
+        assert!((ratio / (from_root / (1.0 + NEAR)).powi(8) - 1.0).abs() < 1e-9, "no bone to it");
         let mut examples = pair(false);
         examples.skeleton.unplaced = vec![0];
         examples.place_joints();
         let found = found(&examples);
-        // The root is known by its child, which is one point with its bone's start.
-        assert!((found[(0, 0)] - 1.0).abs() < 1e-12 && (found[(1, 0)] - 1.0).abs() < 1e-12);
+        // The root is known by its child, at the start of the child's bone.
+        assert!((found[(0, 0)] - 0.5).abs() < 1e-12 && (found[(1, 0)] - 0.5).abs() < 1e-12);
     }
 
     #[test]
