@@ -2,7 +2,6 @@
 
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
-use super::painted::misleading;
 use super::thresholds::{IDLE, SCALED, STILL};
 use crate::envelope::training_report::SEAM;
 use crate::examples::{Matrix3x4, Warning};
@@ -36,7 +35,6 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             places: places(context, &still),
         });
     }
-    misleading(context, findings);
     let mut used = vec![false; context.examples.joint_len()];
     let weights = &context.training.lbs.weights;
     for vertex in 0..weights.len() {

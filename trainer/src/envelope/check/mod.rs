@@ -154,6 +154,7 @@ pub fn check(
     let faces = faces::faces(learnt, &warnings, &mut findings);
     let all = all.unwrap_or(&context);
     let rest = rest::rest(&context, &mut findings);
+    painted::misleading(&context, &mut findings);
     joints::joints(&context, &warnings, &mut findings);
     progress.step("faces in poses", 1);
     folded::folded(all, &mut findings);

@@ -8,8 +8,7 @@ mod distinct;
 #[cfg(test)]
 mod testing;
 
-use super::skin::poses::Poses;
-use super::skin::training::MIN_POSES;
+use super::skin::poses::{MIN_POSES, Poses};
 use crate::constants::BEYOND;
 use crate::kernel::outputs::Block;
 use distinct::Distinct;

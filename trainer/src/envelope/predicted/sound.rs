@@ -2,8 +2,8 @@
 
 use super::broken::{Broken, MOST, ROUNDS, broken};
 use crate::envelope::error::FitError;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::training::{MIN_POSES, Training};
+use crate::envelope::skin::poses::{MIN_POSES, Poses};
+use crate::envelope::skin::training::Training;
 use crate::examples::{Examples, Split};
 use crate::progress::Progress;
 use serde::Serialize;

@@ -6,6 +6,8 @@ use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 
+/// Fewest training poses: one row of H has six unknowns.
+pub const MIN_POSES: usize = 6;
 /// Entries of joints' maps, lengths in diagonals, that differ by less are one: nobody sees what they move.
 const ONE: f64 = 1e-4;
 

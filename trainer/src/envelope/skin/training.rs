@@ -1,7 +1,7 @@
 //! The training frames as the fit sees them.
 
 use super::blend::Weights;
-use super::poses::{Poses, local, seen_from};
+use super::poses::{MIN_POSES, Poses, local, seen_from};
 use super::prior::prior;
 use super::stacked::in_poses;
 use super::targets::Targets;
@@ -16,9 +16,6 @@ use faer::Mat;
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::OnceLock;
-
-/// Fewest training poses: one row of H has six unknowns.
-pub const MIN_POSES: usize = 6;
 
 /// The training frames with the root's motion removed, about the centre of the rest mesh and with
 /// all lengths in units of the rest diagonal, so that no constant and no rounding of the fit depends
