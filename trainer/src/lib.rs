@@ -12,12 +12,11 @@
 //! learns of its commands in one line; a part that stands in one file with an envelope is a field of
 //! [`envelope::model::FileModel`], written in `envelope/bake/file.rs` and named in
 //! `cli/envelope/inspect.rs`. What the runtime asks for is in the doc of its `format/mod.rs`.
-//! [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part. What a fit is set to
-//! stands in [`constants`].
+//! [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part. The
+//! numbers that a fit is set to stand in [`envelope::Settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;
-pub mod constants;
 pub mod envelope;
 pub mod examples;
 pub mod face;

@@ -1,7 +1,7 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `constants`, `import`, `time` or `scaling`. Sets that are not
+//! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or `scaling`. Sets that are not
 //! in `../shared/data` are named and left out.
 
 mod painted;
@@ -10,7 +10,6 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::constants::ALL;
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
@@ -23,7 +22,7 @@ use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
 use sinew_trainer::envelope::skin::targets::Targets;
 use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::skin::weights;
-use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::envelope::{Options, Predict, Settings, train};
 use sinew_trainer::examples::{Examples, Importance, Source, Split, load, npz};
 use sinew_trainer::formats::save_pc2;
 use sinew_trainer::numeric::basis;
@@ -51,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("ranges", ranges),
         ("painted", painted::painted),
         ("poses", poses),
-        ("constants", constants),
+        ("settings", settings),
         ("import", import),
         ("time", time),
         ("scaling", scaling),
@@ -291,16 +290,16 @@ fn poses() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What a third and three times of each constant make of the held-out error, against what it is set to: kernel, 40
-/// helpers.
-fn constants() -> Result<(), Box<dyn Error>> {
+/// Trains with a third and with three times of each setting, and prints the held-out error over that as it is set: kernel,
+/// 40 helpers.
+fn settings() -> Result<(), Box<dyn Error>> {
     let mut sets = sets()?;
     for seed in 1..4 {
         let options = DemoOptions { poses: 60, seed, ..DemoOptions::default() };
         sets.push((["demo 1", "demo 2", "demo 3"][seed as usize - 1], demo(&options)));
     }
-    let options = fixed(Predictor::Kernel, 40);
-    let error = |examples: &Examples| -> Result<f64, Box<dyn Error>> {
+    let error = |examples: &Examples, settings: &Settings| -> Result<f64, Box<dyn Error>> {
+        let options = Options { settings: settings.clone(), ..fixed(Predictor::Kernel, 40) };
         let model = train(examples, &options, &Silent)?.model;
         Ok(evaluate(&model, None, examples, Frames::Of(Split::HeldOut))?.errors.rms_percent)
     };
@@ -308,22 +307,21 @@ fn constants() -> Result<(), Box<dyn Error>> {
     println!("{:<16}{:>8}{names}", "", "");
     let mut usual = Vec::new();
     for (_, examples) in &sets {
-        usual.push(error(examples)?);
+        usual.push(error(examples, &Settings::default())?);
     }
     let row: String = usual.iter().map(|error| format!("{error:>16.4} %")).collect();
     println!("{:<16}{:>8}{row}", "as set", "");
-    for constant in ALL {
-        let value = constant.get();
+    for (number, (name, value)) in Settings::default().numbers().into_iter().enumerate() {
         let mut cells = String::new();
         for ((_, examples), usual) in sets.iter().zip(&usual) {
             let of = |factor: f64| -> Result<f64, Box<dyn Error>> {
-                constant.vary(factor);
-                Ok(error(examples)? / usual)
+                let mut settings = Settings::default();
+                *settings.numbers()[number].1 *= factor;
+                Ok(error(examples, &settings)? / usual)
             };
             cells += &format!("{:>10.2}{:>8.2}", of(1.0 / 3.0)?, of(3.0)?);
         }
-        constant.vary(1.0);
-        println!("{:<16}{value:>8.0e}{cells}", constant.name);
+        println!("{name:<16}{value:>8.0e}{cells}");
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::levels::Level;
 use super::rotational::{Method, ProxyCount};
+use super::settings::Settings;
 use sinew_runtime::envelope::Predictor;
 
 /// What predicts the palette from the pose.
@@ -30,6 +31,8 @@ pub struct Options {
     pub budget: Option<usize>,
     /// The meshes that the file holds.
     pub meshes: FileSkins,
+    /// The numbers that the fit of helpers is set to.
+    pub settings: Settings,
 }
 
 /// The meshes that a model's file holds.
@@ -61,6 +64,7 @@ impl Default for Options {
             refine: true,
             budget: None,
             meshes: FileSkins::Skins(Vec::new()),
+            settings: Settings::default(),
         }
     }
 }

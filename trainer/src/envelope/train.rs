@@ -30,7 +30,8 @@ pub fn train(
         return Err(FitError::OnePose { found: poses.len() }.into());
     }
     let left_out = sound.left_out().to_vec();
-    let training = sound.weighted(examples, progress)?;
+    let mut training = sound.weighted(examples, progress)?;
+    training.settings = options.settings.clone();
     let trained = choose::choose(&training, examples, options, progress);
     let mut trained = trained.map_err(|error| match error {
         TrainError::Bake(BakeError::Refused(_)) => {

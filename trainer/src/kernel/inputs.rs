@@ -2,12 +2,14 @@
 //! measured in that, widths and the linear kernel (METHOD §2.2).
 
 use super::function::Exact;
-use crate::constants::LINEAR;
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate squared widths, in median squared distances of the samples.
 pub const WIDTHS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
+
+/// Share of the linear kernel beside the other, over the median squared distance.
+const LINEAR: f64 = 0.2;
 
 /// n samples of d inputs.
 pub struct Inputs {
@@ -80,7 +82,7 @@ impl Inputs {
 
     /// Returns what inner products of inputs are multiplied by in the linear kernel.
     pub(super) fn linear_share(&self) -> f64 {
-        LINEAR.get() / self.median
+        LINEAR / self.median
     }
 }
 

@@ -1,9 +1,11 @@
 //! What samples are to give, in blocks, and the mean by which errors of blocks make a score.
 
-use crate::constants::GENTLE;
 use crate::numeric::columns::some;
 use faer::Mat;
 use std::ops::Range;
+
+/// Power of the mean over blocks. Near 0 the mean is geometric, so that the hardest block does not decide alone.
+const GENTLE: f64 = 0.1;
 
 /// Samples that are left out at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -108,6 +110,6 @@ impl Outputs {
 
 /// Returns the power mean of the squared errors of blocks.
 pub fn gentle_mean(errors: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) = errors.fold((0, 0.0), |(n, sum), e| (n + 1, sum + e.powf(GENTLE.get())));
-    (sum / f64::from(count.max(1))).powf(1.0 / GENTLE.get())
+    let (count, sum) = errors.fold((0, 0.0), |(n, sum), e| (n + 1, sum + e.powf(GENTLE)));
+    (sum / f64::from(count.max(1))).powf(1.0 / GENTLE)
 }

@@ -6,7 +6,6 @@ use super::certainty::Certainty;
 use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Block, Outputs, gentle_mean};
-use crate::constants::PLAUSIBLE;
 use faer::Mat;
 use sinew_runtime::format::CORRECTION_MAX;
 
@@ -18,6 +17,9 @@ const RIDGES: [f64; 13] =
 /// How many times as large as the last that was tried a ridge is for which smaller ones need no trial.
 const PAST: f64 = 50.0;
 
+/// Largest squared norm of a function, over the one that the prior gives for outputs of its size. A larger one hangs on
+/// directions that the samples hardly take, and explodes wherever a pose takes them.
+const PLAUSIBLE: f64 = 1e6;
 /// Most of a map's squared error against that of the base, per unit of variance.
 const NOISE: f64 = 4.0;
 /// Most that an error per unit of variance counts.
@@ -66,7 +68,7 @@ pub fn coarse(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
 fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
     let rounding = Rounding::new(design, outputs.blocks.len());
-    let plausible = PLAUSIBLE.get() / design.variance();
+    let plausible = PLAUSIBLE / design.variance();
     let of_ridge = |ridge: f64| {
         let left = projected.left_out(design, outputs, ridge)?;
         let dual = design.dual(&projected.all, |_| ridge);

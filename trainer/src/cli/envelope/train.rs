@@ -16,7 +16,7 @@ use sinew_trainer::envelope::check::finding::Kind;
 use sinew_trainer::envelope::levels::AddError;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
-use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, Settings, TrainError, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
 use sinew_trainer::progress::Silent;
 use std::path::PathBuf;
@@ -201,6 +201,7 @@ impl FitArguments {
             refine: !self.unrefined,
             budget: self.budget,
             meshes,
+            settings: Settings::default(),
         };
         train(examples, &options, &Bars::new(output)).map_err(|error| match error {
             // It names the further mesh, whose fault it is.

@@ -1,7 +1,7 @@
 //! Pose features: what the kernel maps take for inputs (METHOD §1.9).
 
-use crate::constants::{DISPLACEMENT, STILL};
 use crate::envelope::model::Input;
+use crate::envelope::settings::Settings;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::Training;
 use crate::numeric::so3;
@@ -18,12 +18,15 @@ pub struct Features<'a> {
     pub parents: &'a [Option<usize>],
     /// Rest origin of each joint, as the training sees it.
     pub origins: &'a [Vector3<f64>],
+    /// What the fit is set to.
+    pub settings: &'a Settings,
 }
 
 impl<'a> Features<'a> {
     /// Takes the joints of a training.
     pub fn of(training: &'a Training) -> Self {
-        Self { parents: &training.skeleton.parents, origins: &training.origins }
+        let Training { skeleton, origins, settings, .. } = training;
+        Self { parents: &skeleton.parents, origins, settings }
     }
 
     /// Lists the inputs that some joints give, those that vary over the poses.
@@ -38,14 +41,15 @@ impl<'a> Features<'a> {
                     let mean = features.iter().map(|f| f[entry]).sum::<f64>() / n;
                     (features.iter().map(|f| (f[entry] - mean).powi(2)).sum::<f64>() / n).sqrt()
                 };
-                let moves = [3, 7, 11].map(|entry| DISPLACEMENT.get() * spread(entry)).into_iter();
-                let moves = moves.fold(0.0, f64::max) > STILL.get();
+                let moves =
+                    [3, 7, 11].map(|entry| self.settings.displacement * spread(entry)).into_iter();
+                let moves = moves.fold(0.0, f64::max) > self.settings.still;
                 let entries: Vec<_> = (0..12)
                     .filter(|&entry| if entry % 4 == 3 { moves } else { spread(entry) > CONSTANT })
                     .collect();
                 entries.into_iter().map(move |entry| Input {
                     feature: 12 * joint + entry,
-                    weight: if entry % 4 == 3 { DISPLACEMENT.get() } else { 1.0 },
+                    weight: if entry % 4 == 3 { self.settings.displacement } else { 1.0 },
                 })
             })
             .collect()
@@ -175,7 +179,11 @@ mod tests {
                 .iter()
                 .map(|m| Vector3::new(m[0][3], m[1][3], m[2][3]))
                 .collect();
-            let joints = Features { parents: &examples.skeleton.parents, origins: &origins };
+            let joints = Features {
+                parents: &examples.skeleton.parents,
+                origins: &origins,
+                settings: &Settings::default(),
+            };
             let near = near(joints.parents, examples.skeleton.root(), 9);
             joints.inputs(&Poses::new(examples, &frames), &near)
         };

@@ -3,7 +3,6 @@
 use super::features::near;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::constants::NEGLIGIBLE;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
 use crate::kernel::outputs::Outputs;
@@ -35,8 +34,9 @@ impl GroupOutputs {
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
         let all = metric.weigh(&local(target.left_over, poses, joint, &proxies));
-        let directions = leading(&all);
-        let beyond = folds.beyond(poses, &near(features.parents, joint, 1));
+        let directions = leading(&all, features.settings.negligible);
+        let beyond =
+            folds.beyond(poses, &near(features.parents, joint, 1), features.settings.beyond);
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
@@ -120,14 +120,14 @@ fn local(left_over: &Mat<f64>, poses: &Poses, joint: usize, proxies: &Range<usiz
     out
 }
 
-/// The leading right singular directions, all that are not negligible.
-fn leading(values: &Mat<f64>) -> Mat<f64> {
+/// The leading right singular directions, without the last ones that carry a negligible share of the squared size.
+fn leading(values: &Mat<f64>, negligible: f64) -> Mat<f64> {
     let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
     let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
     let total: f64 = s.iter().sum();
     let mut left = total;
     let rank = s.iter().take_while(|&&s| {
-        let kept = left > NEGLIGIBLE.get() * total && s > 0.0;
+        let kept = left > negligible * total && s > 0.0;
         left -= s;
         kept
     });

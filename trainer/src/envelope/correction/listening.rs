@@ -2,7 +2,6 @@
 
 use super::features::near;
 use super::target::CorrectionTarget;
-use crate::constants::EARNS;
 use crate::envelope::model::Input;
 use crate::kernel::design::Design;
 use crate::kernel::function::SMOOTHEST_FIRST;
@@ -45,7 +44,7 @@ impl Listening {
                 tried.extend(narrow(target, outputs, (hops, &inputs), SMOOTHEST_FIRST[0]));
             }
         }
-        let tried = alike(tried).into_iter().map(|tried| tried.0);
+        let tried = alike(target, tried).into_iter().map(|tried| tried.0);
         tried.min_by(|a, b| a.kernel.1.total_cmp(&b.kernel.1))
     }
 
@@ -82,7 +81,7 @@ fn narrow(
         let score = scores(&values, outputs, kernel)?.iter().sum();
         Some((Listening { hops, inputs: inputs.to_vec(), kernel }, score))
     };
-    alike(WIDTHS.into_iter().filter_map(of_width).collect()).into_iter().next()
+    alike(target, WIDTHS.into_iter().filter_map(of_width).collect()).into_iter().next()
 }
 
 /// Scores each output by a kernel and width.
@@ -96,8 +95,8 @@ fn scores(
 }
 
 /// Keeps those whose score cannot be told from the least.
-fn alike(mut tried: Vec<(Listening, f64)>) -> Vec<(Listening, f64)> {
+fn alike(target: &CorrectionTarget<'_>, mut tried: Vec<(Listening, f64)>) -> Vec<(Listening, f64)> {
     let least = tried.iter().map(|tried| tried.1).fold(f64::INFINITY, f64::min);
-    tried.retain(|tried| tried.1 <= (1.0 + EARNS.get()) * least);
+    tried.retain(|tried| tried.1 <= (1.0 + target.features.settings.alike) * least);
     tried
 }

@@ -4,7 +4,6 @@ use super::features::{near, neighbours, on_side};
 use super::group_outputs::{EachOutputs, groups};
 use super::listening::{HOPS, Listening};
 use super::target::CorrectionTarget;
-use crate::constants::EARNS;
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -45,7 +44,9 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> 
     loop {
         let with = |list: usize| scores.sum(&[&taken[..], &[list]].concat());
         let best = (0..lists.len()).min_by(|&a, &b| with(a).total_cmp(&with(b)));
-        match best.filter(|&best| (1.0 + EARNS.get()) * with(best) < scores.sum(&taken)) {
+        match best.filter(|&best| {
+            (1.0 + target.features.settings.alike) * with(best) < scores.sum(&taken)
+        }) {
             Some(best) => taken.push(best),
             None => break,
         }

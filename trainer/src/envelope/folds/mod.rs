@@ -9,7 +9,6 @@ mod distinct;
 mod testing;
 
 use super::skin::poses::{MIN_POSES, Poses};
-use crate::constants::BEYOND;
 use crate::kernel::outputs::Block;
 use distinct::Distinct;
 use std::ops::Range;
@@ -72,10 +71,21 @@ impl Folds {
         &self.parts
     }
 
-    /// Lists the blocks that a fit for some joints has to extrapolate to: for each joint the quarter of the poses that turn
-    /// it most.
-    pub fn beyond(&self, poses: &Poses, joints: &[usize]) -> Vec<Block> {
-        let blocks = self.ends(poses, joints);
+    /// Lists the blocks that a fit for some joints has to extrapolate to: for each joint the poses that turn it most.
+    ///
+    /// - `share`: of the poses, for each joint.
+    pub fn beyond(&self, poses: &Poses, joints: &[usize], share: f64) -> Vec<Block> {
+        let count = (share * poses.len() as f64) as usize;
+        let end = |&joint: &usize| {
+            let angle = |pose: usize| poses.angle(pose, joint).norm();
+            let mut order: Vec<usize> = (0..poses.len()).collect();
+            order.sort_by(|&a, &b| angle(b).total_cmp(&angle(a)));
+            let moves = angle(order[0]) - angle(order[order.len() - 1]) > STILL;
+            let mut own = order[..count].to_vec();
+            own.sort_unstable();
+            (moves && count >= RUN_LEN).then(|| self.distinct.block(own))
+        };
+        let blocks = joints.iter().filter_map(end);
         blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
     }
 
@@ -125,21 +135,6 @@ impl Folds {
         let clips = clips.filter(|clip| clip.len() >= RUN_LEN && clip.len() < times.len());
         let blocks = clips.map(|clip| self.distinct.block(clip.collect()));
         blocks.filter(|block| block.out_len() + MIN_POSES <= times.len()).collect()
-    }
-
-    /// Lists for each joint the poses that turn it most.
-    fn ends<'a>(&'a self, poses: &'a Poses, joints: &'a [usize]) -> impl Iterator<Item = Block> {
-        let count = (BEYOND.get() * poses.len() as f64) as usize;
-        let end = move |&joint: &usize| {
-            let angle = |pose: usize| poses.angle(pose, joint).norm();
-            let mut order: Vec<usize> = (0..poses.len()).collect();
-            order.sort_by(|&a, &b| angle(b).total_cmp(&angle(a)));
-            let moves = angle(order[0]) - angle(order[order.len() - 1]) > STILL;
-            let mut own = order[..count].to_vec();
-            own.sort_unstable();
-            (moves && count >= RUN_LEN).then(|| self.distinct.block(own))
-        };
-        joints.iter().filter_map(end)
     }
 }
 
@@ -266,7 +261,7 @@ mod tests {
         let poses = Poses::new(&examples, &frames);
         let joint = moving(&poses);
         let joints = near(&parents, joint, 1);
-        let beyond = |poses: &Poses| Folds::new(poses).beyond(poses, &joints);
+        let beyond = |poses: &Poses| Folds::new(poses).beyond(poses, &joints, 0.25);
         for block in beyond(&poses) {
             let angle = |pose: usize, joint: usize| poses.angle(pose, joint).norm();
             let is_end = |joint: &usize| {

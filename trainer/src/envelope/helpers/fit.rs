@@ -1,6 +1,5 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
-use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE, SERVED};
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
@@ -27,10 +26,6 @@ pub const STEP: &str = "helpers";
 /// Rounds of weights and maps in which each vertex also chooses what it follows, and those after them.
 const CHOICES: usize = 30;
 const ROUNDS: usize = 10;
-
-/// Strength of the pull to LBS weights, as a share of the strength by which those are pulled to prior weights, and the most.
-const FOLDED: f64 = 1e-3;
-const FOLDED_MOST: f64 = 3e-7;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -65,7 +60,7 @@ impl<'a> HelperFit<'a> {
     /// Takes training frames; none where LBS errs nowhere.
     pub fn new(training: &'a Training) -> Option<Self> {
         let errors = &training.lbs.errors;
-        let threshold = ERRS.get() * ERRS.get() * training.poses.len() as f64;
+        let threshold = training.settings.active.powi(2) * training.poses.len() as f64;
         let errs = |&v: &usize| training.importance().of(v) * errors[v] > threshold;
         let errs: Vec<usize> = (0..errors.len()).filter(errs).collect();
         if errs.is_empty() {
@@ -73,7 +68,7 @@ impl<'a> HelperFit<'a> {
         }
         let joints = training.poses.stacked();
         let mut plain = basis(&skinned(&training.rest, &training.lbs.weights, &joints));
-        plain.coordinates *= faer::Scale(BASE.get());
+        plain.coordinates *= faer::Scale(training.settings.base);
         Some(Self {
             features: basis(&features(training, &errs)).coordinates,
             training,
@@ -100,7 +95,8 @@ impl<'a> HelperFit<'a> {
         let open = Open::new(self, influences);
         let own = OnBasis::new(&open, [&bases, &anchors], &dominant).run(&maps, influences);
         let weights = open.among(&training.lbs.weights, &own);
-        let maps = fit_helpers(&training.targets(&weights), [joints, &anchors]);
+        let pull = training.settings.pull;
+        let maps = fit_helpers(&training.targets(&weights), [joints, &anchors], pull);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
@@ -114,7 +110,7 @@ impl<'a> HelperFit<'a> {
     fn anchors(&self, groups: &[(usize, Vec<usize>)], bases: &Mat<f64>) -> Mat<f64> {
         let grams: Vec<Matrix4<f64>> = groups.iter().map(|group| self.gram(&group.1)).collect();
         let mean = grams.iter().map(Matrix4::trace).sum::<f64>() / (4 * grams.len()) as f64;
-        let pull = Matrix4::from_diagonal_element(PULL.get() * mean);
+        let pull = Matrix4::from_diagonal_element(self.training.settings.pull * mean);
         let mut out = bases.clone();
         for (l, ((_, members), gram)) in groups.iter().zip(grams).enumerate() {
             let share = 1.0 / members.len() as f64;
@@ -194,8 +190,8 @@ struct Open<'a> {
 
 impl<'a> Open<'a> {
     fn new(fit: &'a HelperFit<'a>, influences: usize) -> Self {
-        let Training { rest, lbs, poses, .. } = fit.training;
-        let served = SERVED.get() * SERVED.get() * poses.len() as f64;
+        let Training { rest, lbs, poses, settings, .. } = fit.training;
+        let served = settings.served.powi(2) * poses.len() as f64;
         let error = |v: usize| fit.training.importance().of(v).max(1.0) * lbs.errors[v];
         let is_open = |&v: &usize| error(v) > served || lbs.weights.of(v).count() > influences;
         let vertices: Vec<usize> = (0..rest.len()).filter(is_open).collect();
@@ -250,7 +246,7 @@ impl<'a> OnBasis<'a> {
             open,
             joints: onto(trajectories, joints),
             anchors: onto(trajectories, anchors),
-            plain: palette * faer::Scale(BASE.get()),
+            plain: palette * faer::Scale(training.settings.base),
             lbs: open.lbs.dense(joint_len),
             joints_of: (0..joint_len).chain(dominant.iter().copied()).collect(),
         }
@@ -258,9 +254,11 @@ impl<'a> OnBasis<'a> {
 
     /// Fits weights and maps in turn from some maps of the helpers, and returns the weights.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
-        let columns = self.open.fit.training.basis().vectors.transpose() * maps;
+        let training = self.open.fit.training;
+        let columns = training.basis().vectors.transpose() * maps;
         let maps = Maps { width: 4, columns };
-        let alternation = Alternation { choices: CHOICES, rounds: ROUNDS, ahead: AHEAD.get() };
+        let ahead = training.settings.ahead;
+        let alternation = Alternation { choices: CHOICES, rounds: ROUNDS, ahead };
         alternation.run(self, (&self.open.lbs, maps), influences, || ()).0
     }
 }
@@ -270,9 +268,9 @@ impl InTurn for OnBasis<'_> {
         let palette = faer::concat![[&self.joints, &helpers.columns]];
         let columns = faer::concat![[&palette], [&self.plain]];
         let Open { rest, targets, .. } = self.open;
-        let HelperFit { training, .. } = self.open.fit;
+        let Training { settings, lbs, poses, .. } = self.open.fit.training;
         let strength =
-            (FOLDED * training.lbs.strength).min(FOLDED_MOST) * training.poses.len() as f64;
+            (settings.folded * lbs.strength).min(settings.folded_most) * poses.len() as f64;
         let pull = Some(Pull { to: &self.lbs, joints: &self.joints_of, strength });
         let items = Items { pull, ..Items::vertices(rest, targets, self.open.importance()) };
         items.weights(&Maps { width: 4, columns }, supports)
@@ -282,23 +280,24 @@ impl InTurn for OnBasis<'_> {
         let Open { rest, trajectories, .. } = self.open;
         let importance = self.open.importance();
         let targets = Targets { rest, weights, trajectories, importance };
-        let columns = fit_helpers(&targets, [&self.joints, &self.anchors]);
+        let pull = self.open.fit.training.settings.pull;
+        let columns = fit_helpers(&targets, [&self.joints, &self.anchors], pull);
         Maps { width: 4, columns }
     }
 }
 
 /// Fits the helpers' maps to weights and trajectories.
-fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2]) -> Mat<f64> {
+fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f64) -> Mat<f64> {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
     let left = Targets { weights: &on_joints, ..*targets }.residuals(joints);
     let items = Items::vertices(targets.rest, &left, targets.importance);
-    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, PULL.get()).columns
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
 }
 
 /// How vertices err by LBS in their joints' frames, and where they lie: 3n + 3 a vertex.
 fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
     let (poses, joints) = (&training.poses, &training.lbs.weights);
-    let scale = RESIDUAL_SHARE.get() / (poses.len() as f64).sqrt();
+    let scale = training.settings.residuals / (poses.len() as f64).sqrt();
     let mut features = Mat::zeros(3 * poses.len() + 3, vertices.len());
     for (k, &v) in vertices.iter().enumerate() {
         let h = homogeneous(&training.rest[v]);

@@ -8,6 +8,7 @@ use super::targets::Targets;
 use super::weights::{FREE, Lbs};
 use crate::envelope::error::FitError;
 use crate::envelope::folds::Folds;
+use crate::envelope::settings::Settings;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
 use crate::numeric::columns;
@@ -39,6 +40,8 @@ pub struct Training {
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
     pub lbs: Lbs,
+    /// What the fit is set to.
+    pub settings: Settings,
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
     basis: OnceLock<Basis>,
@@ -91,6 +94,7 @@ impl Training {
             folds: OnceLock::new(),
             trajectories,
             lbs,
+            settings: Settings::default(),
             importance: examples.importance.clone(),
             basis: OnceLock::new(),
         })
@@ -122,6 +126,7 @@ impl Training {
             triangles: self.triangles.iter().filter_map(moved).collect(),
             skeleton: self.skeleton.clone(),
             origins: self.origins.clone(),
+            settings: self.settings.clone(),
             folds: OnceLock::new(),
             importance: self.importance().some(vertices),
             basis: OnceLock::new(),
