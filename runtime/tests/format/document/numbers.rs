@@ -178,7 +178,7 @@ fn the_document_lays_counts_out_as_the_code() {
     assert_eq!(bytes.as_flattened().len(), SkinCounts::BYTES);
     assert_fields("Counts of a skin", bytes.as_flattened(), &fields);
 
-    let figures = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+    let figures = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let certificate = Certificate::from_figures(figures);
     assert_eq!(certificate.figures(), figures);
     let bits = |x: f32| u64::from(x.to_bits());
