@@ -43,7 +43,7 @@ fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
     let training = Training::new(examples, &Silent).unwrap();
     let weights = training.lbs.weights.clone();
     let fitted = Fitted::new(&training, weights, None);
-    let mut model = fitted.file_model(&training, examples, Certificate::default());
+    let mut model = fitted.file_model(&training, Certificate::default());
     model.skins[0].rest_positions[vertex][1] += by;
     model.bake().unwrap()
 }

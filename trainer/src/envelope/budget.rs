@@ -7,14 +7,12 @@ use super::model::{FileModel, RecordModel, SkinModel};
 use super::options::{FileSkins, Options};
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::training::Training;
-use crate::examples::Examples;
 use sinew_runtime::envelope::Certificate;
 use sinew_runtime::skin::NormalErrors;
 
 /// How many bytes a file may have, and what it holds beside the envelope that is chosen.
 pub(super) struct Budget<'a> {
-    training: &'a Training,
-    examples: &'a Examples,
+    training: &'a Training<'a>,
     options: &'a Options,
     record: RecordModel,
     /// Bytes of the smallest file that was tried.
@@ -28,19 +26,18 @@ impl<'a> Budget<'a> {
     /// # Errors
     /// [`TrainError::BudgetOfMesh`].
     pub(super) fn new(
-        training: &'a Training,
-        examples: &'a Examples,
+        training: &'a Training<'a>,
         options: &'a Options,
     ) -> Result<Self, TrainError> {
         let lbs = &training.lbs.weights;
         let mut frames = training.poses.frames();
         frames.dedup();
-        let mut record = RecordModel::new(NAME, examples, &frames, lbs);
+        let mut record = RecordModel::new(NAME, training.examples, &frames, lbs);
         if matches!(options.meshes, FileSkins::PaletteAlone) {
             // Of weights without a mesh nothing can be made.
             record.lbs = None;
         }
-        let own = Self { training, examples, options, record, least: usize::MAX };
+        let own = Self { training, options, record, least: usize::MAX };
         if let Some(budget) = options.budget {
             let strongest = |vertex| vec![(lbs.strongest(vertex).unwrap_or(0), 1.0)];
             let weights = Weights::from_lists(1, (0..lbs.len()).map(strongest));
@@ -94,7 +91,7 @@ impl<'a> Budget<'a> {
     }
 
     fn size(&self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
-        let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
+        let mut model = fitted.file_model(self.training, Certificate::default());
         match &self.options.meshes {
             FileSkins::Skins(further) => {
                 levels::reserve(&mut model, further);

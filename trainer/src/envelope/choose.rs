@@ -21,7 +21,6 @@ use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::training::Training;
-use crate::examples::Examples;
 use crate::examples::spread;
 use crate::progress::{Progress, Silent};
 use faer::Mat;
@@ -48,23 +47,21 @@ pub struct Trained {
 /// Every [`TrainError`].
 pub fn choose(
     training: &Training,
-    examples: &Examples,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
     if let FileSkins::Skins(further) = &options.meshes {
         levels::check_names(further).map_err(AddError::from)?;
-        levels::check_places(further, examples).map_err(AddError::from)?;
+        levels::check_places(further, training.examples).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
     let counts = proxy_counts(training, options);
     let mut choice = PredictorSearch {
         training,
-        examples,
         options,
         progress,
         lbs_rms: lbs.rms(&training.poses.stacked()),
-        budget: Budget::new(training, examples, options)?,
+        budget: Budget::new(training, options)?,
         reports: Vec::new(),
         candidates: Vec::new(),
         helper_fit: None,
@@ -95,8 +92,7 @@ pub fn choose(
 }
 
 struct PredictorSearch<'a> {
-    training: &'a Training,
-    examples: &'a Examples,
+    training: &'a Training<'a>,
     options: &'a Options,
     progress: &'a dyn Progress,
     lbs_rms: f64,
@@ -304,8 +300,7 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, or a smaller one where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let (training, examples, progress, lbs_rms) =
-            (self.training, self.examples, self.progress, self.lbs_rms);
+        let (training, progress, lbs_rms) = (self.training, self.progress, self.lbs_rms);
         let Some(chosen) = chosen(&self.candidates, &self.reports) else {
             return Err(self.budget.exceeded());
         };
@@ -323,7 +318,7 @@ impl PredictorSearch<'_> {
             ..Certificate::default()
         };
         let (fitted, palette) = chosen.fitted.led_by_upright(palette);
-        let mut model = fitted.file_model(training, examples, certificate);
+        let mut model = fitted.file_model(training, certificate);
         let levels = match &self.options.meshes {
             FileSkins::Skins(further) => {
                 progress.step("normals", 1);
@@ -331,8 +326,8 @@ impl PredictorSearch<'_> {
                 // A budget was measured with the lists as they are.
                 let most = self.options.budget.map_or(self.options.influences, |_| 0);
                 let palettes = coefficients.then_some(&palette);
-                fit_normals(&mut model, palettes, most, training, examples)?;
-                levels::add(&mut model, further, coefficients, examples)?
+                fit_normals(&mut model, palettes, most, training)?;
+                levels::add(&mut model, further, coefficients, training.examples)?
             }
             FileSkins::PaletteAlone => {
                 model.skins.clear();
@@ -345,7 +340,7 @@ impl PredictorSearch<'_> {
         let report = TrainingReport {
             left_out: Vec::new(),
             lbs_rms,
-            own_weights_rms: own_weights(examples, &training.lbs.weights)
+            own_weights_rms: own_weights(training.examples, &training.lbs.weights)
                 .map(|own| training.targets(&own).rms(&training.poses.stacked())),
             folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
             chosen: chosen.report,

@@ -7,7 +7,6 @@ use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, Skin
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::stacked::{self, map_of};
 use crate::envelope::skin::training::Training;
-use crate::examples::Examples;
 use crate::numeric::affine::linear;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
@@ -79,12 +78,8 @@ impl Fitted {
 
     /// Gives what a file holds of it, in the units of the input, the skin without tangent coefficients. The
     /// certificate's figures are RMS errors as shares of the diagonal; that of the correction is added here.
-    pub fn file_model(
-        &self,
-        training: &Training,
-        examples: &Examples,
-        certificate: Certificate,
-    ) -> FileModel {
+    pub fn file_model(&self, training: &Training, certificate: Certificate) -> FileModel {
+        let examples = training.examples;
         let mut envelope = self.envelope.restated(training.unit, training.centre);
         // As they were given, to the last digit.
         envelope.skeleton = examples.skeleton.clone();

@@ -30,9 +30,9 @@ pub fn train(
         return Err(FitError::OnePose { found: poses.len() }.into());
     }
     let left_out = sound.left_out().to_vec();
-    let mut training = sound.weighted(examples, progress)?;
+    let mut training = sound.weighted(progress)?;
     training.settings = options.settings.clone();
-    let trained = choose::choose(&training, examples, options, progress);
+    let trained = choose::choose(&training, options, progress);
     let mut trained = trained.map_err(|error| match error {
         TrainError::Bake(BakeError::Refused(_)) => {
             FitError::too_far(examples, COARSE.0).map_or(error, TrainError::Fit)

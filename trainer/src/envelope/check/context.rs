@@ -15,7 +15,7 @@ pub(super) struct Context<'a> {
     pub(super) clips: &'a [Clip],
     /// The n training frames.
     pub(super) frames: Vec<usize>,
-    pub(super) training: Training,
+    pub(super) training: Training<'a>,
     /// What LBS leaves in the training frames, 3n x V, in diagonals.
     pub(super) residuals: Mat<f64>,
     /// The joint that each vertex follows most, V.
@@ -25,10 +25,10 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
+    pub(super) fn new(clips: &'a [Clip], training: Training<'a>) -> Self {
         let (residuals, dominant) = training.left_by_lbs();
         Self {
-            examples,
+            examples: training.examples,
             clips,
             frames: training.poses.frames(),
             residuals,

@@ -130,7 +130,7 @@ pub fn check(
         (examples, None)
     } else {
         others = examples.without(&doubted);
-        all = Context::new(examples, clips, Training::new(examples, progress)?);
+        all = Context::new(clips, Training::new(examples, progress)?);
         (&others, Some(&all))
     };
     progress.step("units and axes", 1);
@@ -141,7 +141,7 @@ pub fn check(
         true => clips::clips(examples, clips, &doubted),
         false => Vec::new(),
     };
-    let context = Context::new(examples, clips, sound.training);
+    let context = Context::new(clips, sound.training);
     if apart && findings.len() == before && by_clip.is_empty() {
         let order = order::of_vertices(learnt);
         findings.extend(order.or_else(|| elsewhere::elsewhere(&context)));

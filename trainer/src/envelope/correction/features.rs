@@ -24,7 +24,7 @@ pub struct Features<'a> {
 
 impl<'a> Features<'a> {
     /// Takes the joints of a training.
-    pub fn of(training: &'a Training) -> Self {
+    pub fn of(training: &'a Training<'a>) -> Self {
         let Training { skeleton, origins, settings, .. } = training;
         Self { parents: &skeleton.parents, origins, settings }
     }

@@ -46,7 +46,7 @@ pub struct Helpers {
 
 /// What a fit of any number of helpers reads.
 pub struct HelperFit<'a> {
-    training: &'a Training,
+    training: &'a Training<'a>,
     /// The vertices on which LBS errs, and how each errs and where it lies, a column a vertex.
     errs: Vec<usize>,
     features: Mat<f64>,
@@ -58,7 +58,7 @@ pub struct HelperFit<'a> {
 
 impl<'a> HelperFit<'a> {
     /// Takes training frames; none where LBS errs nowhere.
-    pub fn new(training: &'a Training) -> Option<Self> {
+    pub fn new(training: &'a Training<'a>) -> Option<Self> {
         let errors = &training.lbs.errors;
         let threshold = training.settings.active.powi(2) * training.poses.len() as f64;
         let errs = |&v: &usize| training.importance().of(v) * errors[v] > threshold;
@@ -364,7 +364,7 @@ impl Helpers {
     }
 
     /// What the joints leave over for a correction to learn.
-    pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
+    pub fn target<'a>(&'a self, training: &'a Training<'a>) -> CorrectionTarget<'a> {
         CorrectionTarget {
             poses: &training.poses,
             folds: training.folds(),
@@ -391,11 +391,14 @@ impl Helpers {
 mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
+    use crate::examples::Examples;
     use crate::progress::Silent;
+    use std::sync::LazyLock;
 
-    fn arm() -> Training {
-        let options = DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 };
-        Training::new(&demo(&options), &Silent).unwrap()
+    fn arm() -> Training<'static> {
+        static ARM: LazyLock<Examples> =
+            LazyLock::new(|| demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 }));
+        Training::new(&ARM, &Silent).unwrap()
     }
 
     #[test]

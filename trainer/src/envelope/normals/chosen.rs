@@ -5,7 +5,6 @@ use crate::envelope::error::TrainError;
 use crate::envelope::evaluate::{Baseline, Character, Measured};
 use crate::envelope::model::FileModel;
 use crate::envelope::skin::training::Training;
-use crate::examples::Examples;
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
 
@@ -19,8 +18,8 @@ pub fn fit_normals(
     palettes: Option<&Mat<f64>>,
     most: usize,
     training: &Training,
-    examples: &Examples,
 ) -> Result<(), TrainError> {
+    let examples = training.examples;
     if let Some(palettes) = palettes {
         let surface = PosedSurface {
             rest: &training.rest,

@@ -185,25 +185,27 @@ mod tests {
     use crate::envelope::fitted::Fitted;
     use crate::envelope::helpers::fit::HelperFit;
     use crate::envelope::skin::training::Training;
+    use crate::examples::Examples;
     use crate::progress::Silent;
     use nalgebra::{DMatrix, DVector, Matrix3};
     use sinew_runtime::envelope::Certificate;
+    use std::sync::LazyLock;
 
     /// A small arm in the training's lengths, its helpers' true palettes, and the skin that follows them.
-    fn arm() -> (Training, Mat<f64>, Vec<Fan>, SkinModel) {
-        let options = DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 };
-        let examples = demo(&options);
-        let training = Training::new(&examples, &Silent).unwrap();
+    fn arm() -> (Training<'static>, Mat<f64>, Vec<Fan>, SkinModel) {
+        static ARM: LazyLock<Examples> =
+            LazyLock::new(|| demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 }));
+        let training = Training::new(&ARM, &Silent).unwrap();
         let helpers = HelperFit::new(&training).unwrap().run(6, 4);
         let palettes = helpers.true_palette(&training.poses);
         let fitted = Fitted::new(&training, helpers.weights, None);
-        let mut model = fitted.file_model(&training, &examples, Certificate::default());
-        let fans = Fan::all(&examples.triangles, examples.vertex_len());
+        let mut model = fitted.file_model(&training, Certificate::default());
+        let fans = Fan::all(&ARM.triangles, ARM.vertex_len());
         (training, palettes, fans, model.skins.remove(0))
     }
 
     fn surface<'a>(
-        training: &'a Training,
+        training: &'a Training<'a>,
         palettes: &'a Mat<f64>,
         fans: &'a [Fan],
     ) -> PosedSurface<'a> {

@@ -21,16 +21,16 @@ pub struct Doubted {
 }
 
 /// The training frames whose meshes belong to their poses, and the others.
-pub struct Sound {
+pub struct Sound<'a> {
     /// A training on the frames that belong to their poses, once each, and on those that stay.
-    pub training: Training,
+    pub training: Training<'a>,
     /// The others, the worst first.
     pub doubted: Vec<Doubted>,
     /// Whether they stay in the training, for it would have too few frames, or no motion, without them.
     pub stay: bool,
 }
 
-impl Sound {
+impl<'a> Sound<'a> {
     /// Looks at the training frames of the examples. Meshes of the scene's own skin all belong to their poses.
     ///
     /// Each look judges all frames by LBS that is fitted without those of the look before: a frame that a wrong one made
@@ -38,7 +38,7 @@ impl Sound {
     ///
     /// # Errors
     /// Those of [`Training::new`].
-    pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
+    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         let frames = examples.frames_of(Split::Train);
         let mut all = Training::of(examples, &frames, progress)?;
         let mut found = Vec::new();
@@ -90,11 +90,8 @@ impl Sound {
     ///
     /// # Errors
     /// Those of [`Training::new`].
-    pub fn weighted(
-        self,
-        examples: &Examples,
-        progress: &dyn Progress,
-    ) -> Result<Training, FitError> {
+    pub fn weighted(self, progress: &dyn Progress) -> Result<Training<'a>, FitError> {
+        let examples = self.training.examples;
         let frames = self.training.poses.frames();
         let repeated = examples.repeated(&frames);
         if repeated.len() == frames.len() {
@@ -117,8 +114,9 @@ mod tests {
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::progress::Silent;
 
-    /// Poses, and how many of the last ones explode.
-    fn look(poses: usize, broken: usize) -> (Vec<usize>, Sound) {
+    /// Looks at poses of which the last ones explode. Returns the frames that are named, and how many are left out and how
+    /// many kept.
+    fn look(poses: usize, broken: usize) -> (Vec<usize>, [usize; 2]) {
         let mut examples = demo(&DemoOptions { vertices: 300, poses, held_out: 0, seed: 1 });
         let first = (poses - broken) * examples.vertex_len();
         let size = 0.07 * examples.diagonal();
@@ -128,16 +126,15 @@ mod tests {
         let sound = Sound::new(&examples, &Silent).unwrap();
         let mut named: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
         named.sort_unstable();
-        (named, sound)
+        (named, [sound.left_out().len(), sound.training.poses.len()])
     }
 
     #[test]
     fn a_quarter_is_left_out_more_stay_and_are_named_and_six_are_kept() {
         for (poses, broken, left_out) in [(20, 5, 5), (30, 8, 0), (7, 1, 1), (6, 1, 0)] {
-            let (named, sound) = look(poses, broken);
+            let (named, counts) = look(poses, broken);
             assert_eq!(named, Vec::from_iter(poses - broken..poses));
-            assert_eq!(sound.left_out().len(), left_out);
-            assert_eq!(sound.training.poses.len(), poses - left_out);
+            assert_eq!(counts, [left_out, poses - left_out]);
         }
     }
 }

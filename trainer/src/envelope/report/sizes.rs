@@ -10,7 +10,7 @@ use crate::envelope::rotational::settings::near_rigid;
 use crate::envelope::skin::poses::MIN_POSES;
 use crate::envelope::skin::training::Training;
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
-use crate::examples::{Examples, Split};
+use crate::examples::Split;
 use crate::progress::Progress;
 use sinew_runtime::Limits;
 use std::time::Instant;
@@ -84,13 +84,13 @@ impl Sizes {
         let (frames, seen) = frames(comparison);
         let examples = &comparison.source.examples.trained_on(&frames);
         let begun = Instant::now();
-        let training = Sound::new(examples, progress)?.weighted(examples, progress)?;
+        let training = Sound::new(examples, progress)?.weighted(progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
         let counts = counts(comparison.model.character.envelope.proxy_len(), &training);
         let mut sizes = Self { shared_seconds, seen, trials: Vec::new(), near_rigid: None };
         for (number, &proxies) in counts.iter().enumerate() {
             progress.part(number + 1, counts.len());
-            let outcome = sizes.attempt(comparison, (examples, &training), proxies, progress);
+            let outcome = sizes.attempt(comparison, &training, proxies, progress);
             sizes.trials.push(SizeTrial { proxies, outcome });
         }
         Ok(sizes)
@@ -99,7 +99,7 @@ impl Sizes {
     fn attempt(
         &mut self,
         comparison: &Comparison<'_>,
-        (examples, training): (&Examples, &Training),
+        training: &Training,
         proxies: usize,
         progress: &dyn Progress,
     ) -> Result<Outcome, SizeError> {
@@ -112,12 +112,13 @@ impl Sizes {
         };
         let stopwatch = Stopwatch::new(progress);
         let begun = Instant::now();
-        let Trained { model, report, .. } = choose(training, examples, &options, &stopwatch)?;
+        let Trained { model, report, .. } = choose(training, &options, &stopwatch)?;
         let (seconds, steps) = (begun.elapsed().as_secs_f64(), stopwatch.finish());
         if let (true, Some(fit)) = (proxies == envelope.proxy_len(), &report.rotational) {
             let fraction = fit.choice.near_rigid_fraction;
             self.near_rigid = Some(near_rigid(&training.lbs.errors, fraction));
         }
+        let examples = training.examples;
         let trained = Character::open(&model, None, examples)?;
         let errors = Measured::model(&trained, examples, &comparison.measured_frames())?.errors();
         Ok(Outcome {

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Clone, Copy)]
 pub struct Residuals<'a> {
     /// The training frames.
-    pub training: &'a Training,
+    pub training: &'a Training<'a>,
     /// What it leaves, 3n x V, in diagonals.
     pub left: &'a Mat<f64>,
     /// The joint that each vertex follows most, V.

@@ -21,7 +21,9 @@ use std::sync::OnceLock;
 /// The training frames with the root's motion removed, about the centre of the rest mesh and with
 /// all lengths in units of the rest diagonal, so that no constant and no rounding of the fit depends
 /// on the units of the input or on where it stands.
-pub struct Training {
+pub struct Training<'a> {
+    /// The examples.
+    pub examples: &'a Examples,
     /// The rest diagonal, in units of the input.
     pub unit: f64,
     /// The centroid of the rest mesh, in units of the input.
@@ -48,12 +50,12 @@ pub struct Training {
     folds: OnceLock<Folds>,
 }
 
-impl Training {
+impl<'a> Training<'a> {
     /// Gathers the training frames of the examples; no other frame is read.
     ///
     /// # Errors
     /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
-    pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
+    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         Ok(Self::of(examples, &examples.frames_of(Split::Train), progress)?.pulled())
     }
 
@@ -62,7 +64,7 @@ impl Training {
     /// # Errors
     /// As [`Training::new`].
     pub fn of(
-        examples: &Examples,
+        examples: &'a Examples,
         frames: &[usize],
         progress: &dyn Progress,
     ) -> Result<Self, FitError> {
@@ -84,6 +86,7 @@ impl Training {
         progress.step("LBS weights", 1);
         let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior(examples, &poses), FREE));
         Ok(Self {
+            examples,
             unit,
             centre,
             rest,
@@ -144,7 +147,7 @@ impl Training {
     }
 
     /// The training meshes, as vertices of these weights on a palette.
-    pub fn targets<'a>(&'a self, weights: &'a Weights) -> Targets<'a> {
+    pub fn targets<'t>(&'t self, weights: &'t Weights) -> Targets<'t> {
         Targets {
             rest: &self.rest,
             weights,
