@@ -48,4 +48,4 @@ pub use choose::Trained;
 pub use error::{FitError, TrainError};
 pub use options::{FileSkins, Options, Predict};
 pub use settings::Settings;
-pub use train::train;
+pub use train::{train, train_on};

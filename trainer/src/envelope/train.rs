@@ -21,10 +21,22 @@ pub fn train(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
+    train_on(Sound::new(examples, progress)?, options, progress)
+}
+
+/// Trains as [`train`] does, on frames that were judged before.
+///
+/// # Errors
+/// Every [`TrainError`].
+pub fn train_on(
+    sound: Sound<'_>,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Trained, TrainError> {
+    let examples = sound.training.examples;
     if let Some(error) = FitError::too_far(examples, COARSE.1) {
         return Err(error.into());
     }
-    let sound = Sound::new(examples, progress)?;
     let poses = &sound.training.poses;
     if poses.are_one() {
         return Err(FitError::OnePose { found: poses.len() }.into());

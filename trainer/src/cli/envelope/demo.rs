@@ -12,6 +12,7 @@ use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames};
 use sinew_trainer::envelope::export::by_use;
+use sinew_trainer::envelope::predicted::Sound;
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions};
 use sinew_trainer::examples::{Clip, Examples, Split, npz};
@@ -85,7 +86,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let page_file = OutputFile::new(&page, &[])?;
     let examples = arguments.size.generate(output)?;
     let train = |fit: &train::FitArguments| {
-        fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)
+        let sound = Sound::new(&examples, &Silent)?;
+        fit.train(sound, "demo", FileSkins::Skins(Vec::new()), output)
     };
     let trained = train(&arguments.fit)?;
     let other = train(&arguments.fit.other(trained.report.chosen().proxies.max(1)))?;

@@ -11,13 +11,16 @@ use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
-use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::check::finding::Kind;
+use sinew_trainer::envelope::check::judge;
 use sinew_trainer::envelope::levels::AddError;
+use sinew_trainer::envelope::predicted::Sound;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
-use sinew_trainer::envelope::{FileSkins, Options, Predict, Settings, TrainError, Trained, train};
-use sinew_trainer::examples::{Examples, Split, Warning};
+use sinew_trainer::envelope::{
+    FileSkins, Options, Predict, Settings, TrainError, Trained, train_on,
+};
+use sinew_trainer::examples::{Split, Warning};
 use sinew_trainer::progress::Silent;
 use std::path::PathBuf;
 
@@ -169,10 +172,10 @@ impl FitArguments {
         }
     }
 
-    /// Fits an envelope to examples that came from `source`.
+    /// Fits an envelope to judged training frames of examples that came from `source`.
     pub(in crate::cli) fn train(
         &self,
-        examples: &Examples,
+        sound: Sound<'_>,
         source: &str,
         meshes: FileSkins,
         output: Output,
@@ -186,7 +189,7 @@ impl FitArguments {
         if self.published && self.proxies.is_some_and(|count| count > most) {
             bail!("--published: a file has room for {most} proxies, for each takes that of two")
         }
-        let triangles = examples.triangles.len();
+        let triangles = sound.training.examples.triangles.len();
         let proxies = match (self.max_error, self.proxies) {
             (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
             (None, Some(count)) if count > triangles => {
@@ -203,7 +206,7 @@ impl FitArguments {
             meshes,
             settings: Settings::default(),
         };
-        train(examples, &options, &Bars::new(output)).map_err(|error| match error {
+        train_on(sound, &options, &Bars::new(output)).map_err(|error| match error {
             // It names the further mesh, whose fault it is.
             TrainError::Level(AddError::Level(error)) => error.into(),
             error => anyhow::Error::new(error).context(source.to_owned()),
@@ -241,7 +244,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     further.check_names()?;
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
-    let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
+    let (checked, sound) = judge(&examples, &clips, &Silent).with_context(|| source.clone())?;
     // Kernel maps have no half turn at which they jump.
     let FitArguments { predictor, published, .. } = arguments.fit;
     let jumps = published || matches!(predictor, Some(Predictor::Rotational));
@@ -250,7 +253,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         output.warn(&source, &finding.text);
         said.push(finding.text.clone());
     }
-    let trained = arguments.fit.train(&examples, &source, meshes, output)?;
+    let trained = arguments.fit.train(sound, &source, meshes, output)?;
     let diagonal_mm = examples.diagonal_mm();
     levels::warn(&trained.levels, also, diagonal_mm, output);
     let lbs = 100.0 * trained.report.lbs_rms;

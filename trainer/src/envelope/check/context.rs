@@ -15,7 +15,7 @@ pub(super) struct Context<'a> {
     pub(super) clips: &'a [Clip],
     /// The n training frames.
     pub(super) frames: Vec<usize>,
-    pub(super) training: Training<'a>,
+    pub(super) training: &'a Training<'a>,
     /// What LBS leaves in the training frames, 3n x V, in diagonals.
     pub(super) residuals: Mat<f64>,
     /// The joint that each vertex follows most, V.
@@ -25,7 +25,7 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub(super) fn new(clips: &'a [Clip], training: Training<'a>) -> Self {
+    pub(super) fn new(clips: &'a [Clip], training: &'a Training<'a>) -> Self {
         let (residuals, dominant) = training.left_by_lbs();
         Self {
             examples: training.examples,
@@ -33,7 +33,7 @@ impl<'a> Context<'a> {
             frames: training.poses.frames(),
             residuals,
             dominant,
-            turns: Turns::new(&training.poses, Features::of(&training)),
+            turns: Turns::new(&training.poses, Features::of(training)),
             training,
         }
     }
@@ -50,7 +50,7 @@ impl<'a> Context<'a> {
     }
 
     pub(super) fn left(&self) -> Residuals<'_> {
-        Residuals { training: &self.training, left: &self.residuals, dominant: &self.dominant }
+        Residuals { training: self.training, left: &self.residuals, dominant: &self.dominant }
     }
 
     /// Names the `i`-th training frame.

@@ -71,7 +71,7 @@ pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
         .collect();
     let poses = Poses::new(context.examples, &others);
     let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
-    let others = (others, Turns::new(&poses, Features::of(&context.training)));
+    let others = (others, Turns::new(&poses, Features::of(context.training)));
     let skins = context.skins();
     let joints = (0..context.examples.joint_len()).into_par_iter();
     joints.map(|joint| of(context, joint, &skins[joint], &others)).collect()

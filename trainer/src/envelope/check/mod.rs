@@ -104,33 +104,48 @@ pub fn check(
     clips: &[Clip],
     progress: &dyn Progress,
 ) -> Result<Check, CheckError> {
+    judge(examples, clips, progress).map(|(check, _)| check)
+}
+
+/// Checks examples as [`check`] does, and returns the judged training frames too, for a training on these.
+///
+/// # Errors
+/// As [`check`].
+pub fn judge<'a>(
+    examples: &'a Examples,
+    clips: &[Clip],
+    progress: &dyn Progress,
+) -> Result<(Check, Sound<'a>), CheckError> {
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = size::size(examples, &mut findings);
-    let mut sound = Sound::new(examples, progress)?;
+    let given = Sound::new(examples, progress)?;
     progress.step("steps", 1);
-    let mut left_out: Vec<usize> = sound.left_out().iter().map(|of| of.frame).collect();
+    let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
     // One cause, one finding: what late meshes look like otherwise is not told too.
     let in_step = step::steps(examples, clips, &left_out, &mut findings);
-    let examples = match &in_step {
+    let stepped;
+    let sound = match &in_step {
         Some(in_step) => {
-            sound = Sound::new(in_step, progress)?;
-            in_step
+            stepped = Sound::new(in_step, progress)?;
+            &stepped
         }
-        None => examples,
+        None => &given,
     };
+    let examples = sound.training.examples;
     let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
     let mut named =
-        (!doubted.is_empty()).then(|| broken::broken(&sound, clips, examples.diagonal_mm()));
+        (!doubted.is_empty()).then(|| broken::broken(sound, clips, examples.diagonal_mm()));
     // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
     // told of every one.
-    let (others, all);
+    let (others, whole, all);
     let (learnt, all) = if sound.left_out().is_empty() {
         (examples, None)
     } else {
         others = examples.without(&doubted);
-        all = Context::new(clips, Training::new(examples, progress)?);
+        whole = Training::new(examples, progress)?;
+        all = Context::new(clips, &whole);
         (&others, Some(&all))
     };
     progress.step("units and axes", 1);
@@ -141,7 +156,7 @@ pub fn check(
         true => clips::clips(examples, clips, &doubted),
         false => Vec::new(),
     };
-    let context = Context::new(clips, sound.training);
+    let context = Context::new(clips, &sound.training);
     if apart && findings.len() == before && by_clip.is_empty() {
         let order = order::of_vertices(learnt);
         findings.extend(order.or_else(|| elsewhere::elsewhere(&context)));
@@ -183,7 +198,9 @@ pub fn check(
         // Poses teach nothing where LBS leaves nothing.
         false => Vec::new(),
     };
-    Ok(Check { size, rest, faces, lbs, advice, joints, never_together, predicted, findings })
+    let check =
+        Check { size, rest, faces, lbs, advice, joints, never_together, predicted, findings };
+    Ok((check, given))
 }
 
 impl Check {
@@ -218,7 +235,7 @@ fn floor(context: &Context<'_>) -> Floor {
 
 /// RMS error of LBS by the joint weights that come with the mesh, in diagonals, where there are any.
 fn own_weights_rms(context: &Context<'_>) -> Option<f64> {
-    let training = &context.training;
+    let training = context.training;
     let own = own_weights(context.examples, &training.lbs.weights)?;
     // Every vertex counts the same, as for the fitted weights.
     let targets = Targets { importance: Importance::ALIKE, ..training.targets(&own) };

@@ -72,7 +72,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     }
     let errors: Vec<SampleErrors> = regions
         .par_iter()
-        .map(|region| region.errors(&context.training, &poses))
+        .map(|region| region.errors(context.training, &poses))
         .collect::<Option<Vec<_>>>()?;
     let sum = |of: &dyn Fn(&SampleErrors) -> f64| errors.iter().map(of).sum::<f64>();
     let left = |r: &Region| (0..poses.len()).map(|i| r.regression.left(i)).sum::<f64>();
