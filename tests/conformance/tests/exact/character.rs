@@ -22,10 +22,10 @@ const PROXIES: usize = 9;
 const INFLUENCES: usize = 4;
 
 /// Lengths are in units of the rest diagonal.
-pub(crate) struct Character {
+pub(crate) struct Character<'a> {
     pub(crate) joint_len: usize,
     /// The rest mesh and the training frames.
-    pub(crate) training: Training,
+    pub(crate) training: Training<'a>,
     /// α.
     pub(crate) proxies: Weights,
     /// β.
@@ -38,8 +38,8 @@ pub(crate) struct Character {
     pub(crate) sequences: Vec<Vec<Matrix3<f64>>>,
 }
 
-impl Character {
-    pub(crate) fn fit(examples: &Examples) -> Self {
+impl<'a> Character<'a> {
+    pub(crate) fn fit(examples: &'a Examples) -> Self {
         let training = Training::new(examples, &Silent).expect("there are poses and triangles");
         let Training { rest, triangles, poses, trajectories, .. } = &training;
         let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES, None);

@@ -68,7 +68,8 @@ fn rest_pose(character: &Character) -> (Vec<Matrix3<f64>>, Vec<Transform>) {
 
 #[test]
 fn the_rest_pose_gives_the_rest_mesh() {
-    let character = Character::fit(&demo_examples(200));
+    let examples = demo_examples(200);
+    let character = Character::fit(&examples);
     let reduced = character.reduction(ANCHORS).run().unwrap();
     let (mut d, q) = rest_pose(&character);
     let rest = &character.training.rest;
@@ -80,7 +81,8 @@ fn the_rest_pose_gives_the_rest_mesh() {
 
 #[test]
 fn a_rigid_motion_of_gradients_and_joints_passes_through() {
-    let character = Character::fit(&demo_examples(200));
+    let examples = demo_examples(200);
+    let character = Character::fit(&examples);
     let poses = &character.training.poses;
     let reduced = character.reduction(ANCHORS).run().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -169,7 +171,7 @@ fn a_file_evaluates_as_it_was_fitted() {
 }
 
 fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted) {
-    let bytes = fitted.file_model(training, examples, Certificate::default()).bake().unwrap();
+    let bytes = fitted.file_model(training, Certificate::default()).bake().unwrap();
     let model = Model::from_bytes(bytes).unwrap();
     let oracle = EnvelopeModel::from_file(&model.envelope().unwrap());
     let frames: Vec<_> = (0..examples.frame_len()).collect();
