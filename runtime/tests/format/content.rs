@@ -42,7 +42,7 @@ fn each_float_is_checked() {
     ] {
         assert_eq!(negative(error.section.unwrap()), Err(FileError { index: 1, ..error }));
     }
-    for index in 0..6 {
+    for index in 0..7 {
         let refused = edited(|b| b.set_float(SectionKind::Certificate, index, f32::NAN));
         let error = envelope_error(Kind::Float, SectionKind::Certificate);
         assert_eq!(refused, Err(FileError { index: index as u32, ..error }));

@@ -209,7 +209,7 @@ fn counts(kind: SectionKind) {
     let counts = FilterCounts::from_words(black_box([0; 2]));
     black_box((counts.section_bytes(kind), counts.words()));
     black_box(FilterFit::from_figures(black_box([0.0; 3])).figures());
-    black_box(Certificate::from_figures(black_box([0.0; 6])).figures());
+    black_box(Certificate::from_figures(black_box([0.0; 7])).figures());
 }
 
 fn numbers(envelope: Envelope<'_>) {
