@@ -126,12 +126,13 @@ impl PredictorSearch<'_> {
         Some(fit.run(count, self.options.influences).listening(self.training, &self.known))
     }
 
+    fn rotational_options(&self, proxies: ProxyCount) -> RotationalOptions {
+        let Options { influences, .. } = *self.options;
+        RotationalOptions { proxies, influences, method: self.options.method() }
+    }
+
     fn rotational(&mut self, count: ProxyCount) -> Result<(), TrainError> {
-        let options = RotationalOptions {
-            proxies: count,
-            influences: self.options.influences,
-            method: self.options.method(),
-        };
+        let options = self.rotational_options(count);
         let rotational = rotational::fit(self.training, &options, self.progress)?;
         let fitted = rotational.fitted(self.training);
         for coefficients in self.budget.with_coefficients() {
@@ -250,9 +251,9 @@ impl PredictorSearch<'_> {
         self.reports.push(report);
     }
 
-    /// Forecasts the error of what was chosen on more frames of the training clips and on another clip.
+    /// Forecasts the error of the chosen model on more frames of the training clips and on another clip.
     fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
-        let Self { training, options, .. } = *self;
+        let training = self.training;
         let folds = training.folds();
         let [some, all] =
             [FORECAST_VERTICES, usize::MAX].map(|most| spread(training.rest.len(), most));
@@ -260,11 +261,7 @@ impl PredictorSearch<'_> {
         let proxies = ProxyCount::Fixed(envelope.proxy_len());
         match chosen.rotational {
             Some(_) => {
-                let options = RotationalOptions {
-                    proxies,
-                    influences: options.influences,
-                    method: options.method(),
-                };
+                let options = self.rotational_options(proxies);
                 let fit = |part: &Training| {
                     let rotational = rotational::fit(part, &options, &Silent).ok()?;
                     Some(rotational.fitted(part))
@@ -309,9 +306,10 @@ impl PredictorSearch<'_> {
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
         let [same_clips, other_clip] = self.forecasts(chosen);
+        let same_clips = same_clips.unwrap_or(chosen.validated_rms);
         let certificate = Certificate {
             training_rms: training_rms as f32,
-            same_clips_rms: same_clips.unwrap_or(chosen.validated_rms) as f32,
+            same_clips_rms: same_clips as f32,
             other_clip_rms: other_clip.map(|rms| rms as f32),
             lbs_training_rms: lbs_rms as f32,
             base_training_rms: base_rms as f32,
@@ -345,7 +343,7 @@ impl PredictorSearch<'_> {
             folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
             chosen: chosen.report,
             training_rms,
-            same_clips_rms: same_clips.unwrap_or(chosen.validated_rms),
+            same_clips_rms: same_clips,
             other_clip_rms: other_clip,
             rotational: chosen.rotational.clone(),
             angle_ranges: training.poses.angle_ranges(),

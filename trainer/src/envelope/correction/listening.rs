@@ -1,4 +1,4 @@
-//! What a map listens to, and by which kernel, chosen by folds of the training poses.
+//! The inputs and the kernel of a map, chosen by folds of the training poses.
 
 use super::features::near;
 use super::target::CorrectionTarget;
