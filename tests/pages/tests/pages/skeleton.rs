@@ -13,7 +13,7 @@ const TO_MODEL: Matrix3x4 = [[0.0, 1.0, 0.0, 2.0], [-1.0, 0.0, 0.0, 3.0], [0.0, 
 
 /// How far off the arm is that is scaled by 1.1, by predictor, as the page says.
 const SCALED: [(Predictor, f32); 2] =
-    [(Predictor::Kernel, 0.00096), (Predictor::Rotational, 0.414)];
+    [(Predictor::Kernel, 0.00079), (Predictor::Rotational, 0.414)];
 
 #[test]
 fn frames_of_a_larger_skeleton_are_gathered_by_name() {
