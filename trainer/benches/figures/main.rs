@@ -4,9 +4,11 @@
 //! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or `scaling`. Sets that are not
 //! in `../shared/data` are named and left out.
 
+mod full;
 mod painted;
 
 use faer::Mat;
+use full::Full;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
@@ -14,7 +16,6 @@ use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::envelope::export::{by_use, demo_glb};
-use sinew_trainer::envelope::rotational::full::Full;
 use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::rotational::{self, merge};
 use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
@@ -131,14 +132,7 @@ fn full() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 != "mpfb-body") {
         for fraction in [0.05, 0.25, 0.5, 0.75] {
             let full = Full::fit(&examples, fraction)?;
-            let held_out = examples.frames_of(Split::HeldOut);
-            let squared: f64 = held_out
-                .iter()
-                .flat_map(|&frame| full.reconstruct(frame).into_iter().zip(examples.frame(frame)))
-                .map(|(y, truth)| (0..3).map(|k| (y[k] - truth[k]).powi(2)).sum::<f64>())
-                .sum();
-            let rms = (squared / (held_out.len() * examples.vertex_len()) as f64).sqrt();
-            let percent = 100.0 * rms / examples.diagonal();
+            let percent = 100.0 * full.rms(Full::reconstruct) / examples.diagonal();
             println!("{name}: {:.0} % near-rigid, held out {percent:.4} %", 100.0 * fraction);
         }
     }

@@ -1,6 +1,7 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
+use super::alike::FEW_VERTICES;
 use super::budget::Budget;
 use super::candidate::{Candidate, chosen};
 use super::counts::{proxies_max, proxy_counts, usual_count};
@@ -26,8 +27,6 @@ use crate::progress::{Progress, Silent};
 use faer::Mat;
 use sinew_runtime::envelope::{Certificate, Predictor};
 
-/// Vertices on which forecasts are made; more forecast the same.
-const FORECAST_VERTICES: usize = 1000;
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
 
@@ -77,14 +76,18 @@ pub fn choose(
             }
             choice.listen();
             for (count, part) in each {
-                progress.part(part, parts);
-                choice.kernel(count)?;
+                if choice.needs(count) {
+                    progress.part(part, parts);
+                    choice.kernel(count)?;
+                }
             }
         }
         Predict::Only(Predictor::Rotational) | Predict::Published => {
             for (count, part) in each {
-                progress.part(part, parts);
-                choice.rotational(count)?;
+                if choice.needs(count) {
+                    progress.part(part, parts);
+                    choice.rotational(count)?;
+                }
             }
         }
     }
@@ -118,6 +121,15 @@ impl PredictorSearch<'_> {
             self.known = lists::choose(&target, self.progress);
             helpers.listening(self.training, &self.known)
         });
+    }
+
+    /// Returns whether a number of proxies is to be tried: without a budget fewer than usual are not, once more were better.
+    fn needs(&self, count: ProxyCount) -> bool {
+        let usual = usual_count(self.training);
+        let is_fewer = matches!(count, ProxyCount::Fixed(count) if count < usual);
+        let best = chosen(&self.candidates, &self.reports);
+        let is_past = best.is_some_and(|best| best.fitted.envelope.proxy_len() > usual);
+        self.options.budget.is_some() || !is_fewer || !is_past
     }
 
     /// Fits helpers; none where LBS errs nowhere.
@@ -255,8 +267,7 @@ impl PredictorSearch<'_> {
     fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
         let training = self.training;
         let folds = training.folds();
-        let [some, all] =
-            [FORECAST_VERTICES, usize::MAX].map(|most| spread(training.rest.len(), most));
+        let [some, all] = [FEW_VERTICES, usize::MAX].map(|most| spread(training.rest.len(), most));
         let envelope = &chosen.fitted.envelope;
         let proxies = ProxyCount::Fixed(envelope.proxy_len());
         match chosen.rotational {

@@ -8,7 +8,7 @@ use sinew_runtime::Limits;
 /// Fewest proxies to begin with, where nothing else is said.
 const PROXIES: usize = 40;
 /// Candidate numbers of proxies against that, in quarters; the last only where bytes are few.
-const QUARTERS: [usize; 4] = [4, 2, 8, 1];
+const QUARTERS: [usize; 4] = [4, 8, 2, 1];
 
 /// The numbers of proxies to try, the usual one first.
 pub(super) fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {

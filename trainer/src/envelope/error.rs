@@ -2,7 +2,6 @@
 
 use super::evaluate::EvaluateError;
 use super::levels::AddError;
-use super::rotational::poisson::PoissonError;
 use crate::bake::BakeError;
 use crate::examples::Examples;
 
@@ -89,9 +88,6 @@ pub enum FitError {
         /// With so many.
         proxies: usize,
     },
-    /// The full reconstruction could not be set up.
-    #[error(transparent)]
-    Poisson(#[from] PoissonError),
     /// No candidate gives a regular system.
     #[error("the reduced reconstruction is singular for every choice of near-rigid vertices")]
     Singular,

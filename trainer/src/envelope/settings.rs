@@ -1,5 +1,7 @@
 //! The numbers that a fit of helpers and their maps is set to.
 
+use super::alike::UNSEEN;
+
 /// The numbers that a fit of helpers and their maps is set to. Lengths are in diagonals of the rest mesh.
 ///
 /// `cargo bench -p sinew-trainer --bench figures -- settings` trains with a third and with three times of each.
@@ -41,7 +43,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             active: 4e-4,
-            served: 1e-4,
+            served: UNSEEN,
             residuals: 8.0,
             pull: 3e-6,
             base: 0.015,

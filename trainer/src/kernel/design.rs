@@ -25,6 +25,9 @@ const UNEXPLAINED: f64 = 1e-6;
 /// Squared distance from rest up to which a design's certainty tells, over that of the farthest sample.
 const REACH: f64 = 2.0;
 
+/// Squared singular values that are a smaller share of the largest are rounding.
+const ROUNDED: f64 = 1e-14;
+
 /// What a design is made with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hyperparameters {
@@ -292,17 +295,25 @@ impl<'a> Design<'a> {
 }
 
 /// The left singular vectors of a matrix, n x k, and its squared singular values, descending; none where the
-/// decomposition does not converge. Of a wide one they come from inner products, in half the time: what that rounds is
-/// far below every ridge.
+/// decomposition does not converge. They come from inner products, in half the time of a decomposition of the matrix itself.
+/// What that rounds is far below every ridge, and is left out.
 fn directions(columns: &Mat<f64>) -> Option<(Mat<f64>, Vec<f64>)> {
-    if columns.nrows() > columns.ncols() {
-        let svd = columns.thin_svd().ok()?;
-        let squared = svd.S().column_vector().iter().map(|s| s * s).collect();
-        return Some((svd.U().to_owned(), squared));
+    let is_wide = columns.nrows() <= columns.ncols();
+    let products =
+        if is_wide { columns * columns.transpose() } else { columns.transpose() * columns };
+    let eigen = products.self_adjoint_eigen(Side::Lower).ok()?;
+    let mut squared: Vec<f64> = eigen.S().column_vector().iter().rev().copied().collect();
+    let least = ROUNDED * squared.first()?;
+    squared.truncate(squared.iter().take_while(|&&s| s > least).count());
+    let vectors = eigen.U().reverse_cols().subcols(0, squared.len());
+    if is_wide {
+        return Some((vectors.to_owned(), squared));
     }
-    let eigen = (columns * columns.transpose()).self_adjoint_eigen(Side::Lower).ok()?;
-    let squared = eigen.S().column_vector().iter().rev().map(|s| s.max(0.0)).collect();
-    Some((eigen.U().reverse_cols().to_owned(), squared))
+    let mut directions = columns * vectors;
+    for (mut direction, s) in directions.col_iter_mut().zip(&squared) {
+        direction *= faer::Scale(1.0 / s.sqrt());
+    }
+    Some((directions, squared))
 }
 
 impl BlockOut {

@@ -7,10 +7,7 @@ use super::outputs::Block;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;
-use std::ops::Range;
 
-/// Which of the candidate widths are tried: fits with few centres need the others.
-const TRIED_WIDTHS: Range<usize> = 1..4;
 /// Candidate ridges, as shares of the kernel's mean diagonal, so that one chosen on some samples
 /// holds for all.
 const RIDGES: [f64; 3] = [1e-5, 1e-4, 1e-3];
@@ -45,7 +42,8 @@ impl GramRegression {
             |m: &Mat<f64>| Mat::from_fn(some.len(), some.len(), |i, j| m[(some[i], some[j])]);
         let picked_gram = pick(&gram);
         let (mut best, mut least) = (None, f64::INFINITY);
-        for &width in &WIDTHS[TRIED_WIDTHS] {
+        // With the narrowest a frame would be known by its neighbours alone.
+        for &width in &WIDTHS[1..] {
             let kernel = pick(&inputs.kernel_matrix(GroupKernel::Gaussian, width));
             let mean = kernel.diagonal().column_vector().sum() / some.len() as f64;
             for ridge in RIDGES.map(|ridge| ridge * mean) {

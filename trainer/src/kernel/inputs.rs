@@ -6,7 +6,7 @@ use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate squared widths, in median squared distances of the samples.
-pub const WIDTHS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
+pub const WIDTHS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
 /// Share of the linear kernel beside the other, over the median squared distance.
 const LINEAR: f64 = 0.2;

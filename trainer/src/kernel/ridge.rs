@@ -12,10 +12,7 @@ use sinew_runtime::format::CORRECTION_MAX;
 /// Roundings of a term of the sum in f32, each at random; `kernel::map` has the bound for the worst.
 const TERM: f64 = 5.0;
 /// Candidate ridges, relative to the largest squared singular value, ascending.
-const RIDGES: [f64; 13] =
-    [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
-/// How many times as large as the last that was tried a ridge is for which smaller ones need no trial.
-const PAST: f64 = 50.0;
+const RIDGES: [f64; 5] = [1e-11, 1e-9, 1e-7, 1e-5, 1e-3];
 
 /// Largest squared norm of a function, over the one that the prior gives for outputs of its size. A larger one hangs on
 /// directions that the samples hardly take, and explodes wherever a pose takes them.
@@ -56,16 +53,6 @@ impl Scored {
 
 /// Chooses the ridge of each output, of those that make a plausible function of it; none where rounding makes every fit indefinite.
 pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
-    best_of(design, outputs, &RIDGES)
-}
-
-/// The scores of [`best`] to within what half of the ridges tell, at half the cost: enough to compare designs.
-pub fn coarse(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
-    let ridges: Vec<f64> = RIDGES.into_iter().step_by(2).collect();
-    best_of(design, outputs, &ridges).map(|scored| scored.scores)
-}
-
-fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
     let rounding = Rounding::new(design, outputs.blocks.len());
     let plausible = PLAUSIBLE / design.variance();
@@ -84,12 +71,12 @@ fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Sco
     };
     let mut tried = Vec::<OfRidge>::new();
     let mut best = None;
-    for at in ridges.iter().rev().copied().filter_map(of_ridge) {
+    for at in RIDGES.into_iter().rev().filter_map(of_ridge) {
         let ridge = at.ridge;
         tried.push(at);
         let found: Vec<(f64, f64)> =
             (0..outputs.all.ncols()).map(|output| least(&tried, output)).collect::<Option<_>>()?;
-        let is_past = found.iter().all(|found| found.0 > PAST * ridge);
+        let is_past = found.iter().all(|found| found.0 > ridge);
         best = Some(found);
         if is_past {
             break;

@@ -4,9 +4,12 @@
 mod authored;
 mod clips;
 mod coarse;
+#[path = "../../benches/figures/full.rs"]
+mod full;
 mod held_out;
 mod importance;
 mod normals;
+mod numbers;
 mod odd_characters;
 mod poses;
 mod published;
@@ -18,3 +21,4 @@ mod shapes;
 mod shared;
 mod skins;
 mod spaces;
+mod unreduced;

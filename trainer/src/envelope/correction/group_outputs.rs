@@ -5,7 +5,7 @@ use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
-use crate::kernel::outputs::Outputs;
+use crate::kernel::outputs::{Block, Outputs};
 use faer::Mat;
 use nalgebra::Matrix3;
 use std::ops::Range;
@@ -30,18 +30,27 @@ pub struct GroupOutputs {
 impl GroupOutputs {
     /// Measures what is left over of some proxies of one dominant joint.
     pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Self {
+        let joint = target.dominant[proxies.start];
+        let beyond = beyond(target, joint);
+        Self::in_blocks(target, proxies, (target.folds.overlapping(), &beyond))
+    }
+
+    /// The same, with the blocks that samples are left out in, and those beyond.
+    fn in_blocks(
+        target: &CorrectionTarget<'_>,
+        proxies: Range<usize>,
+        (blocks, beyond): (&[Block], &[Block]),
+    ) -> Self {
         let CorrectionTarget { poses, folds, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
         let all = metric.weigh(&local(target.left_over, poses, joint, &proxies));
         let directions = leading(&all, features.settings.negligible);
-        let beyond =
-            folds.beyond(poses, &near(features.parents, joint, 1), features.settings.beyond);
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
             beyond: beyond.len(),
-            blocks: [folds.overlapping(), &beyond[..]].concat(),
+            blocks: [blocks, beyond].concat(),
             parts: folds.parts().to_vec(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
@@ -64,11 +73,15 @@ pub struct EachOutputs {
 impl EachOutputs {
     /// Measures what is left over of some proxies of one dominant joint.
     ///
+    /// Lists of joints differ by much, so that blocks that overlap tell no more of them than runs do.
+    ///
     /// # Panics
     /// If there is no proxy.
     pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> Self {
+        let beyond = beyond(target, target.dominant[proxies.start]);
+        let blocks = (target.folds.runs(), &beyond[..]);
         let each: Vec<Outputs> =
-            proxies.map(|l| GroupOutputs::new(target, l..l + 1).outputs).collect();
+            proxies.map(|l| GroupOutputs::in_blocks(target, l..l + 1, blocks).outputs).collect();
         let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
         let owners = each.iter().enumerate().flat_map(columns).collect();
         Self { outputs: Outputs::beside(&each), owners, proxy_len: each.len() }
@@ -87,6 +100,12 @@ impl EachOutputs {
             (0..self.owners.len()).filter(|&column| is_own(self.owners[column])).collect();
         (!own.is_empty()).then(|| self.outputs.columns(&own))
     }
+}
+
+/// The blocks that maps of a joint have to extrapolate to.
+fn beyond(target: &CorrectionTarget<'_>, joint: usize) -> Vec<Block> {
+    let CorrectionTarget { poses, folds, features, .. } = target;
+    folds.beyond(poses, &near(features.parents, joint, 1), features.settings.beyond)
 }
 
 /// Splits proxies into groups: those that follow one another and share a place.

@@ -41,18 +41,26 @@ impl Listening {
             let joints = near(target.features.parents, joint, hops);
             let inputs = target.features.inputs(target.poses, &joints);
             if tried.last().is_none_or(|last| last.0.inputs != inputs) {
-                tried.extend(narrow(target, outputs, (hops, &inputs), SMOOTHEST_FIRST[0]));
+                tried.extend(narrow(
+                    target,
+                    outputs,
+                    (hops, &inputs),
+                    (SMOOTHEST_FIRST[0], &WIDTHS),
+                ));
             }
         }
         let tried = alike(target, tried).into_iter().map(|tried| tried.0);
         tried.min_by(|a, b| a.kernel.1.total_cmp(&b.kernel.1))
     }
 
-    /// Chooses the kernel and its width for the same joints.
+    /// Chooses the kernel for the same joints, and a width near theirs.
     pub(super) fn best(&self, target: &CorrectionTarget<'_>, outputs: &Outputs) -> Option<Self> {
         // The roughest serves no set better than the others.
         let [kernels @ .., _] = SMOOTHEST_FIRST;
-        let of = |kernel| narrow(target, outputs, (self.hops, &self.inputs), kernel);
+        let (_, own) = self.kernel;
+        let widths: Vec<f64> =
+            WIDTHS.into_iter().filter(|width| (own / 4.0..=own * 4.0).contains(width)).collect();
+        let of = |kernel| narrow(target, outputs, (self.hops, &self.inputs), (kernel, &widths));
         let tried = kernels.into_iter().filter_map(of);
         tried.min_by(|a, b| a.1.total_cmp(&b.1)).map(|tried| tried.0)
     }
@@ -73,15 +81,15 @@ fn narrow(
     target: &CorrectionTarget<'_>,
     outputs: &Outputs,
     (hops, inputs): (usize, &[Input]),
-    kernel: GroupKernel,
+    (kernel, widths): (GroupKernel, &[f64]),
 ) -> Option<(Listening, f64)> {
     let values = Inputs::new(target.features.evaluate(target.poses, inputs))?;
-    let of_width = |width| {
+    let of_width = |&width: &f64| {
         let kernel = (kernel, width);
         let score = scores(&values, outputs, kernel)?.iter().sum();
         Some((Listening { hops, inputs: inputs.to_vec(), kernel }, score))
     };
-    alike(target, WIDTHS.into_iter().filter_map(of_width).collect()).into_iter().next()
+    alike(target, widths.iter().filter_map(of_width).collect()).into_iter().next()
 }
 
 /// Scores each output by a kernel and width.
@@ -91,7 +99,7 @@ fn scores(
     (kernel, width): (GroupKernel, f64),
 ) -> Option<Vec<f64>> {
     let count = inputs.sample_len().min(CENTRES);
-    ridge::coarse(&Design::each(inputs, kernel, width, &[count]).next()?, outputs)
+    Some(ridge::best(&Design::each(inputs, kernel, width, &[count]).next()?, outputs)?.scores)
 }
 
 /// Keeps those whose score cannot be told from the least.

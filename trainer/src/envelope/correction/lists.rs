@@ -37,7 +37,9 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> 
     let mut lists = vec![first.clone()];
     for (hops, joints) in sets(target.features.parents, joint) {
         let inputs = target.features.inputs(target.poses, &joints);
-        lists.push(Listening { hops, inputs, ..first });
+        if lists.iter().all(|known| known.inputs != inputs) {
+            lists.push(Listening { hops, inputs, ..first });
+        }
     }
     let scores = Scores::new(target, &each, &lists);
     let mut taken = vec![0];
@@ -51,11 +53,14 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, proxies: Range<usize>) -> 
             None => break,
         }
     }
+    // Of other proxies one may take a list that none of these takes.
     let of_list = |&list: &usize| {
-        let outputs = each.of(|proxy| scores.best(&taken, proxy).0 == list)?;
-        lists[list].best(target, &outputs)
+        let outputs = each.of(|proxy| scores.best(&taken, proxy).0 == list);
+        outputs
+            .and_then(|outputs| lists[list].best(target, &outputs))
+            .unwrap_or(lists[list].clone())
     };
-    taken.iter().filter_map(of_list).collect()
+    taken.iter().map(of_list).collect()
 }
 
 /// How each list predicts each proxy.
@@ -83,18 +88,13 @@ impl Scores {
 }
 
 /// Sets of joints that a list of a joint may name, with their hops: those near it, on all sides or on one.
-fn sets(parents: &[Option<usize>], joint: usize) -> Vec<(usize, Vec<usize>)> {
-    let mut sets = Vec::<(usize, Vec<usize>)>::new();
-    for hops in HOPS {
+fn sets(parents: &[Option<usize>], joint: usize) -> impl Iterator<Item = (usize, Vec<usize>)> {
+    HOPS.into_iter().flat_map(move |hops| {
         let all = near(parents, joint, hops);
-        let sides = neighbours(parents, joint).map(|side| on_side(parents, joint, side, &all));
-        for set in std::iter::once(all.clone()).chain(sides) {
-            if !set.is_empty() && sets.iter().all(|known| known.1 != set) {
-                sets.push((hops, set));
-            }
-        }
-    }
-    sets
+        let side = |side| on_side(parents, joint, side, &all);
+        let sides: Vec<_> = neighbours(parents, joint).map(side).collect();
+        std::iter::once(all).chain(sides).map(move |set| (hops, set))
+    })
 }
 
 /// Says of each proxy which of its joint's lists predicts it best.

@@ -1,11 +1,9 @@
 //! Distances of the skin, from entries of maps.
 
+use crate::envelope::skin::projection::UNSEEN;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
 use std::ops::Range;
-
-/// Share of a direction that no vertex sees, against the mean direction of its group.
-const UNSEEN: f64 = 1e-6;
 
 /// The skin's squared distances that entries of a group's maps stand for: L Lᵀ = Σ φ φᵀ.
 pub struct Metric {

@@ -11,11 +11,9 @@
 //! | [`settings`], [`validation`] | near-rigid vertices and anchors, by folds |
 //! | [`refine`], [`refinement`] | c1 and c2 refined on the training meshes, by folds |
 //! | [`published`], [`merging`], [`bias`] | S3 to the letter, in place of some of this: its setting, its merging, its bias |
-//! | [`full`] | the fit of S3 without proxies, for figures |
 
 pub mod bias;
 mod fit;
-pub mod full;
 pub mod gradient;
 pub mod keys;
 pub mod merge;

@@ -11,9 +11,6 @@ use serde::Serialize;
 
 /// Candidate ridges, the stiffest first.
 const RIDGES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-/// A stiffer ridge is taken where it scores within this of the best: it strays less far from the
-/// Poisson reconstruction in poses unlike the training's.
-const STIFFER: f64 = 1.02;
 
 /// A refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -96,8 +93,8 @@ impl<'a> Refining<'a> {
     }
 }
 
-/// Tries no refinement, and every ridge on keys that scale and shear and on such that do not; gives the stiffest of those
-/// that score alike, and the trials in order.
+/// Tries no refinement, and every ridge on keys that scale and shear and on such that do not; gives the best, and the
+/// trials in order.
 pub fn choose(
     shearing: &Refining<'_>,
     rigid: &Refining<'_>,
@@ -107,7 +104,6 @@ pub fn choose(
     for ridge in RIDGES {
         trials.extend([shearing.attempt(ridge, true), rigid.attempt(ridge, false)]);
     }
-    let best = trials.iter().map(|trial| trial.rms).fold(f64::INFINITY, f64::min);
-    let stiffest = trials.iter().find(|trial| trial.rms <= STIFFER * best);
-    (stiffest.and_then(|trial| trial.choice), trials)
+    let best = trials.iter().min_by(|a, b| a.rms.total_cmp(&b.rms));
+    (best.and_then(|trial| trial.choice), trials)
 }

@@ -8,7 +8,7 @@ use faer::Mat;
 use std::ops::Range;
 
 /// Share of the mean diagonal that decides directions of the palette no vertex sees.
-const UNSEEN: f64 = 1e-6;
+pub const UNSEEN: f64 = 1e-6;
 
 /// Meshes as a palette sees them.
 pub struct Projection {

@@ -6,6 +6,7 @@ use super::poses::{Poses, local, seen_from};
 use super::prior::prior;
 use super::stacked::in_poses;
 use super::targets::Targets;
+use crate::envelope::alike::{ALIKE, FEW_VERTICES};
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
 use crate::kernel::outputs::Block;
@@ -21,12 +22,8 @@ pub const BASELINE_INFLUENCES: usize = 4;
 const STRENGTHS: [f64; 10] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, FREE];
 /// The weakest pull, which decides only where poses do not.
 pub const FREE: f64 = 1e-12;
-/// Vertices on which the strength is chosen; more choose the same.
-const TRIED: usize = 200;
 /// Errors below this, RMS in diagonals, are alike: single precision rounds as much.
 const EXACT: f64 = 1e-6;
-/// How much more error, RMS, a stronger pull may leave: the better weights are also those that are nearer to the prior.
-const STRONGER: f64 = 1.02;
 
 /// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the vertices' squared
 /// errors, summed over the poses.
@@ -96,7 +93,7 @@ fn strength(
     (poses, blocks): (&Poses, &[Block]),
     prior: &Mat<f64>,
 ) -> f64 {
-    let vertices = spread(rest.len(), TRIED);
+    let vertices = spread(rest.len(), FEW_VERTICES);
     let rest: Vec<_> = vertices.iter().map(|&v| rest[v]).collect();
     let [trajectories, prior] = [trajectories, prior].map(|all| columns::some(all, &vertices));
     let errors = blocks.par_iter().map(|block| {
@@ -118,7 +115,7 @@ fn strength(
     let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
     let exact = EXACT.powi(2) * counted as f64;
     let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
-    let alike = sums.iter().position(|&sum| sum <= STRONGER.powi(2) * least);
+    let alike = sums.iter().position(|&sum| sum <= ALIKE.powi(2) * least);
     STRENGTHS[alike.unwrap_or(0)]
 }
 

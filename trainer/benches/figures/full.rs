@@ -1,22 +1,21 @@
 //! The envelope without reduction: one predictor a triangle, every vertex reconstructed (S3 §1, §2;
 //! METHOD §1.4 to §1.6). Too slow for run time; it is what the reduction is measured against.
 
-use super::gradient::gradient;
-use super::options::Method;
-use super::poisson::{Poisson, PoissonError};
-use super::predictor::GradientPredictor;
-use super::settings::near_rigid;
-use crate::envelope::FitError;
-use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::poses::{Poses, trajectories};
-use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::{Examples, Split};
-use crate::numeric::affine::from_rows;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use sinew_trainer::envelope::rotational::Method;
+use sinew_trainer::envelope::rotational::gradient::gradient;
+use sinew_trainer::envelope::rotational::poisson::{Poisson, PoissonError};
+use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
+use sinew_trainer::envelope::rotational::settings::near_rigid;
+use sinew_trainer::envelope::skin::blend::Weights;
+use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
+use sinew_trainer::envelope::skin::weights::{self, BASELINE_INFLUENCES};
+use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::numeric::affine::from_rows;
 
 /// T predictors and a factored reconstruction.
-pub struct Full<'a> {
+pub(crate) struct Full<'a> {
     examples: &'a Examples,
     predictors: Vec<GradientPredictor>,
     poisson: Poisson,
@@ -28,12 +27,12 @@ impl<'a> Full<'a> {
     /// mesh that has none, one vertex is added to them.
     ///
     /// # Errors
-    /// [`FitError::NoTriangles`] and [`FitError::Poisson`].
-    pub fn fit(examples: &'a Examples, near_rigid_fraction: f64) -> Result<Self, FitError> {
+    /// [`PoissonError::Factorisation`].
+    pub(crate) fn fit(
+        examples: &'a Examples,
+        near_rigid_fraction: f64,
+    ) -> Result<Self, PoissonError> {
         let triangles = examples.solid_triangles();
-        if triangles.is_empty() {
-            return Err(FitError::NoTriangles);
-        }
         let frames = examples.frames_of(Split::Train);
         let poses = Poses::new(examples, &frames);
         let moved = trajectories(examples, &frames, &poses);
@@ -61,43 +60,31 @@ impl<'a> Full<'a> {
     }
 
     /// Reconstructs V positions of a frame from its pose alone.
-    pub fn reconstruct(&self, frame: usize) -> Vec<Vector3<f64>> {
+    pub(crate) fn reconstruct(&self, frame: usize) -> Vec<Vector3<f64>> {
         let poses = Poses::new(self.examples, &[frame]);
         let pose = self.examples.pose(frame);
         let root: Matrix3<f64> = from_rows(&pose[poses.root()]).fixed_columns::<3>(0).into_owned();
         let gradients: Vec<_> =
             self.predictors.iter().map(|predictor| root * predictor.predict(&poses, 0)).collect();
-        let skinned: Vec<_> = (0..self.examples.vertex_len())
-            .map(|v| weights::skin(&self.joints, pose, v, &self.examples.rest[v], &[0.0; 3]).0)
-            .collect();
-        self.poisson.reconstruct(&gradients, &skinned)
+        self.poisson.reconstruct(&gradients, &self.skinned(frame))
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
+    /// Skins the same by LBS.
+    pub(crate) fn skinned(&self, frame: usize) -> Vec<Vector3<f64>> {
+        let Examples { rest, .. } = self.examples;
+        let pose = self.examples.pose(frame);
+        let skin = |v| weights::skin(&self.joints, pose, v, &rest[v], &[0.0; 3]).0;
+        (0..rest.len()).map(skin).collect()
+    }
 
-    #[test]
-    fn an_arm_is_reconstructed_from_poses_that_were_not_seen() {
-        let examples = demo(&DemoOptions { vertices: 300, poses: 60, held_out: 20, seed: 1 });
-        let full = Full::fit(&examples, 0.25).unwrap();
-        let rms = |skin: &dyn Fn(usize) -> Vec<Vector3<f64>>| {
-            let held_out = examples.frames_of(Split::HeldOut);
-            let sum: f64 = held_out
-                .iter()
-                .flat_map(|&frame| skin(frame).into_iter().zip(examples.frame(frame)))
-                .map(|(y, truth)| (y - Vector3::from(*truth)).norm_squared())
-                .sum();
-            (sum / (held_out.len() * examples.vertex_len()) as f64).sqrt()
+    /// RMS error of one of these over the held-out frames.
+    pub(crate) fn rms(&self, skin: impl Fn(&Self, usize) -> Vec<Vector3<f64>>) -> f64 {
+        let held_out = self.examples.frames_of(Split::HeldOut);
+        let squared = |&frame: &usize| -> f64 {
+            let pairs = skin(self, frame).into_iter().zip(self.examples.frame(frame));
+            pairs.map(|(y, truth)| (y - Vector3::from(*truth)).norm_squared()).sum()
         };
-        let lbs = rms(&|frame| {
-            let (pose, rest) = (examples.pose(frame), &examples.rest);
-            let skin = |v| weights::skin(&full.joints, pose, v, &rest[v], &[0.0; 3]).0;
-            (0..rest.len()).map(skin).collect()
-        });
-        let found = rms(&|frame| full.reconstruct(frame));
-        assert!(found < 0.5 * lbs, "{found} against {lbs} of LBS");
+        let sum: f64 = held_out.iter().map(squared).sum();
+        (sum / (held_out.len() * self.examples.vertex_len()) as f64).sqrt()
     }
 }
