@@ -3,7 +3,7 @@
 use super::check::thresholds::COARSE;
 use super::choose::{self, Trained};
 use super::error::{FitError, TrainError};
-use super::options::Options;
+use super::options::{Options, Predict};
 use super::predicted::Sound;
 use crate::bake::BakeError;
 use crate::examples::Examples;
@@ -44,6 +44,9 @@ pub fn train_on(
     let left_out = sound.left_out().to_vec();
     let mut training = sound.weighted(progress)?;
     training.settings = options.settings.clone();
+    if options.predictor == Predict::Published {
+        training.lbs = training.free_lbs();
+    }
     let trained = choose::choose(&training, options, progress);
     let mut trained = trained.map_err(|error| match error {
         TrainError::Bake(BakeError::Refused(_)) => {

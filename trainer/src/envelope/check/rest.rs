@@ -5,7 +5,7 @@ use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
 use super::thresholds::{NEAR_REST, REST_ERROR, ROUNDED, VISIBLE};
 use crate::envelope::correction::features::near;
 use crate::envelope::predicted::HOPS;
-use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES, FREE};
+use crate::envelope::skin::weights::Lbs;
 use crate::space::written;
 use serde::Serialize;
 
@@ -37,11 +37,8 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let seen = VISIBLE.max(ROUNDED * context.examples.coarseness());
     // By weights that the poses alone decide: painted ones may be off near rest too.
     let training = &context.training;
-    let pull = Some((&training.lbs.prior, FREE));
-    let (rest, poses_seen) = (&training.rest, &training.poses);
-    let (free, errors) =
-        weights::fit(rest, &training.trajectories, poses_seen, BASELINE_INFLUENCES, pull);
-    let left = training.targets(&free).residuals(&poses_seen.stacked());
+    let Lbs { weights, errors, .. } = training.free_lbs();
+    let left = training.targets(&weights).residuals(&training.poses.stacked());
     let rms = |sum: f64, count: usize| (sum / count.max(1) as f64).sqrt();
     let (mut joints, mut tested) = (0, 0);
     let mut off = Vec::new();
@@ -56,7 +53,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         let Some(least) = near_rest.min_by(|a, b| error(a).total_cmp(&error(b))) else { continue };
         tested += 1;
         let here = error(&least);
-        let usual = rms(skin.iter().map(|&v| errors[v]).sum(), skin.len() * poses_seen.len());
+        let usual = rms(skin.iter().map(|&v| errors[v]).sum(), skin.len() * poses.len());
         if here > seen && here > REST_ERROR * usual {
             off.push((joint, least, bend(least), here));
         }

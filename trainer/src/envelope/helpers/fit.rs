@@ -258,7 +258,7 @@ impl<'a> OnBasis<'a> {
         let columns = training.basis().vectors.transpose() * maps;
         let maps = Maps { width: 4, columns };
         let ahead = training.settings.ahead;
-        let alternation = Alternation { choices: CHOICES, rounds: ROUNDS, ahead };
+        let alternation = Alternation { choices: CHOICES, every: 3, rounds: ROUNDS, ahead };
         alternation.run(self, (&self.open.lbs, maps), influences, || ()).0
     }
 }

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the step.
 const STEP: &str = "keys";
-const ALTERNATION: Alternation = Alternation { choices: 3, rounds: 0, ahead: 0.0 };
+const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, ahead: 0.0 };
 
 /// Fitted keys.
 pub struct Keys {

@@ -14,8 +14,8 @@ use serde::Serialize;
 /// Name of the step.
 const STEP: &str = "proxies";
 /// From each start so many rounds, then so many from the better.
-const FIRST: Alternation = Alternation { choices: 6, rounds: 0, ahead: 0.9 };
-const ALTERNATION: Alternation = Alternation { choices: 14, rounds: 10, ahead: 0.9 };
+const FIRST: Alternation = Alternation { choices: 6, every: 3, rounds: 0, ahead: 0.9 };
+const ALTERNATION: Alternation = Alternation { choices: 14, every: 3, rounds: 10, ahead: 0.9 };
 
 /// A number of proxies that was tried, and the error it leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

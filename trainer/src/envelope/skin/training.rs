@@ -111,6 +111,12 @@ impl<'a> Training<'a> {
         Self { lbs, ..self }
     }
 
+    /// Fits LBS by the poses alone.
+    pub fn free_lbs(&self) -> Lbs {
+        let pull = (self.lbs.prior.clone(), FREE);
+        Lbs::pulled(&self.rest, &self.trajectories, &self.poses, pull)
+    }
+
     /// Returns some of the vertices in some of the poses, with LBS fitted anew.
     #[must_use]
     pub fn part(&self, vertices: &[usize], poses: &[usize]) -> Self {

@@ -7,9 +7,6 @@ use super::weights::fit_weights;
 /// Pull of items' maps to where they were.
 const PROXIMAL: f64 = 1e-7;
 
-/// In each so many rounds items choose anew. Maps then have time to settle on what was chosen.
-const CHOOSING: usize = 3;
-
 /// What weights and maps are fitted in turn to.
 pub trait InTurn {
     /// Fits weights to maps; gives them and what squared error they leave.
@@ -42,8 +39,10 @@ pub struct Blend {
 /// How weights and maps are fitted in turn.
 #[derive(Clone, Copy)]
 pub struct Alternation {
-    /// Rounds in every third of which each item also chooses what it follows.
+    /// Rounds of which in some each item also chooses what it follows.
     pub choices: usize,
+    /// In each so many of these. Between them maps settle on what was chosen.
+    pub every: usize,
     /// Those after them.
     pub rounds: usize,
     /// Most of its last step that a round starts ahead.
@@ -71,7 +70,7 @@ impl Alternation {
         let mut now = Round::first(others.clone(), maps);
         for round in 0..self.count() {
             let last = &now.weights;
-            let supports = if round < self.choices && round % CHOOSING == 0 {
+            let supports = if round < self.choices && round.is_multiple_of(self.every) {
                 Supports::Better { most, others, last }
             } else {
                 Supports::Fixed(last)

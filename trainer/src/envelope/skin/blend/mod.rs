@@ -177,7 +177,7 @@ mod tests {
             ..maps
         };
         let error = |ahead| {
-            let alternation = Alternation { choices: 20, rounds: 10, ahead };
+            let alternation = Alternation { choices: 20, every: 1, rounds: 10, ahead };
             let blend = alternation.blend(&items, start.clone(), 3, || ());
             let (_, errors) = fit_weights(&items, &blend.maps, Supports::Fixed(&blend.weights));
             assert!((items.sum(&errors) - blend.error).abs() <= 1e-9 * blend.error);
