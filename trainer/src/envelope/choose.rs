@@ -316,7 +316,9 @@ impl PredictorSearch<'_> {
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
-        let [same_clips, other_clip] = self.forecasts(chosen);
+        // Few vertices leave as many helpers less than all of them do.
+        let [same_clips, other_clip] =
+            self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);
         let certificate = Certificate {
             training_rms: training_rms as f32,

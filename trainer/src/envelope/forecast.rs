@@ -2,11 +2,9 @@
 //! measured on these.
 
 use super::fitted::Fitted;
-use super::skin::stacked::in_poses;
 use super::skin::targets::Targets;
 use super::skin::training::Training;
 use crate::kernel::outputs::Block;
-use crate::numeric::columns;
 use rayon::prelude::*;
 
 /// Fits without each of some blocks of poses in turn. Returns the RMS error over all blocks, in diagonals; `None` without
@@ -20,14 +18,13 @@ pub(super) fn forecast(
     blocks: &[Block],
     fit: &(impl Fn(&Training) -> Option<Fitted> + Sync),
 ) -> Option<f64> {
-    let trajectories = columns::some(&training.trajectories, vertices);
     let error = |block: &Block| {
         let part = training.part(vertices, &block.others(training.poses.len()));
         let Fitted { envelope, weights } = fit(&part)?;
         let targets = Targets {
             rest: &part.rest,
             weights: &weights,
-            trajectories: &in_poses(&trajectories, &block.own),
+            trajectories: &training.moved(vertices, &block.own),
             importance: part.importance(),
         };
         let palettes = envelope.palettes(&training.poses.only(&block.own));

@@ -30,48 +30,62 @@ pub struct Basis {
 
 /// Builds the basis of trajectories (3n x V), in units of the diagonal.
 pub fn basis(trajectories: &Mat<f64>) -> Basis {
-    let (height, vertices) = (trajectories.nrows(), trajectories.ncols());
+    basis_of(trajectories.shape().into(), |vertex, out| {
+        out.copy_from_slice(trajectories.col_as_slice(vertex));
+    })
+}
+
+/// Builds the basis of trajectories, 3n x V, that are never held at once: `write` makes one whenever it is read.
+pub fn basis_of([height, vertices]: [usize; 2], write: impl Fn(usize, &mut [f64]) + Sync) -> Basis {
+    let part = |start: usize, len: usize| {
+        let mut part = Mat::zeros(height, len);
+        (0..len).for_each(|k| write(start + k, part.col_as_slice_mut(k)));
+        part
+    };
     let sketch = height.min(MAX_RANK + 16);
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
     let signs =
         Mat::from_fn(vertices, sketch, |_, _| if random.random::<bool>() { 1.0 } else { -1.0 });
     let mut range = sum_over_chunks(height, sketch, vertices, |start, len, out| {
-        let part = trajectories.subcols(start, len);
+        let part = part(start, len);
         matmul(out.as_mut(), Accum::Add, part, signs.subrows(start, len), 1.0, Par::Seq);
     });
+    drop(signs);
     for _ in 0..2 {
         let q = range.qr().compute_thin_Q();
         range = sum_over_chunks(height, sketch, vertices, |start, len, out| {
-            let part = trajectories.subcols(start, len);
+            let part = part(start, len);
             let onto = part.transpose() * &q;
             matmul(out.as_mut(), Accum::Add, part, &onto, 1.0, Par::Seq);
         });
     }
     let q = range.qr().compute_thin_Q();
     let gram = sum_over_chunks(sketch, sketch, vertices, |start, len, out| {
-        let onto = q.transpose() * trajectories.subcols(start, len);
+        let onto = q.transpose() * part(start, len);
         matmul(out.as_mut(), Accum::Add, &onto, onto.transpose(), 1.0, Par::Seq);
     });
-    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else {
-        // The Gram matrix of finite trajectories has a decomposition; q itself is a basis too.
-        let coordinates = q.transpose() * trajectories;
-        return Basis { vectors: q, coordinates, residual: 0.0 };
-    };
-    let energy = |i: usize| eigen.S().column_vector()[sketch - 1 - i].max(0.0);
-    let total: f64 = trajectories.col_iter().map(|column| column.squared_norm_l2()).sum();
+    let squares = (0..vertices).into_par_iter().map(|vertex| part(vertex, 1).squared_norm_l2());
+    let total: f64 = squares.collect::<Vec<_>>().iter().sum();
     let frames = (height / 3).max(1) as f64;
     let rms = |left: f64| (left.max(0.0) / (frames * vertices.max(1) as f64)).sqrt();
-    let (mut rank, mut left) = (1, total - energy(0));
-    while rank < sketch.min(MAX_RANK) && rms(left) > RESIDUAL {
-        left -= energy(rank);
-        rank += 1;
-    }
-    let strongest = eigen.U().reverse_cols().subcols(0, rank);
-    let vectors = &q * strongest;
-    let mut coordinates = Mat::zeros(rank, vertices);
+    let (vectors, left) = match gram.self_adjoint_eigen(Side::Lower) {
+        Ok(eigen) => {
+            let energy = |i: usize| eigen.S().column_vector()[sketch - 1 - i].max(0.0);
+            let (mut rank, mut left) = (1, total - energy(0));
+            while rank < sketch.min(MAX_RANK) && rms(left) > RESIDUAL {
+                left -= energy(rank);
+                rank += 1;
+            }
+            (&q * eigen.U().reverse_cols().subcols(0, rank), left)
+        }
+        // The Gram matrix of finite trajectories has a decomposition; q itself is a basis too.
+        Err(_) => (q, 0.0),
+    };
+    let mut coordinates = Mat::zeros(vectors.ncols(), vertices);
     columns::fill(&mut coordinates, |vertex, out| {
+        let own = part(vertex, 1);
         for (value, direction) in out.iter_mut().zip(vectors.col_iter()) {
-            *value = direction.transpose() * trajectories.col(vertex);
+            *value = direction.transpose() * own.col(0);
         }
     });
     Basis { vectors, coordinates, residual: rms(left) }

@@ -91,22 +91,23 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     let trained = train(&arguments.fit)?;
     let other = train(&arguments.fit.other(trained.report.chosen().proxies.max(1)))?;
-    let (html, evaluations) = report([&trained.model, &other.model], examples.clone(), output)?;
-    let named: Vec<_> = evaluations.iter().map(|of| (table::fitted(of), of)).collect();
-    let mut text = format!(
-        "a procedural arm: {}\n{}{}",
-        input::describe(&examples),
-        table::report(&trained.report, examples.diagonal_mm()),
-        table::evaluations(&named)
-    );
+    let described = input::describe(&examples);
+    let fitted = table::report(&trained.report, examples.diagonal_mm());
+    let mut wrote = String::new();
     if let (Some(folder), Some(model)) = (folder, &model) {
         let clips = [Clip::regular("demo".to_owned(), 0, examples.frame_len())];
         npz::save_npz(&folder.join("demo.npz"), &examples, &clips)?;
         files::write(&[(model, &trained.model)])?;
-        text += &format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
+        wrote = format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
     }
+    let (html, evaluations) = report([&trained.model, &other.model], examples, output)?;
     files::write(&[(&page_file, html.as_bytes())])?;
-    text += &format!("wrote its report: {}\n", page.display());
+    let named: Vec<_> = evaluations.iter().map(|of| (table::fitted(of), of)).collect();
+    let text = format!(
+        "a procedural arm: {described}\n{fitted}{}{wrote}wrote its report: {}\n",
+        table::evaluations(&named),
+        page.display()
+    );
     let (evaluation, other) = (&evaluations[0], evaluations.get(1));
     let found = json!({ "report": trained.report, "evaluation": evaluation, "other": other });
     output.print(&found, &text)

@@ -195,9 +195,10 @@ impl Measured {
         self.copies().iter().map(of).collect()
     }
 
-    /// RMS angle between the normals and the true ones over the area and all frames, in radians.
-    pub fn angle_rms(&self) -> f64 {
-        rms(self.frames.iter().flat_map(|frame| self.counted_angles(frame)))
+    /// Sums the squared angles between the normals and the true ones over the area and all frames, in radians: the sum, and
+    /// how much was counted.
+    pub fn squared_angles(&self) -> (f64, f64) {
+        squares(self.frames.iter().flat_map(|frame| self.counted_angles(frame)))
     }
 
     /// Finds the frame with the largest RMS distance: its place among those measured.
@@ -310,10 +311,13 @@ pub fn largest(values: &[f64]) -> usize {
 
 /// RMS of errors, each with how much it counts.
 fn rms(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let add =
-        |(sum, all): (f64, f64), (d, counts): (f64, f64)| (sum + counts * d * d, all + counts);
-    let (sum, all) = errors.fold((0.0, 0.0), add);
+    let (sum, all) = squares(errors);
     (sum / all.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Sums squared errors as they count, and how much they count.
+fn squares(errors: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    errors.fold((0.0, 0.0), |(sum, all), (d, counts)| (sum + counts * d * d, all + counts))
 }
 
 /// The least error that this share of all does not exceed, as they count; sorts them.

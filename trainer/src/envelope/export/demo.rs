@@ -22,7 +22,8 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
             frames.extend(own);
         }
     }
-    let vertices = frames.iter().flat_map(|&frame| examples.frame(frame)).copied().collect();
+    let mut vertices = Vec::with_capacity(examples.vertices.len());
+    frames.iter().for_each(|&frame| vertices.extend_from_slice(examples.frame(frame)));
     let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
     let split = frames.iter().map(|&frame| examples.split[frame]).collect();
     let clip_starts = clips.iter().map(|clip| clip.first).collect();

@@ -11,11 +11,11 @@ use crate::envelope::skin::blend::{
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
-use crate::envelope::skin::targets::{Targets, skinned};
+use crate::envelope::skin::targets::{Targets, skin};
 use crate::envelope::skin::training::Training;
 use crate::examples::Importance;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::basis::{Basis, basis};
+use crate::numeric::basis::{Basis, basis_of};
 use crate::numeric::cluster::cluster;
 use crate::numeric::columns;
 use faer::Mat;
@@ -67,15 +67,15 @@ impl<'a> HelperFit<'a> {
             return None;
         }
         let joints = training.poses.stacked();
-        let mut plain = basis(&skinned(&training.rest, &training.lbs.weights, &joints));
+        let Training { rest, lbs, .. } = training;
+        let mut plain = basis_of([joints.nrows(), rest.len()], |v, column| {
+            column.copy_from_slice(&skin(&rest[v], &lbs.weights, v, &joints));
+        });
         plain.coordinates *= faer::Scale(training.settings.base);
-        Some(Self {
-            features: basis(&features(training, &errs)).coordinates,
-            training,
-            errs,
-            joints,
-            plain,
-        })
+        let features = basis_of([joints.nrows() + 3, errs.len()], |k, column| {
+            features(training, errs[k], column);
+        });
+        Some(Self { features: features.coordinates, training, errs, joints, plain })
     }
 
     /// Fits `count` helpers on top of LBS weights.
@@ -289,31 +289,28 @@ impl InTurn for OnBasis<'_> {
 /// Fits the helpers' maps to weights and trajectories.
 fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f64) -> Mat<f64> {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
-    let left = Targets { weights: &on_joints, ..*targets }.residuals(joints);
-    let items = Items::vertices(targets.rest, &left, targets.importance);
+    let Targets { rest, trajectories, importance, .. } = *targets;
+    let others = Some((&on_joints, joints));
+    let items = Items { others, ..Items::vertices(rest, trajectories, importance) };
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
 }
 
-/// How vertices err by LBS in their joints' frames, and where they lie: 3n + 3 a vertex.
-fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
+/// Writes how a vertex errs by LBS in its joint's frame, and where it lies: 3n + 3 numbers.
+fn features(training: &Training, vertex: usize, column: &mut [f64]) {
     let (poses, joints) = (&training.poses, &training.lbs.weights);
     let scale = training.settings.residuals / (poses.len() as f64).sqrt();
-    let mut features = Mat::zeros(3 * poses.len() + 3, vertices.len());
-    for (k, &v) in vertices.iter().enumerate() {
-        let h = homogeneous(&training.rest[v]);
-        let scale = scale * training.importance().of(v).sqrt();
-        let column = features.col_as_slice_mut(k);
-        for i in 0..poses.len() {
-            let skinned: Vector3<f64> = joints.of(v).map(|(j, w)| poses.map(i, j) * h * w).sum();
-            let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];
-            let turn: Matrix3<f64> =
-                poses.map(i, joints.strongest(v).unwrap_or(0)).fixed_columns::<3>(0).into();
-            let residual = turn.transpose() * (Vector3::from_column_slice(truth) - skinned) * scale;
-            column[3 * i..3 * i + 3].copy_from_slice(residual.as_slice());
-        }
-        column[3 * poses.len()..].copy_from_slice(&training.rest[v]);
+    let scale = scale * training.importance().of(vertex).sqrt();
+    let h = homogeneous(&training.rest[vertex]);
+    let truth = training.trajectories.col_as_slice(vertex);
+    for i in 0..poses.len() {
+        let skinned: Vector3<f64> = joints.of(vertex).map(|(j, w)| poses.map(i, j) * h * w).sum();
+        let turn: Matrix3<f64> =
+            poses.map(i, joints.strongest(vertex).unwrap_or(0)).fixed_columns::<3>(0).into();
+        let truth = Vector3::from_column_slice(&truth[3 * i..3 * i + 3]);
+        let residual = turn.transpose() * (truth - skinned) * scale;
+        column[3 * i..3 * i + 3].copy_from_slice(residual.as_slice());
     }
-    features
+    column[3 * poses.len()..].copy_from_slice(&training.rest[vertex]);
 }
 
 /// Splits weights on joints and helpers.

@@ -2,11 +2,14 @@
 
 use super::{Fan, PosedSurface};
 use crate::envelope::error::TrainError;
-use crate::envelope::evaluate::{Baseline, Character, Measured};
+use crate::envelope::evaluate::{Baseline, Character, EvaluateError, Measured};
 use crate::envelope::model::FileModel;
 use crate::envelope::skin::training::Training;
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
+
+/// Frames whose normals are held at once.
+const FEW_FRAMES: usize = 16;
 
 /// Fits the tangent coefficients of a model's own skin, and measures its normals on the training frames as
 /// `evaluate` does.
@@ -33,10 +36,23 @@ pub fn fit_normals(
     let bytes = model.bake()?;
     let character = Character::open(&bytes, None, examples)?;
     let frames = training.poses.frames();
-    let measured = Measured::model(&character, examples, &frames)?.angle_rms();
+    let measured = rms(&frames, |few| Measured::model(&character, examples, few))?;
     let lbs = Baseline::new(training.lbs.weights.clone(), examples);
-    let lbs = Measured::lbs(&lbs, examples, &frames).angle_rms();
+    let lbs = rms(&frames, |few| Ok(Measured::lbs(&lbs, examples, few)))?;
     let errors = NormalErrors { model: measured as f32, lbs: lbs as f32 };
     model.skins.iter_mut().for_each(|skin| skin.normal_errors = Some(errors));
     Ok(())
+}
+
+/// RMS angle of normals in frames that are measured a few at a time, in radians.
+fn rms(
+    frames: &[usize],
+    measure: impl Fn(&[usize]) -> Result<Measured, EvaluateError>,
+) -> Result<f64, EvaluateError> {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for few in frames.chunks(FEW_FRAMES) {
+        let own = measure(few)?.squared_angles();
+        (sum, all) = (sum + own.0, all + own.1);
+    }
+    Ok((sum / all.max(f64::MIN_POSITIVE)).sqrt())
 }

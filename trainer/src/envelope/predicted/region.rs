@@ -17,7 +17,7 @@ pub(super) const POSES: usize = 300;
 /// Poses on which width and ridge are chosen.
 const TRIED: usize = 100;
 /// Vertices that are looked at; more tell no more of the poses.
-const VERTICES: usize = 4000;
+pub(super) const VERTICES: usize = 4000;
 /// Hops of the joints that a joint's skin listens to, as the kernel maps choose most often.
 pub const HOPS: usize = 2;
 

@@ -1,10 +1,11 @@
 //! A training on the frames that belong to their poses.
 
 use super::broken::{Broken, MOST, ROUNDS, broken};
+use super::region::VERTICES;
 use crate::envelope::error::FitError;
-use crate::envelope::skin::poses::{MIN_POSES, Poses};
+use crate::envelope::skin::poses::MIN_POSES;
 use crate::envelope::skin::training::Training;
-use crate::examples::{Examples, Split};
+use crate::examples::{Examples, Split, spread};
 use crate::progress::Progress;
 use serde::Serialize;
 
@@ -31,7 +32,8 @@ pub struct Sound<'a> {
 }
 
 impl<'a> Sound<'a> {
-    /// Looks at the training frames of the examples. Meshes of the scene's own skin all belong to their poses.
+    /// Looks at some vertices of the training frames of the examples. Meshes of the scene's own skin all belong to their
+    /// poses.
     ///
     /// Each look judges all frames by LBS that is fitted without those of the look before: a frame that a wrong one made
     /// look wrong comes back.
@@ -40,37 +42,40 @@ impl<'a> Sound<'a> {
     /// Those of [`Training::new`].
     pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         let frames = examples.frames_of(Split::Train);
-        let mut all = Training::of(examples, &frames, progress)?;
+        let all = Training::of(examples, &frames, progress)?;
+        let every = Vec::from_iter(0..frames.len());
+        let seen = spread(examples.vertex_len(), VERTICES);
+        let mut few = all.part(&seen, &every);
         let mut found = Vec::new();
         if !examples.own_skin {
             progress.step("frames", 1);
-            found = broken(&all, &[]);
+            found = broken(&few, &[]);
         }
         if found.is_empty() {
             return Ok(Self { training: all.pulled(), doubted: Vec::new(), stay: false });
         }
         let most = (MOST * frames.len() as f64).max(1.0) as usize;
         let most = most.min(frames.len() - MIN_POSES);
-        let without = |out: &[usize]| -> Vec<usize> {
-            let others = (0..frames.len()).filter(|pose| !out.contains(pose));
-            others.map(|pose| frames[pose]).collect()
+        let others = |out: &[usize]| -> Vec<usize> {
+            every.iter().copied().filter(|pose| !out.contains(pose)).collect()
         };
-        let is_fair =
-            |out: &[usize]| out.len() <= most && !Poses::new(examples, &without(out)).are_one();
+        let is_fair = |out: &[usize]| out.len() <= most && !all.poses.only(&others(out)).are_one();
         let mut out = Vec::new();
         for _ in 0..ROUNDS {
             let next = poses(&found);
             if next == out || !is_fair(&next) {
                 break;
             }
-            all.lbs = Training::of(examples, &without(&next), progress)?.lbs;
+            few.lbs = all.part(&seen, &others(&next)).lbs;
             progress.step("frames", 1);
             out = next;
-            found = broken(&all, &out);
+            found = broken(&few, &out);
         }
         let out = poses(&found);
         let stay = !is_fair(&out);
-        let kept = if stay { frames.clone() } else { without(&out) };
+        let kept = if stay { every } else { others(&out) };
+        let kept: Vec<usize> = kept.into_iter().map(|pose| frames[pose]).collect();
+        drop(all);
         let training = Training::of(examples, &kept, progress)?.pulled();
         let doubted = |&Broken { pose, error, usual }: &Broken| Doubted {
             frame: frames[pose],

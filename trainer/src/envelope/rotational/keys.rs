@@ -37,7 +37,7 @@ pub fn fit(
     let counts: Vec<f64> =
         (0..surface.triangles.len()).map(|t| surface.triangle_importance(t)).collect();
     let importance = Importance::by(Some(&counts));
-    let items = Items { width: 3, rows: 3, h: edge_rows(surface), y: &y, importance, pull: None };
+    let items = Items::new([3, 3], edge_rows(surface), &y, importance);
     let columns = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
         proxies.maps.columns[(k, 4 * (column / 3) + column % 3)]
     });

@@ -57,15 +57,5 @@ pub fn skinned(rest: &[[f64; 3]], weights: &Weights, maps: &Mat<f64>) -> Mat<f64
 
 /// The trajectory of one vertex under maps, 3n long.
 pub fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
-    let h = homogeneous(rest);
-    let mut out = vec![0.0; maps.nrows()];
-    for (l, weight) in weights.of(vertex) {
-        for (c, x) in h.iter().enumerate() {
-            let factor = weight * x;
-            for (o, m) in out.iter_mut().zip(maps.col_as_slice(4 * l + c)) {
-                *o += factor * m;
-            }
-        }
-    }
-    out
+    weights.blend(vertex, homogeneous(rest).as_slice(), maps)
 }

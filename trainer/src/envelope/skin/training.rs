@@ -3,7 +3,6 @@
 use super::blend::Weights;
 use super::poses::{MIN_POSES, Poses, local, seen_from};
 use super::prior::prior;
-use super::stacked::in_poses;
 use super::targets::Targets;
 use super::weights::{FREE, Lbs};
 use crate::envelope::error::FitError;
@@ -121,7 +120,7 @@ impl<'a> Training<'a> {
     #[must_use]
     pub fn part(&self, vertices: &[usize], poses: &[usize]) -> Self {
         let rest: Vec<_> = vertices.iter().map(|&v| self.rest[v]).collect();
-        let trajectories = in_poses(&columns::some(&self.trajectories, vertices), poses);
+        let trajectories = self.moved(vertices, poses);
         let poses = self.poses.only(poses);
         let prior = columns::some(&self.lbs.prior, vertices);
         let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior, self.lbs.strength));
@@ -145,6 +144,13 @@ impl<'a> Training<'a> {
             lbs,
             ..*self
         }
+    }
+
+    /// Returns the trajectories of some vertices in some of the poses, 3 rows of each.
+    pub fn moved(&self, vertices: &[usize], poses: &[usize]) -> Mat<f64> {
+        Mat::from_fn(3 * poses.len(), vertices.len(), |row, k| {
+            self.trajectories[(3 * poses[row / 3] + row % 3, vertices[k])]
+        })
     }
 
     /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.

@@ -2,6 +2,7 @@
 
 use crate::examples::Importance;
 use faer::Mat;
+use std::borrow::Cow;
 
 /// Items to be blended.
 pub struct Items<'a> {
@@ -17,13 +18,25 @@ pub struct Items<'a> {
     pub importance: Importance<'a>,
     /// The weights that theirs are pulled to; `None` if the error alone decides.
     pub pull: Option<Pull<'a>>,
+    /// Other maps, r x (l·m), that move the items too and stay as they are, by weights of their own.
+    pub others: Option<(&'a Weights, &'a Mat<f64>)>,
 }
 
 impl<'a> Items<'a> {
+    /// Items of `width` and `rows`, that neither a pull nor other maps move.
+    pub fn new(
+        [width, rows]: [usize; 2],
+        h: Vec<f64>,
+        y: &'a Mat<f64>,
+        importance: Importance<'a>,
+    ) -> Self {
+        Self { width, rows, h, y, importance, pull: None, others: None }
+    }
+
     /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
     pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>, importance: Importance<'a>) -> Self {
         let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-        Self { width: 4, rows: 1, h, y, importance, pull: None }
+        Self::new([4, 1], h, y, importance)
     }
 
     /// Returns the number of items.
@@ -39,6 +52,14 @@ impl<'a> Items<'a> {
     /// Sums the items' errors as they count.
     pub fn sum(&self, errors: &[f64]) -> f64 {
         errors.iter().enumerate().map(|(item, error)| self.importance.of(item) * error).sum()
+    }
+
+    /// Returns what other maps leave of a row's target.
+    pub(super) fn target(&self, row: usize) -> Cow<'_, [f64]> {
+        let y = self.y.col_as_slice(row);
+        let Some((weights, maps)) = self.others else { return Cow::Borrowed(y) };
+        let blended = weights.blend(row / self.rows, self.row(row), maps);
+        Cow::Owned(y.iter().zip(blended).map(|(y, blended)| y - blended).collect())
     }
 
     pub(super) fn row(&self, row: usize) -> &[f64] {
@@ -154,6 +175,20 @@ impl Weights {
             self.of(item).for_each(|(map, weight)| dense[(map, item)] = weight);
         }
         dense
+    }
+
+    /// Blends maps, r x (l·m), of what an item follows, and applies them to a row of m numbers: r numbers.
+    pub fn blend(&self, item: usize, row: &[f64], maps: &Mat<f64>) -> Vec<f64> {
+        let mut out = vec![0.0; maps.nrows()];
+        for (l, weight) in self.of(item) {
+            for (c, x) in row.iter().enumerate() {
+                let factor = weight * x;
+                for (o, m) in out.iter_mut().zip(maps.col_as_slice(row.len() * l + c)) {
+                    *o += factor * m;
+                }
+            }
+        }
+        out
     }
 
     /// Builds weights from lists of (map, weight), each at most `most` long, strongest first.

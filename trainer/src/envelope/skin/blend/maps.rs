@@ -61,7 +61,7 @@ fn accumulate(
 ) {
     let m = items.width;
     let h = items.row(row);
-    let y = items.y.col_as_slice(row);
+    let y = items.target(row);
     let counts = items.importance.of(item);
     for (a, wa) in weights.clone() {
         for (j, hj) in h.iter().enumerate() {

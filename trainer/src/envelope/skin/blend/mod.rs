@@ -20,6 +20,7 @@ mod tests {
     use crate::examples::Importance;
     use faer::Mat;
     use rand::{RngExt, SeedableRng};
+    use std::ops::Range;
 
     /// Items that known maps and known weights move exactly.
     fn exact(count: usize, rank: usize) -> (Vec<f64>, Mat<f64>, Maps, Vec<[f64; 3]>) {
@@ -46,8 +47,7 @@ mod tests {
     #[test]
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
+        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
@@ -71,8 +71,7 @@ mod tests {
         };
         let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
+        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
         let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
@@ -117,8 +116,7 @@ mod tests {
         // Two maps a joint.
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 0, 1, 2, 3], strength: 5.0 };
         let h = (0..50).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: Some(pull) };
+        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::ALIKE) };
         let maps = Maps { width: 4, columns };
         // Of eight maps none is left out, so that the least cost is found.
         let (weights, _) = fit_weights(&items, &maps, Supports::Free(8));
@@ -143,8 +141,7 @@ mod tests {
         let prior =
             Mat::from_fn(6, 300, |map, item| f64::from(u8::from((map < 3) == (item < 150))) / 3.0);
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 4, 5], strength: 1e-9 };
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: Some(pull) };
+        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::ALIKE) };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         // Weights below a thousandth are dropped, over 30 rows.
         assert!(errors.iter().all(|&e| e < 30e-6), "{errors:?}");
@@ -159,19 +156,29 @@ mod tests {
     #[test]
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
+        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
-        assert!((fitted.columns - maps.columns).norm_max() < 1e-4);
+        assert!((fitted.columns - &maps.columns).norm_max() < 1e-4);
+
+        // The first map stays, and the others are fitted to what it leaves.
+        let lists = |own: Range<usize>| {
+            let of = |w: &[f64; 3]| own.clone().map(|k| (k - own.start, w[k])).collect();
+            Weights::from_lists(3, truth.iter().map(of).collect::<Vec<_>>().into_iter())
+        };
+        let (fixed, open) = (lists(0..1), lists(1..3));
+        let others = Some((&fixed, &maps.columns));
+        let items = Items { others, ..items };
+        let start = Maps { width: 4, columns: Mat::zeros(30, 8) };
+        let fitted = fit_maps(&items, &open, &start, 1e-7).columns;
+        assert!((fitted - maps.columns.subcols(4, 8)).norm_max() < 1e-4);
     }
 
     #[test]
     fn rounds_that_start_ahead_come_nearer() {
         let (h, y, maps, _) = exact(300, 30);
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
+        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
         let start = Maps {
             columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
             ..maps
@@ -190,8 +197,7 @@ mod tests {
     #[test]
     fn a_map_that_no_item_uses_stays_where_it_was() {
         let (h, y, maps, truth) = exact(50, 30);
-        let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, pull: None };
+        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
