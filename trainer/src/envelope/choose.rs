@@ -316,7 +316,7 @@ impl PredictorSearch<'_> {
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
-        // Few vertices leave as many helpers less than all of them do.
+        // A forecast fits few vertices, which as many helpers follow more closely than they follow all vertices.
         let [same_clips, other_clip] =
             self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);

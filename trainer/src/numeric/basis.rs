@@ -35,7 +35,8 @@ pub fn basis(trajectories: &Mat<f64>) -> Basis {
     })
 }
 
-/// Builds the basis of trajectories, 3n x V, that are never held at once: `write` makes one whenever it is read.
+/// Builds the basis of trajectories, 3n x V, without holding all of them: `write` writes one trajectory, as often as it is
+/// read.
 pub fn basis_of([height, vertices]: [usize; 2], write: impl Fn(usize, &mut [f64]) + Sync) -> Basis {
     let part = |start: usize, len: usize| {
         let mut part = Mat::zeros(height, len);

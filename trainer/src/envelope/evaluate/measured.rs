@@ -195,8 +195,8 @@ impl Measured {
         self.copies().iter().map(of).collect()
     }
 
-    /// Sums the squared angles between the normals and the true ones over the area and all frames, in radians: the sum, and
-    /// how much was counted.
+    /// Sums the squared angles between normals and true normals over all frames, each times its area. Returns the sum, in
+    /// square radians, and the sum of the areas.
     pub fn squared_angles(&self) -> (f64, f64) {
         squares(self.frames.iter().flat_map(|frame| self.counted_angles(frame)))
     }
@@ -315,7 +315,7 @@ fn rms(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
     (sum / all.max(f64::MIN_POSITIVE)).sqrt()
 }
 
-/// Sums squared errors as they count, and how much they count.
+/// Sums squared errors times their weights, and the weights.
 fn squares(errors: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
     errors.fold((0.0, 0.0), |(sum, all), (d, counts)| (sum + counts * d * d, all + counts))
 }

@@ -295,7 +295,7 @@ fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
 }
 
-/// Writes how a vertex errs by LBS in its joint's frame, and where it lies: 3n + 3 numbers.
+/// Writes the error of LBS at a vertex in its joint's frame, a pose after the other, and its rest position: 3n + 3 numbers.
 fn features(training: &Training, vertex: usize, column: &mut [f64]) {
     let (poses, joints) = (&training.poses, &training.lbs.weights);
     let scale = training.settings.residuals / (poses.len() as f64).sqrt();

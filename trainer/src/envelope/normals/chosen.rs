@@ -8,7 +8,7 @@ use crate::envelope::skin::training::Training;
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
 
-/// Frames whose normals are held at once.
+/// Frames whose normals are in memory at the same time.
 const FEW_FRAMES: usize = 16;
 
 /// Fits the tangent coefficients of a model's own skin, and measures its normals on the training frames as
@@ -44,7 +44,7 @@ pub fn fit_normals(
     Ok(())
 }
 
-/// RMS angle of normals in frames that are measured a few at a time, in radians.
+/// Measures a few frames at a time. Returns the RMS angle between normals and true normals over all frames, in radians.
 fn rms(
     frames: &[usize],
     measure: impl Fn(&[usize]) -> Result<Measured, EvaluateError>,

@@ -39,11 +39,11 @@ pub struct Blend {
 /// How weights and maps are fitted in turn.
 #[derive(Clone, Copy)]
 pub struct Alternation {
-    /// Rounds of which in some each item also chooses what it follows.
+    /// First rounds, in some of which each item also chooses its maps.
     pub choices: usize,
-    /// In each so many of these. Between them maps settle on what was chosen.
+    /// Items choose in every `every`-th of the first rounds. Between choices the maps settle.
     pub every: usize,
-    /// Those after them.
+    /// Rounds after them, in which items keep their maps.
     pub rounds: usize,
     /// Most of its last step that a round starts ahead.
     pub ahead: f64,

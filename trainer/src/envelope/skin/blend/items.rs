@@ -18,12 +18,13 @@ pub struct Items<'a> {
     pub importance: Importance<'a>,
     /// The weights that theirs are pulled to; `None` if the error alone decides.
     pub pull: Option<Pull<'a>>,
-    /// Other maps, r x (l·m), that move the items too and stay as they are, by weights of their own.
+    /// Fixed maps, r x (l·m), that also move the items, and the items' weights on them. [`fit_maps`](super::fit_maps) fits
+    /// other maps to the rest of the motion.
     pub others: Option<(&'a Weights, &'a Mat<f64>)>,
 }
 
 impl<'a> Items<'a> {
-    /// Items of `width` and `rows`, that neither a pull nor other maps move.
+    /// Items of `width` and `rows`, without a pull and without fixed maps.
     pub fn new(
         [width, rows]: [usize; 2],
         h: Vec<f64>,
@@ -54,7 +55,7 @@ impl<'a> Items<'a> {
         errors.iter().enumerate().map(|(item, error)| self.importance.of(item) * error).sum()
     }
 
-    /// Returns what other maps leave of a row's target.
+    /// Returns a row's target minus its motion by the fixed maps.
     pub(super) fn target(&self, row: usize) -> Cow<'_, [f64]> {
         let y = self.y.col_as_slice(row);
         let Some((weights, maps)) = self.others else { return Cow::Borrowed(y) };
@@ -177,7 +178,9 @@ impl Weights {
         dense
     }
 
-    /// Blends maps, r x (l·m), of what an item follows, and applies them to a row of m numbers: r numbers.
+    /// Blends the maps that an item follows, and applies them to a row of m numbers. Returns r numbers.
+    ///
+    /// - `maps`: r x (l·m).
     pub fn blend(&self, item: usize, row: &[f64], maps: &Mat<f64>) -> Vec<f64> {
         let mut out = vec![0.0; maps.nrows()];
         for (l, weight) in self.of(item) {

@@ -162,7 +162,7 @@ mod tests {
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
         assert!((fitted.columns - &maps.columns).norm_max() < 1e-4);
 
-        // The first map stays, and the others are fitted to what it leaves.
+        // The first map stays. The others are fitted to the rest of the motion.
         let lists = |own: Range<usize>| {
             let of = |w: &[f64; 3]| own.clone().map(|k| (k - own.start, w[k])).collect();
             Weights::from_lists(3, truth.iter().map(of).collect::<Vec<_>>().into_iter())
