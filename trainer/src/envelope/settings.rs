@@ -4,7 +4,8 @@ use super::alike::UNSEEN;
 
 /// The numbers that a fit of helpers and their maps is set to. Lengths are in diagonals of the rest mesh.
 ///
-/// `cargo bench -p sinew-trainer --bench figures -- settings` trains with a third and with three times of each.
+/// `cargo bench -p sinew-trainer --bench figures -- settings` trains with a third and with three times of each. The table is in
+/// `trainer/NOTES.md`, "Settings".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// A vertex with a larger RMS error of LBS belongs to a helper. Smaller errors are not seen.
