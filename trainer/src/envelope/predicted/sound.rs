@@ -43,16 +43,18 @@ impl<'a> Sound<'a> {
     pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         let frames = examples.frames_of(Split::Train);
         let all = Training::of(examples, &frames, progress)?;
+        let sound =
+            |all: Training<'a>| Self { training: all.pulled(), doubted: Vec::new(), stay: false };
+        if examples.own_skin {
+            return Ok(sound(all));
+        }
         let every = Vec::from_iter(0..frames.len());
         let seen = spread(examples.vertex_len(), VERTICES);
         let mut few = all.part(&seen, &every);
-        let mut found = Vec::new();
-        if !examples.own_skin {
-            progress.step("frames", 1);
-            found = broken(&few, &[]);
-        }
+        progress.step("frames", 1);
+        let mut found = broken(&few, &[]);
         if found.is_empty() {
-            return Ok(Self { training: all.pulled(), doubted: Vec::new(), stay: false });
+            return Ok(sound(all));
         }
         let most = (MOST * frames.len() as f64).max(1.0) as usize;
         let most = most.min(frames.len() - MIN_POSES);

@@ -46,15 +46,6 @@ impl Targets<'_> {
     }
 }
 
-/// The trajectories of vertices under maps, 3n x V.
-pub fn skinned(rest: &[[f64; 3]], weights: &Weights, maps: &Mat<f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(maps.nrows(), rest.len());
-    columns::fill(&mut out, |vertex, column| {
-        column.copy_from_slice(&skin(&rest[vertex], weights, vertex, maps));
-    });
-    out
-}
-
 /// The trajectory of one vertex under maps, 3n long.
 pub fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
     weights.blend(vertex, homogeneous(rest).as_slice(), maps)

@@ -39,7 +39,7 @@ pub struct Blend {
 /// How weights and maps are fitted in turn.
 #[derive(Clone, Copy)]
 pub struct Alternation {
-    /// First rounds, in some of which each item also chooses its maps.
+    /// Rounds at the start. In some rounds each item also chooses its maps.
     pub choices: usize,
     /// Items choose in every `every`-th of the first rounds. Between choices the maps settle.
     pub every: usize,
