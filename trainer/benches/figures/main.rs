@@ -1,4 +1,4 @@
-//! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
+//! Prints the figures of FIGURES.md: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
 //! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or `scaling`. Sets that are not

@@ -13,7 +13,7 @@
 //! 3. Its ending, where the reader is chosen by it and in the message beside: of scenes
 //!    `examples/import/source.rs`, of posed meshes `examples/import/targets.rs`.
 //! 4. What its meshes look like, in `appearance/load.rs`, where it says so.
-//! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
+//! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in TRAIN.md.
 
 pub(crate) mod abc;
 pub mod appearance;

@@ -6,6 +6,7 @@ pub mod camera;
 pub(crate) mod chart;
 pub mod colour;
 pub mod drawing;
+pub mod gif;
 pub(crate) mod html;
 pub mod picture;
 pub mod render;

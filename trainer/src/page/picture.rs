@@ -39,6 +39,19 @@ impl Picture {
         }
     }
 
+    /// Lays the picture, whose colours are not multiplied by their alpha, on white.
+    #[must_use]
+    pub fn on_white(&self) -> Self {
+        let mut out = self.clone();
+        for pixel in out.rgba.chunks_mut(4) {
+            let alpha = f64::from(pixel[3]) / 255.0;
+            let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
+            pixel.iter_mut().for_each(|x| *x = laid(*x));
+            pixel[3] = 0xff;
+        }
+        out
+    }
+
     /// Encodes the picture as PNG.
     ///
     /// # Errors

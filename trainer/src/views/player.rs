@@ -227,15 +227,3 @@ pub fn straight(picture: &Picture) -> Picture {
     }
     out
 }
-
-/// Lays a picture of straight alpha on white.
-pub fn on_white(picture: &Picture) -> Picture {
-    let mut out = picture.clone();
-    for pixel in out.rgba.chunks_mut(4) {
-        let alpha = f64::from(pixel[3]) / 255.0;
-        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
-        pixel.iter_mut().for_each(|x| *x = laid(*x));
-        pixel[3] = 0xff;
-    }
-    out
-}

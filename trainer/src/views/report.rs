@@ -1,7 +1,7 @@
 //! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
 
 use super::naive::{NETWORKS, mixed, weights};
-use super::player::{PlayError, Played, Player, multiplied, on_white, straight};
+use super::player::{PlayError, Played, Player, multiplied, straight};
 use super::set::{Examples, SetError, Values, View, ViewSet};
 use crate::numeric::columns::ends;
 use crate::page::camera::Resolution;
@@ -117,7 +117,7 @@ fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, ReportE
         }
         let (picture, _) = shown(model, examples, &values)?;
         let corner = [(GAP + column * cell[0]) as f64, (GAP + row * cell[1]) as f64];
-        out.image(corner, on_white(&picture));
+        out.image(corner, picture.on_white());
         let near = |(name, value): (&String, &f64)| {
             values.get(name).is_some_and(|own| (own - value).abs() < 1e-9)
         };
@@ -171,7 +171,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
                      seen: &dyn Fn(usize) -> bool| {
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
-        out.image([0.0; 2], on_white(picture));
+        out.image([0.0; 2], picture.on_white());
         // Vertices that no single point carries are always shown.
         let is_shown = |vertex: usize| {
             let point = views.vertex(vertex).and_then(|vertex| vertex.point());

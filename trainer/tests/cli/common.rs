@@ -41,6 +41,21 @@ impl Folder {
         self.0.join(name)
     }
 
+    /// Reads a GIF: its pictures, and how long each is shown, in hundredths of a second.
+    pub(crate) fn gif(&self, name: &str) -> Vec<(Vec<u8>, u16)> {
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let bytes = self.read(name);
+        let mut reader = options.read_info(&bytes[..]).unwrap();
+        let size = (reader.width(), reader.height());
+        let mut out = Vec::new();
+        while let Some(frame) = reader.read_next_frame().unwrap() {
+            assert_eq!(((frame.width, frame.height), (frame.left, frame.top)), (size, (0, 0)));
+            out.push((frame.buffer.to_vec(), frame.delay));
+        }
+        out
+    }
+
     pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap()
     }

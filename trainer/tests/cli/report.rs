@@ -27,6 +27,26 @@ fn report_writes_the_page_and_what_is_asked_for_beside_it() {
 }
 
 #[test]
+fn a_gif_shows_the_truth_lbs_and_the_model_in_each_frame() {
+    let folder = Folder::with_demo("report-gif");
+    let run = folder.sinew(&format!("{REPORT} --quick --gif frames.gif")).done();
+    assert!(run.out.contains("wrote frames.gif ("), "{}", run.out);
+    let frames = folder.gif("frames.gif");
+    assert_eq!(frames.len(), HELD_OUT);
+    // Three columns of 300 pixels. Errors are red: clay has none of it, and LBS more than the model.
+    for (rgba, hundredths) in &frames {
+        let red = |column: usize| -> u64 {
+            let pixels = rgba.chunks_exact(4).enumerate();
+            let own = pixels.filter(|(place, _)| place % 900 / 300 == column);
+            own.map(|(_, c)| u64::from(c[0].saturating_sub(c[2]).saturating_sub(40))).sum()
+        };
+        let [truth, lbs, model] = [0, 1, 2].map(red);
+        assert!(truth < model && 2 * model < lbs, "{truth} {model} {lbs}");
+        assert_eq!(*hundredths, 3);
+    }
+}
+
+#[test]
 fn report_measures_as_eval_does_and_compares() {
     let folder = Folder::with_demo("report-json");
     folder.sinew("train demo.npz -o other.sinew --predictor kernel --proxies 2").done();

@@ -130,21 +130,6 @@ fn misused(run: Run) -> String {
     run.err
 }
 
-/// Reads a GIF on white: its pictures, and the time that each is shown, in hundredths of a second.
-fn gif(folder: &Folder, name: &str) -> Vec<(Vec<u8>, u16)> {
-    let mut options = gif::DecodeOptions::new();
-    options.set_color_output(gif::ColorOutput::RGBA);
-    let bytes = folder.read(name);
-    let mut reader = options.read_info(&bytes[..]).unwrap();
-    let size = (reader.width(), reader.height());
-    let mut out = Vec::new();
-    while let Some(frame) = reader.read_next_frame().unwrap() {
-        assert_eq!(((frame.width, frame.height), (frame.left, frame.top)), (size, (0, 0)));
-        out.push((frame.buffer.to_vec(), frame.delay));
-    }
-    out
-}
-
 #[test]
 fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
     let folder = trained("views-gif", "figure");
@@ -154,7 +139,7 @@ fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
     folder.sinew(&format!("{animate} -o walk")).done();
     let told = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.12 --json")).json();
     assert_eq!((told["frames"].as_u64(), told["frame_time"].as_f64()), (Some(3), Some(0.12)));
-    let frames = gif(&folder, "walk.gif");
+    let frames = folder.gif("walk.gif");
     assert_eq!(frames.len(), 3);
     for (number, (rgba, delay)) in frames.iter().enumerate() {
         assert_eq!(*delay, 12);
@@ -177,7 +162,7 @@ fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
         assert_eq!(told["frames"], count);
         assert_eq!(fs::read_dir(folder.path(&format!("some{count}"))).unwrap().count(), count);
         folder.sinew(&format!("{animate} --frames {count} -o some.gif")).done();
-        assert_eq!(gif(&folder, "some.gif").len(), count);
+        assert_eq!(folder.gif("some.gif").len(), count);
         let last = format!("some{count}/frame{:04}.png", count - 1);
         let key = if count == 1 { "frame0000.png" } else { "frame0002.png" };
         assert_eq!(folder.read(&last), folder.read(&format!("walk/{key}")));

@@ -85,14 +85,14 @@ fn check(
 
 #[test]
 fn mpfb_arm_by_every_predictor() {
-    // Promised: unrefined 0.430 and rotational 0.079 (README), kernel 0.068 (METHOD §1.9).
+    // Promised: unrefined 0.430 and rotational 0.079 (FIGURES), kernel 0.068 (METHOD §1.9).
     // Promised of normals: 2.6 by kernel and 3.2 degrees by rotational, where cofactors leave 7 to 11.
     check("mpfb-arm/mpfb_arm.npz", 0.696, [0.49, 0.09, 0.07], [3.2, 2.6]);
 }
 
 #[test]
 fn dem_bones_by_every_predictor() {
-    // Promised: unrefined no worse than LBS, rotational 0.297 (README), kernel 0.042 (METHOD §1.9).
+    // Promised: unrefined no worse than LBS, rotational 0.297 (FIGURES), kernel 0.042 (METHOD §1.9).
     // Promised of normals: 0.9 degrees by kernel. Rotational stays below what cofactors leave it, 2.2; were it to look
     // inward in a few frames alone, it would be tens.
     check("dem-bones/bone.npz", 0.534, [0.53, 0.34, 0.05], [2.2, 0.9]);
@@ -102,14 +102,14 @@ fn dem_bones_by_every_predictor() {
 fn extreme_poses_and_a_small_file_of_mpfb_arm() {
     let Some((examples, model)) = arm() else { return };
     let extreme = evaluate(model, None, examples, Frames::Of(Split::Extreme)).unwrap();
-    // Promised: 0.083 (README).
+    // Promised: 0.083 (FIGURES).
     assert!(extreme.errors.rms_percent <= 0.1, "{}", extreme.errors.rms_percent);
     let small = Options { budget: Some(160_000), ..only(Predictor::Kernel) };
     let small = measured(examples, &small, Split::HeldOut);
     assert!(small.model_bytes <= 160_000);
-    // Promised: 0.047 (README). The bar is wider: a sixth of what LBS leaves.
+    // Promised: 0.047 (FIGURES). The bar is wider: a sixth of what LBS leaves.
     assert!(small.errors.rms_percent <= 0.11, "{}", small.errors.rms_percent);
-    // Tangent coefficients give way before the helpers do. Promised: 0.151 (README).
+    // Tangent coefficients give way before the helpers do. Promised: 0.151 (FIGURES).
     let smallest = Options { budget: Some(60_000), proxies: None, ..only(Predictor::Kernel) };
     let smallest = measured(examples, &smallest, Split::HeldOut);
     assert!(smallest.errors.rms_percent <= 0.25, "{}", smallest.errors.rms_percent);
@@ -130,7 +130,7 @@ fn an_elbow_bent_further_than_in_training_stays_better_than_lbs_and_is_less_sure
     let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
     examples.split = angles.iter().map(split).collect();
     let far = measured(&examples, &only(Predictor::Kernel), Split::HeldOut);
-    // Promised: better than LBS, which leaves 0.90 there, and less sure; README has the figures.
+    // Promised: better than LBS, which leaves 0.90 there, and less sure; FIGURES has the figures.
     assert!(far.errors.rms <= far.lbs.rms, "{far:?}");
     assert!(far.confidence.mean < usual.confidence.mean, "{far:?} {usual:?}");
     assert!(far.confidence.least < usual.confidence.least, "{far:?} {usual:?}");
@@ -208,7 +208,7 @@ fn the_demo_arm_by_every_predictor_and_by_the_best() {
     let unrefined = Options { refine: false, ..only(Predictor::Rotational) };
     let plain = measured(&examples, &unrefined, Split::HeldOut);
     // The demo's promise: LBS leaves about 1 %, the method without refinement half of it, each predictor a tenth
-    // (README: 0.663, 0.205, at most 0.019), and the choice is as good as the best, but for what cross-validation cannot
+    // (FIGURES: 0.663, 0.205, at most 0.019), and the choice is as good as the best, but for what cross-validation cannot
     // tell: of errors within 2 % there it takes the smaller file.
     assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);
     assert!(plain.errors.rms < 0.5 * plain.lbs.rms);

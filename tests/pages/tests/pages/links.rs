@@ -2,7 +2,7 @@
 
 use pages::text::{read, repository};
 
-const PAGES: [&str; 15] = [
+const PAGES: [&str; 18] = [
     "README.md",
     "runtime/CHANGELOG.md",
     "runtime/ENGINE.md",
@@ -14,9 +14,12 @@ const PAGES: [&str; 15] = [
     "tests/firmware/README.md",
     "trainer/COMPARE.md",
     "trainer/FACE.md",
+    "trainer/FIGURES.md",
     "trainer/KERNEL.md",
     "trainer/METHOD.md",
+    "trainer/NOTES.md",
     "trainer/SIGNAL.md",
+    "trainer/TRAIN.md",
     "trainer/VIEWS.md",
 ];
 

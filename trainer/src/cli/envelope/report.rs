@@ -10,7 +10,8 @@ use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::envelope::evaluate::{Character, Told};
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
+use sinew_trainer::envelope::report::{Page, PictureOptions, csv, moving, ply};
+use sinew_trainer::examples::Clip;
 use std::path::{Path, PathBuf};
 
 /// Writes a page that shows where the error of a model is
@@ -61,9 +62,18 @@ pub(in crate::cli) struct Arguments {
     /// and as its colour
     #[arg(long, value_name = "FILE.ply")]
     ply: Option<PathBuf>,
+    /// Write the measured frames to FILE as a moving picture: the truth, then linear blend skinning and the model in
+    /// the colours of their errors
+    #[arg(long, value_name = "FILE.gif")]
+    gif: Option<PathBuf>,
     #[command(flatten)]
     space: StatedSpace,
 }
+
+/// Width of a moving picture, pixels.
+const GIF_WIDTH: usize = 900;
+/// Frames a second of a moving picture where clips have no one rate.
+const SLOW: f64 = 10.0;
 
 /// Parses two angles.
 fn view(text: &str) -> Result<(f64, f64), String> {
@@ -120,6 +130,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     if let Some(target) = &targets.ply {
         written.push((target, ply::rest_mesh(&comparison)));
     }
+    if let Some(target) = &targets.gif {
+        let options = PictureOptions { width: GIF_WIDTH, ..options };
+        let fps = Clip::rate_of(&clips).unwrap_or(SLOW);
+        // Below two hundredths browsers take ten.
+        let hundredths = (100.0 / fps).round().clamp(2.0, 100.0) as u16;
+        written.push((target, moving::gif(&comparison, &options, hundredths)?));
+    }
     written.reverse();
     let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
     files::write(&files)?;
@@ -138,6 +155,7 @@ struct OutputFiles {
     page: OutputFile,
     csv: Option<OutputFile>,
     ply: Option<OutputFile>,
+    gif: Option<OutputFile>,
 }
 
 /// Tries every place to write to.
@@ -149,13 +167,15 @@ fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
     let page = target(&arguments.output)?.of_a_report()?;
     let csv = arguments.csv.as_ref().map(target).transpose()?;
     let ply = arguments.ply.as_ref().map(target).transpose()?;
-    let all: Vec<&OutputFile> = std::iter::once(&page).chain(&csv).chain(&ply).collect();
+    let gif = arguments.gif.as_ref().map(target).transpose()?;
+    let all: Vec<&OutputFile> =
+        std::iter::once(&page).chain(&csv).chain(&ply).chain(&gif).collect();
     for (number, one) in all.iter().enumerate() {
         if all[..number].iter().any(|other| other.is(one)) {
             bail!("cannot write {}: two outputs are one file", one.named().display());
         }
     }
-    Ok(OutputFiles { page, csv, ply })
+    Ok(OutputFiles { page, csv, ply, gif })
 }
 
 /// What the page calls the models: their files' names, or their paths where those are the same.

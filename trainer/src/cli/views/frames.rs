@@ -3,10 +3,10 @@
 use crate::cli::counted;
 use crate::cli::files::{OutputFile, write};
 use anyhow::{Context, bail};
-use gif::{Encoder, EncodingError, Frame, Repeat};
 use sinew_trainer::files;
+use sinew_trainer::page::gif::Gif;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::player::{on_white, straight};
+use sinew_trainer::views::player::straight;
 use std::path::{Path, PathBuf};
 
 /// Where pictures go.
@@ -29,13 +29,11 @@ pub(super) struct Frames {
 
 enum Place {
     Folder,
-    Gif { target: OutputFile, pictures: Option<Encoder<Vec<u8>>>, hundredths: u16 },
+    Gif { target: OutputFile, pictures: Gif, hundredths: u16 },
 }
 
 /// GIF's unit of time, in seconds.
 const HUNDREDTH: f64 = 0.01;
-/// What the search for 256 colours passes over: 1 nothing, 30 most.
-const COLOUR_SPEED: i32 = 10;
 
 fn hundredths(text: &str) -> Result<u16, String> {
     let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
@@ -57,7 +55,7 @@ impl Frames {
         let is_gif = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif"));
         let place = if is_gif {
             let target = OutputFile::new(out, taken)?;
-            Place::Gif { target, pictures: None, hundredths: *frame_time }
+            Place::Gif { target, pictures: Gif::new(*frame_time), hundredths: *frame_time }
         } else {
             folder(out)?;
             Place::Folder
@@ -74,9 +72,8 @@ impl Frames {
                 files::write(&path, &picture.png()?)
                     .with_context(|| format!("cannot write {}", path.display()))?;
             }
-            Place::Gif { pictures, hundredths, .. } => {
-                add(pictures, *hundredths, &picture)
-                    .with_context(|| self.named.display().to_string())?;
+            Place::Gif { pictures, .. } => {
+                pictures.add(&picture).with_context(|| self.named.display().to_string())?;
             }
         }
         self.count += 1;
@@ -92,8 +89,7 @@ impl Frames {
         let Place::Gif { target, pictures, hundredths } = self.place else {
             return Ok((format!("{named}: {count}"), serde_json::Value::Null));
         };
-        let bytes = pictures.map(Encoder::into_inner).transpose()?.unwrap_or_default();
-        write(&[(&target, &bytes)])?;
+        write(&[(&target, &pictures.finish()?)])?;
         let seconds = f64::from(hundredths) * HUNDREDTH;
         Ok((format!("{named}: {count} of {seconds:.2} s"), seconds.into()))
     }
@@ -115,30 +111,4 @@ fn folder(folder: &Path) -> anyhow::Result<()> {
 
 fn name(number: usize) -> String {
     format!("frame{number:04}.png")
-}
-
-fn add(
-    pictures: &mut Option<Encoder<Vec<u8>>>,
-    hundredths: u16,
-    picture: &Picture,
-) -> anyhow::Result<()> {
-    let size = [picture.size.width, picture.size.height];
-    let [Ok(width), Ok(height)] = size.map(u16::try_from) else {
-        bail!("pictures of {} x {} pixels, GIF has 65535 at most", size[0], size[1]);
-    };
-    let mut rgba = on_white(picture).rgba;
-    let frame = Frame::from_rgba_speed(width, height, &mut rgba, COLOUR_SPEED);
-    let encoder = match pictures.take() {
-        Some(encoder) => encoder,
-        None => begun(width, height)?,
-    };
-    pictures.insert(encoder).write_frame(&Frame { delay: hundredths, ..frame })?;
-    Ok(())
-}
-
-/// Begins a GIF that plays again and again.
-fn begun(width: u16, height: u16) -> Result<Encoder<Vec<u8>>, EncodingError> {
-    let mut encoder = Encoder::new(Vec::new(), width, height, &[])?;
-    encoder.set_repeat(Repeat::Infinite)?;
-    Ok(encoder)
 }

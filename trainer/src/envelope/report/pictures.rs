@@ -8,6 +8,7 @@ use crate::page::bars::colour_bar;
 use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
+use crate::page::picture::Picture;
 use crate::page::render::{Look, ShadedMesh};
 use nalgebra::Vector3;
 use png::EncodingError;
@@ -187,23 +188,16 @@ impl<'a> Pictures<'a> {
         ring: Option<usize>,
         caption: &str,
     ) -> Result<String, EncodingError> {
-        let mesh = self.mesh(shape);
         let surface = self.comparison.source.examples.surface();
-        let picture = match paint {
-            Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
-            Paint::Kinds(colours) => mesh.draw(&surface.copied(colours), KINDS, camera),
-            Paint::Heat(errors, scale, _) => {
-                let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
-                mesh.draw(&surface.copied(&colours), ERRORS, camera)
-            }
-        };
+        let picture = self.draw(shape, paint, camera);
         let mut over = String::new();
         if let Some(vertex) = ring.map(|vertex| surface.first_copies()[vertex]) {
             let [x, y, _] = camera.project(&shape.positions[vertex]);
             let Resolution { width, height } = camera.size;
             let ring = RING * width as f64;
             let slack = SLACK * self.comparison.model.measured.diagonal;
-            let class = if mesh.hides(vertex, slack, camera) { "hidden" } else { "seen" };
+            let class =
+                if self.mesh(shape).hides(vertex, slack, camera) { "hidden" } else { "seen" };
             let _ = write!(
                 over,
                 "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
@@ -219,8 +213,22 @@ impl<'a> Pictures<'a> {
         figure(&picture, caption, &over, &under)
     }
 
+    /// Draws a shape.
+    pub(super) fn draw(&self, shape: &Shape, paint: &Paint<'_>, camera: &Camera) -> Picture {
+        let mesh = self.mesh(shape);
+        let surface = self.comparison.source.examples.surface();
+        match paint {
+            Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
+            Paint::Kinds(colours) => mesh.draw(&surface.copied(colours), KINDS, camera),
+            Paint::Heat(errors, scale, _) => {
+                let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
+                mesh.draw(&surface.copied(&colours), ERRORS, camera)
+            }
+        }
+    }
+
     /// The mesh of a frame, with its true normals.
-    fn truth(&self, frame: usize) -> Shape {
+    pub(super) fn truth(&self, frame: usize) -> Shape {
         let examples = self.comparison.source.examples;
         let positions = examples.surface().copied(examples.frame(frame));
         let normals = TrueNormals::new(examples.surface()).posed(examples.frame(frame));
