@@ -5,12 +5,12 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, MeasuredFrame, Told};
-use sinew_trainer::envelope::predicted::Sound;
-use sinew_trainer::envelope::rotational::ProxyCount;
-use sinew_trainer::envelope::skin::poses::Poses;
+use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::envelope::lbs::poses::Poses;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Baseline, Character, Measured, MeasuredFrame, Told};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Source, Split, load};
 use sinew_trainer::progress::Silent;
 use std::collections::BTreeSet;

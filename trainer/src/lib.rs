@@ -12,21 +12,27 @@
 //! learns of its commands in one line; a part that stands in one file with an envelope is a field of
 //! [`envelope::model::FileModel`], written in `envelope/bake/file.rs` and named in
 //! `cli/envelope/inspect.rs`. What the runtime asks for is in the doc of its `format/mod.rs`.
-//! [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part. The
-//! numbers that a fit is set to stand in [`envelope::Settings`].
+//! [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part. The
+//! numbers that a fit is set to are in [`settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod check;
 pub mod envelope;
+pub mod evaluate;
 pub mod examples;
+pub mod export;
 pub mod face;
 pub mod files;
 pub mod formats;
-pub mod kernel;
 pub mod mesh;
 pub mod numeric;
 pub mod page;
 pub mod progress;
+pub mod regression;
+pub mod report;
+pub mod scattered;
+pub mod settings;
 pub mod signal;
 pub mod space;
 pub mod views;

@@ -3,16 +3,16 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Errors, Frames, evaluate};
 use sinew_trainer::envelope::fitted::Fitted;
-use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
-use sinew_trainer::envelope::rotational::ProxyCount;
-use sinew_trainer::envelope::skin::training::Training;
+use sinew_trainer::envelope::lbs::training::Training;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Errors, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
+use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::report::{Page, PictureOptions, csv, ply};
 use std::collections::HashMap;
 
 const HELD_OUT: Frames = Frames::Of(Split::HeldOut);

@@ -6,8 +6,8 @@ use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::kernel::certainty::Certainty;
-use sinew_trainer::kernel::map::KernelMap;
+use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::map::KernelMap;
 
 const JOINTS: usize = 20;
 /// Helpers in all, and of each group.

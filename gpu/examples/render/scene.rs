@@ -4,9 +4,9 @@ use crate::Result;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, SkinBatch};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::progress::Silent;
 
 /// The picture, pixels.

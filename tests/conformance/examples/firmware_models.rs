@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::model::{Group, Input};
-use sinew_trainer::kernel::certainty::Certainty;
-use sinew_trainer::kernel::map::KernelMap;
+use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

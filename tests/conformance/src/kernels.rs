@@ -3,7 +3,7 @@
 use ::models::{KernelContent, Pieces, Rng};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{KernelMap, Model};
-use sinew_trainer::kernel::model::KernelModel;
+use sinew_trainer::scattered::model::KernelModel;
 use std::sync::OnceLock;
 
 /// Queries of a kernel.

@@ -9,16 +9,16 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::format::SectionKind;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, npz};
-use sinew_trainer::kernel::certainty::Certainty;
-use sinew_trainer::kernel::map::KernelMap;
 use sinew_trainer::progress::Silent;
+use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::map::KernelMap;
 use std::path::Path;
 use std::sync::OnceLock;
 

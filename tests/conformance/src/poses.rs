@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Envelope;
-use sinew_trainer::envelope::skin::poses::rigid_inverse;
+use sinew_trainer::envelope::lbs::poses::rigid_inverse;
 use sinew_trainer::numeric::affine::after;
 use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;

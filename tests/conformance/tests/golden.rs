@@ -17,8 +17,8 @@ use sinew_trainer::envelope::model::{
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
-use sinew_trainer::kernel::certainty::Certainty;
-use sinew_trainer::kernel::map::KernelMap;
+use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 
 /// Multiples of 1/64 in [-1, 1), so that rounding to f32 is no part of what is compared.

@@ -13,8 +13,8 @@ use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::kernel::certainty::Certainty;
-use sinew_trainer::kernel::map::KernelMap;
+use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::map::KernelMap;
 use std::ops::Range;
 
 /// Bakes what bytes describe, loads it, compares it and evaluates it.

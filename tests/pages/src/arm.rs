@@ -3,10 +3,10 @@
 use sinew_runtime::Matrix3x4;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::Examples;
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::progress::Silent;
 use std::sync::LazyLock;
 

@@ -3,14 +3,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
-use sinew_trainer::envelope::rotational::Method;
-use sinew_trainer::envelope::rotational::gradient::gradient;
-use sinew_trainer::envelope::rotational::poisson::{Poisson, PoissonError};
-use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
-use sinew_trainer::envelope::rotational::settings::near_rigid;
-use sinew_trainer::envelope::skin::blend::Weights;
-use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
-use sinew_trainer::envelope::skin::weights::{self, BASELINE_INFLUENCES};
+use sinew_trainer::envelope::lbs::blend::Weights;
+use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
+use sinew_trainer::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
+use sinew_trainer::envelope::s3::Method;
+use sinew_trainer::envelope::s3::gradient::gradient;
+use sinew_trainer::envelope::s3::poisson::{Poisson, PoissonError};
+use sinew_trainer::envelope::s3::predictor::GradientPredictor;
+use sinew_trainer::envelope::s3::settings::near_rigid;
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::numeric::affine::from_rows;
 

@@ -12,22 +12,23 @@ use full::Full;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::check::check;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::envelope::export::{by_use, demo_glb};
-use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::{self, merge};
-use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
-use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
-use sinew_trainer::envelope::skin::targets::Targets;
-use sinew_trainer::envelope::skin::training::Training;
-use sinew_trainer::envelope::skin::weights;
-use sinew_trainer::envelope::{Options, Predict, Settings, train};
+use sinew_trainer::check::check;
+use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
+use sinew_trainer::envelope::lbs::targets::Targets;
+use sinew_trainer::envelope::lbs::training::Training;
+use sinew_trainer::envelope::lbs::weights;
+use sinew_trainer::envelope::s3::surface::Surface;
+use sinew_trainer::envelope::s3::{self, merge};
+use sinew_trainer::envelope::s3::{ProxyCount, proxies};
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Importance, Source, Split, load, npz};
+use sinew_trainer::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
 use sinew_trainer::numeric::basis;
 use sinew_trainer::progress::Silent;
+use sinew_trainer::settings::Settings;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -116,10 +117,8 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
-            let options = rotational::RotationalOptions {
-                proxies: ProxyCount::Fixed(count),
-                ..Default::default()
-            };
+            let options =
+                s3::RotationalOptions { proxies: ProxyCount::Fixed(count), ..Default::default() };
             let fitted = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)?;
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }

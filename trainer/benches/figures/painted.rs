@@ -1,8 +1,8 @@
 //! Joint weights as an artist painted them: what they make of a fit.
 
 use super::{SETS, found, trained_on_first};
-use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::{Options, train};
+use sinew_trainer::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::{Examples, Source, Split, load, npz};
 use sinew_trainer::progress::Silent;
 use std::error::Error;

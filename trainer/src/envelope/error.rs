@@ -1,9 +1,13 @@
 //! Why a training failed.
 
-use super::evaluate::EvaluateError;
 use super::levels::AddError;
 use crate::bake::BakeError;
+use crate::evaluate::EvaluateError;
 use crate::examples::Examples;
+
+/// Steps of single precision at the mesh's distance from the origin, in diagonals. From the first on, a fit to the
+/// rounding may exceed the range of a model. From the second on, nothing is trained.
+pub(crate) const COARSE: (f64, f64) = (1e-4, 1e-3);
 
 /// A training that failed.
 #[derive(Debug, thiserror::Error)]
@@ -95,7 +99,7 @@ pub enum FitError {
 
 impl FitError {
     /// Returns the error of examples whose positions are at least so coarse, as a share of the diagonal.
-    pub(super) fn too_far(examples: &Examples, least: f64) -> Option<Self> {
+    pub(crate) fn too_far(examples: &Examples, least: f64) -> Option<Self> {
         let share = examples.coarseness();
         let diagonals = share / f64::from(f32::EPSILON);
         (share >= least).then_some(Self::TooFar { diagonals, share })

@@ -1,12 +1,12 @@
 //! A fitted envelope and the skin that follows it, as training sees them.
 
 use super::correction::rounding;
-use super::evaluate::largest;
 use super::levels;
 use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, SkinModel};
-use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::stacked::{self, map_of};
-use crate::envelope::skin::training::Training;
+use crate::envelope::lbs::blend::Weights;
+use crate::envelope::lbs::stacked::{self, map_of};
+use crate::envelope::lbs::training::Training;
+use crate::evaluate::largest;
 use crate::numeric::affine::linear;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;

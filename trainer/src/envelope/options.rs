@@ -1,8 +1,8 @@
 //! What a training is asked for.
 
 use super::levels::Level;
-use super::rotational::{Method, ProxyCount};
-use super::settings::Settings;
+use crate::envelope::s3::{Method, ProxyCount};
+use crate::settings::Settings;
 use sinew_runtime::envelope::Predictor;
 
 /// What predicts the palette from the pose.
@@ -12,7 +12,7 @@ pub enum Predict {
     Only(Predictor),
     /// The rotational predictor as S3 publishes it, to the letter ([`published`]).
     ///
-    /// [`published`]: super::rotational::published
+    /// [`published`]: crate::envelope::s3::published
     Published,
 }
 

@@ -1,11 +1,10 @@
 //! The training, from examples to a file; what is tried and taken is in `choose`.
 
-use super::check::thresholds::COARSE;
 use super::choose::{self, Trained};
-use super::error::{FitError, TrainError};
+use super::error::{COARSE, FitError, TrainError};
 use super::options::{Options, Predict};
-use super::predicted::Sound;
 use crate::bake::BakeError;
+use crate::envelope::clean::Sound;
 use crate::examples::Examples;
 use crate::progress::Progress;
 

@@ -1,10 +1,11 @@
 //! Example poses of one character: what files become and every fit reads.
 //!
 //! Which frames train: an `.npz` may say it (`import/npz/fields.rs`), else all do, until `hold_out` sets
-//! some aside. Folds of a cross-validation are cut in `envelope/skin/folds.rs`.
+//! some aside. Folds of a cross-validation are cut in `envelope/folds`.
 
 mod convert;
 mod data;
+pub mod demo;
 mod engine;
 mod error;
 mod frame_name;

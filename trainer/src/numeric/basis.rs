@@ -119,8 +119,8 @@ fn sum_over_chunks(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::skin::training::Training;
+    use crate::envelope::lbs::training::Training;
+    use crate::examples::demo::{DemoOptions, demo};
     use crate::progress::Silent;
 
     #[test]

@@ -135,7 +135,7 @@ impl ShadedMesh<'_> {
     }
 
     fn nearest(&self, hit: &Hit) -> usize {
-        self.triangles[hit.triangle][crate::envelope::evaluate::largest(&hit.weights)]
+        self.triangles[hit.triangle][crate::evaluate::largest(&hit.weights)]
     }
 
     fn mix(&self, hit: &Hit, of: &[[f64; 3]]) -> [f64; 3] {

@@ -3,10 +3,10 @@
 use super::error::{Remedy, SignalError};
 use super::functional::Functional;
 use super::kriging::Kriging;
-use crate::kernel::deviation::{F32_ERROR, Probe};
-use crate::kernel::model::{Input, InputKind};
-use crate::kernel::sum::KernelSum;
 use crate::numeric::columns::ends;
+use crate::scattered::deviation::{F32_ERROR, Probe};
+use crate::scattered::model::{Input, InputKind};
+use crate::scattered::sum::KernelSum;
 
 /// A range below this share of the magnitude is that of a constant: a solve in f64 leaves less.
 const CONSTANT: f64 = 1e-9;

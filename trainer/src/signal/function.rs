@@ -6,10 +6,10 @@ use super::functional::Functional;
 use super::kriging::Kriging;
 use super::observations::Observations;
 use super::sum::sum;
-use crate::kernel::bound::largest;
-use crate::kernel::fade::Fade;
-use crate::kernel::model::{Figures, KernelModel, Output, OutputKind};
 use crate::numeric::columns::ends;
+use crate::regression::fade::Fade;
+use crate::scattered::bound::largest;
+use crate::scattered::model::{Figures, KernelModel, Output, OutputKind};
 use faer::Mat;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 

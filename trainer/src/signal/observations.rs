@@ -12,7 +12,7 @@ use super::sum::sum;
 use crate::formats::FormatError;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::json;
-use crate::kernel::deviation::{F32_ERROR, ROOM};
+use crate::scattered::deviation::{F32_ERROR, ROOM};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;

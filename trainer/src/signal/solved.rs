@@ -4,8 +4,8 @@
 //! the mean's basis they are as `kernel::scattered::variance` has them.
 
 use super::error::SignalError;
-use crate::kernel::scattered::fit::{MISSED, RCOND};
-use crate::kernel::scattered::system::System;
+use crate::scattered::solver::fit::{MISSED, RCOND};
+use crate::scattered::solver::system::System;
 use faer::Mat;
 
 /// What to change where covariances of values are ill-conditioned.

@@ -8,8 +8,8 @@ use super::covariance::Covariance;
 use super::error::SignalError;
 use super::functional::{Functional, NODES, nodes};
 use super::kriging::{Kriging, Process};
-use crate::kernel::bound::rounded;
-use crate::kernel::sum::{KernelSum, Term};
+use crate::scattered::bound::rounded;
+use crate::scattered::sum::{KernelSum, Term};
 use faer::Mat;
 
 /// Half a central difference of order 8, by steps from the middle.

@@ -9,7 +9,7 @@ use super::deformation::{centred, norm};
 use super::fit::{FitError, MapOutputs, given, names_of};
 use super::object::ObjectMap;
 use super::set::Values;
-use crate::kernel::model::{InputKind, KernelModel, features};
+use crate::scattered::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps at most.

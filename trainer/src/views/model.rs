@@ -3,8 +3,8 @@
 use super::deformation::Reference;
 use super::fit::MapOutputs;
 use super::mesh::Mesh;
-use crate::kernel::model::KernelModel;
 use crate::page::picture::Picture;
+use crate::scattered::model::KernelModel;
 
 /// An object: its key views, and maps from parameters to its points.
 #[derive(Clone, Debug)]

@@ -2,11 +2,11 @@
 //! warping are for.
 
 use super::set::{Parameter, View};
-use crate::kernel::scattered::error::KernelError;
-use crate::kernel::scattered::fit::Fit;
-use crate::kernel::scattered::options::Options;
-use crate::kernel::scattered::samples::Samples;
-use crate::kernel::scattered::scaling::Block;
+use crate::scattered::solver::error::KernelError;
+use crate::scattered::solver::fit::Fit;
+use crate::scattered::solver::options::Options;
+use crate::scattered::solver::samples::Samples;
+use crate::scattered::solver::scaling::Block;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 

@@ -4,7 +4,7 @@ use super::deformation::Deformations;
 use super::fit::{FitError, MapOutputs, given};
 use super::player::Player;
 use super::set::Values;
-use crate::kernel::model::KernelModel;
+use crate::scattered::model::KernelModel;
 
 /// Step of a difference of points along the derivatives of the map's numbers.
 const DIFFERENCE: f64 = 1e-2;

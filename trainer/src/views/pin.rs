@@ -3,8 +3,8 @@
 use super::fit::{FitError, given, names_of};
 use super::object::ObjectMap;
 use super::set::Values;
-use crate::kernel::model::{InputKind, KernelModel};
-use crate::kernel::rotations::Feature;
+use crate::regression::rotations::Feature;
+use crate::scattered::model::{InputKind, KernelModel};
 use nalgebra::{DMatrix, DVector};
 use sinew_runtime::kernel::EulerOrder;
 
@@ -182,7 +182,7 @@ fn angles(order: EulerOrder, matrix: &[f64; 9]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::rotations::from_euler;
+    use crate::regression::rotations::from_euler;
 
     #[test]
     fn angles_come_back_from_their_matrix() {

@@ -3,9 +3,9 @@
 use super::fit::{FitError, given};
 use super::set::Values;
 use super::weights::weights;
-use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
+use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};
 use sinew_runtime::kernel::KernelMap;
 use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Views};
 use sinew_runtime::{CallError, Model};

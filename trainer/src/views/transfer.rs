@@ -7,7 +7,7 @@ use super::fit::MapOutputs;
 use super::mesh::{Mesh, Shown, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Element, LayerView, SetError, View};
-use crate::kernel::model::KernelModel;
+use crate::scattered::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;

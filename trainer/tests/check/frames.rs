@@ -1,7 +1,7 @@
 //! Frames against each other.
 
 use super::made::{arm, chain, check, frames, kinds, only, swelling};
-use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
+use sinew_trainer::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
 
@@ -144,7 +144,7 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
         numbers: None,
     };
     let clips = [clip("walk", 0, 25), clip("run", 25, 15)];
-    let found = sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap();
+    let found = sinew_trainer::check::check(&examples, &clips, &Silent).unwrap();
     let repeated = found.find(Kind::Repeated).unwrap();
     assert!(
         repeated.text.ends_with("another, and may be left out: 30 (run 5) as 13 (walk 13)"),
@@ -164,9 +164,8 @@ fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
         Clip { name: name.to_owned(), first, times, numbers: None }
     };
     let clips = [clip("walk", 0, 16), clip("stretch", 16, 24)];
-    let check = |examples: &Examples| {
-        sinew_trainer::envelope::check::check(examples, &clips, &Silent).unwrap()
-    };
+    let check =
+        |examples: &Examples| sinew_trainer::check::check(examples, &clips, &Silent).unwrap();
     let found = check(&examples);
     let order = found.find(Kind::ClipOrder).unwrap();
     let words = "the meshes fit the clips in another order, stretch, walk: vertices are then ";

@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Vector3};
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::check::Check;
-use sinew_trainer::envelope::check::finding::{Finding, Kind, Place};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::check::Check;
+use sinew_trainer::check::finding::{Finding, Kind, Place};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4, Skeleton, Split};
 use sinew_trainer::progress::Silent;
 
@@ -100,7 +100,7 @@ fn rows(map: &Isometry3<f64>) -> Matrix3x4 {
 pub(crate) fn check(examples: &Examples) -> Check {
     let times = (0..examples.frame_len()).map(|frame| frame as f64 / 30.0).collect();
     let clip = Clip { name: "walk".to_owned(), first: 0, times, numbers: None };
-    sinew_trainer::envelope::check::check(examples, &[clip], &Silent).unwrap()
+    sinew_trainer::check::check(examples, &[clip], &Silent).unwrap()
 }
 
 pub(crate) fn kinds(check: &Check) -> Vec<Kind> {

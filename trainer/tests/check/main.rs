@@ -12,7 +12,7 @@ mod skeleton;
 mod space;
 
 use made::{arm, check, kinds};
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use sinew_trainer::check::finding::{Kind, Severity};
 use sinew_trainer::examples::Split;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::made::{arm, check, frames, only, triangles};
 use nalgebra::Vector3;
-use sinew_trainer::envelope::check::finding::{Kind, Place, Severity};
+use sinew_trainer::check::finding::{Kind, Place, Severity};
 use sinew_trainer::examples::Examples;
 
 fn posed(examples: &mut Examples, frame: usize, vertex: usize) -> &mut [f64; 3] {

@@ -1,8 +1,8 @@
 //! What a check must and must not say of the sets of `../shared/data`.
 
 use crate::shared::shared;
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
-use sinew_trainer::envelope::check::{Check, check};
+use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::check::{Check, check};
 use sinew_trainer::examples::{Loaded, npz};
 use sinew_trainer::progress::Silent;
 

@@ -2,7 +2,7 @@
 
 use super::made::{arm, bends, chain, check, frames, joints, kinds, only};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use sinew_trainer::check::finding::{Kind, Severity};
 use sinew_trainer::examples::{Examples, Matrix3x4, Split};
 
 fn map(examples: &mut Examples, frame: usize, joint: usize) -> &mut Matrix3x4 {

@@ -2,8 +2,8 @@
 
 use super::made::{arm, check, frames, kinds, only};
 use nalgebra::{Matrix3, Vector3};
-use sinew_trainer::envelope::check::Check;
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use sinew_trainer::check::Check;
+use sinew_trainer::check::finding::{Kind, Severity};
 use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4};
 use sinew_trainer::progress::Silent;
@@ -205,7 +205,7 @@ fn in_clips(walk: usize, spoil: impl Fn(&mut Examples)) -> Check {
     examples.clip_starts = vec![0, walk];
     spoil(&mut examples);
     let clips = [clip("walk", 0, walk), clip("reach", walk, 40)];
-    sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap()
+    sinew_trainer::check::check(&examples, &clips, &Silent).unwrap()
 }
 
 #[test]

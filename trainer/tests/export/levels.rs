@@ -5,9 +5,9 @@ use super::{arm, clip, distances, export, farthest, model, pose, runtime_palette
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{ExportError, Exported, Stand};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
+use sinew_trainer::export::{ExportError, Exported, Stand};
 use sinew_trainer::formats::Mesh;
 use sinew_trainer::mesh::EngineMesh;
 

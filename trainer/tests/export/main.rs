@@ -17,12 +17,12 @@ use nalgebra::Vector3;
 use shared::shared;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, Matrix3x4, Model};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::export::{Export, ExportError, Exported, Stand};
 use sinew_trainer::envelope::levels::Level;
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, npz};
+use sinew_trainer::export::{Export, ExportError, Exported, Stand};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 

@@ -5,10 +5,10 @@ use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set, v
 use nalgebra::{Matrix4, Vector3};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Matrix3x4, Model};
-use sinew_trainer::envelope::export::Stand;
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
+use sinew_trainer::export::Stand;
 use sinew_trainer::progress::Silent;
 
 /// Greatest distance of the exported skin from the runtime's, as a share of the rest diagonal; the

@@ -4,11 +4,11 @@ use super::scene::Scene;
 use super::{arm, farthest, vectors};
 use nalgebra::{Matrix4, Vector3};
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::evaluate::{Frames, evaluate};
-use sinew_trainer::envelope::export::{by_use, demo_glb};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, load};
+use sinew_trainer::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
 use sinew_trainer::progress::Silent;
 

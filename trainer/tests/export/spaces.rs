@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::envelope::export::{ExportError, Stand};
 use sinew_trainer::examples::Examples;
+use sinew_trainer::export::{ExportError, Stand};
 use sinew_trainer::space::{SpaceError, SpaceRequest};
 
 const GLTF: Space = Space::GLTF;

@@ -3,8 +3,8 @@
 use super::{arm, clip, export, model};
 use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Stand, by_use, demo_glb};
 use sinew_trainer::envelope::levels::Level;
+use sinew_trainer::export::{Stand, by_use, demo_glb};
 use sinew_trainer::formats::Mesh;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -3,10 +3,10 @@
 use crate::shared::shared;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Export, Stand};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Loaded, Source, load};
+use sinew_trainer::export::{Export, Stand};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 use std::collections::{BTreeMap, BTreeSet};

@@ -3,10 +3,10 @@
 
 use crate::shared::shared;
 use sinew_runtime::Model;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, train};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Split, npz};
 use sinew_trainer::progress::Silent;
 

@@ -1,9 +1,9 @@
 //! What the training must not depend on: held-out frames, and the number of threads.
 
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Split, npz};
 use sinew_trainer::progress::Silent;
 

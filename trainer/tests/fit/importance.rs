@@ -1,10 +1,10 @@
 //! Importance: vertices that count more are fitted better, and equal numbers change nothing.
 
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 

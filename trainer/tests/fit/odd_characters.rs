@@ -1,10 +1,10 @@
 //! Characters that a fit must take in its stride: other units, no motion, few triangles, parts.
 
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{FitError, Options, Predict, TrainError, train};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 

@@ -3,8 +3,8 @@
 use crate::shared::shared;
 use sinew_runtime::envelope::{Certificate, PoseFaultKind as Kind};
 use sinew_runtime::{Envelope, Matrix3x4, Model, gather_pose};
+use sinew_trainer::envelope::lbs::poses::Poses;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel};
-use sinew_trainer::envelope::skin::poses::Poses;
 use sinew_trainer::examples::{Examples, Split, npz};
 
 /// The examples of a set, and a file of their joints with what training reached.

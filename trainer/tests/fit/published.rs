@@ -2,12 +2,12 @@
 
 use nalgebra::Matrix3x4 as Transform;
 use sinew_runtime::{Matrix3x4, Model};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::Split;
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::progress::Silent;
 
 #[test]

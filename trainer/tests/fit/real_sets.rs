@@ -6,17 +6,17 @@
 
 use crate::shared::shared;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::{self, merge};
-use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
-use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
-use sinew_trainer::envelope::skin::targets::Targets;
-use sinew_trainer::envelope::skin::training::Training;
-use sinew_trainer::envelope::skin::weights;
-use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
+use sinew_trainer::envelope::choose::report::{CandidateReport, TrainingReport};
+use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
+use sinew_trainer::envelope::lbs::targets::Targets;
+use sinew_trainer::envelope::lbs::training::Training;
+use sinew_trainer::envelope::lbs::weights;
+use sinew_trainer::envelope::s3::surface::Surface;
+use sinew_trainer::envelope::s3::{self, merge};
+use sinew_trainer::envelope::s3::{ProxyCount, proxies};
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::numeric::basis;
 use sinew_trainer::progress::Silent;
@@ -184,8 +184,7 @@ fn proxies_alone_on_dem_bones() {
     // Promised: 0.0019, 0.0010 and 0.0006 of the training frames (METHOD §1.7.1); nothing is held out here.
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
         let proxies = ProxyCount::Fixed(count);
-        let options =
-            rotational::RotationalOptions { proxies, ..rotational::RotationalOptions::default() };
+        let options = s3::RotationalOptions { proxies, ..s3::RotationalOptions::default() };
         let none = faer::Mat::zeros(0, 0);
         let fitted = proxies::fit(&surface, &tree, &none, &options, &Silent).unwrap();
         assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);

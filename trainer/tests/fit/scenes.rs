@@ -2,9 +2,9 @@
 
 use crate::shared::shared;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};
+use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
 use sinew_trainer::progress::Silent;
 

@@ -3,11 +3,11 @@
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::{Matrix3x4, Model};
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{EvaluateError, Frames, evaluate};
 use sinew_trainer::envelope::levels::{AddError, Level, LevelError};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train};
+use sinew_trainer::evaluate::{EvaluateError, Frames, evaluate};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::formats::Mesh;
 use sinew_trainer::progress::Silent;

@@ -4,12 +4,10 @@ use nalgebra::Vector3;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{
-    Character, EvaluateError, Evaluation, Frames, evaluate, skin,
-};
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Character, EvaluateError, Evaluation, Frames, evaluate, skin};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 use sinew_trainer::space::Conversion;

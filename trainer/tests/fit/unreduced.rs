@@ -1,5 +1,5 @@
 use crate::full::Full;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 
 #[test]
 fn an_arm_is_reconstructed_in_full_from_poses_that_were_not_seen() {

@@ -3,7 +3,7 @@
 
 use crate::problem::{Problem, options};
 use crate::reference::{figures, median, reference};
-use sinew_trainer::kernel::hyper::Options;
+use sinew_trainer::scattered::hyper::Options;
 use std::time::Instant;
 
 /// Learns from one evaluation, which only solves coefficients, and from many; returns the median RMS

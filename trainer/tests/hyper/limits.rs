@@ -4,8 +4,8 @@ use crate::problem::{Problem, options};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::function::Exact;
-use sinew_trainer::kernel::hyper::{Entries, Metric, Options, Start, learn};
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::scattered::hyper::{Entries, Metric, Options, Start, learn};
 
 /// Centres on all samples of a fixed metric, coefficients solved once.
 fn on_all(kernel: Kernel, samples: usize, metric: f64) -> Options {

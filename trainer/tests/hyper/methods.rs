@@ -2,7 +2,7 @@
 
 use crate::problem::{Problem, options};
 use crate::reference::{figures, median, reference};
-use sinew_trainer::kernel::hyper::{Entries, Learned, Method, Metric, Options, Start};
+use sinew_trainer::scattered::hyper::{Entries, Learned, Method, Metric, Options, Start};
 use std::time::Instant;
 
 /// Learns Franke's function by 12 centres from four seeds, of samples and starts, in 3,000 steps.

@@ -2,8 +2,8 @@
 
 use crate::problem::{Problem, options};
 use faer::Mat;
-use sinew_trainer::kernel::hyper::{Entries, Metric, Options};
-use sinew_trainer::kernel::sum::KernelSum;
+use sinew_trainer::scattered::hyper::{Entries, Metric, Options};
+use sinew_trainer::scattered::sum::KernelSum;
 
 fn learned(problem: &Problem, centres: usize, seeds: Vec<u64>, metric: Metric) -> KernelSum {
     let options = Options { metric, seeds, ..options(problem.sites.ncols(), centres) };

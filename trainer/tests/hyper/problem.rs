@@ -4,10 +4,10 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::hyper::{
+use sinew_trainer::scattered::hyper::{
     Entries, HyperError, Learned, Method, Metric, Options, Start, learn,
 };
-use sinew_trainer::kernel::sum::KernelSum;
+use sinew_trainer::scattered::sum::KernelSum;
 
 /// Samples of a function.
 pub(crate) struct Problem {

@@ -3,7 +3,7 @@
 use crate::problem::{Problem, options};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::hyper::{Entries, HyperError, Method, Metric, Options, learn};
+use sinew_trainer::scattered::hyper::{Entries, HyperError, Method, Metric, Options, learn};
 
 fn refused(options: &Options) -> HyperError {
     Problem::franke(1, 20).learn(options).unwrap_err()

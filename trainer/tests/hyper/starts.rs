@@ -2,7 +2,7 @@
 
 use crate::problem::{Problem, options};
 use faer::Mat;
-use sinew_trainer::kernel::hyper::{Entries, Metric, Options, Start};
+use sinew_trainer::scattered::hyper::{Entries, Metric, Options, Start};
 use std::collections::BTreeSet;
 
 /// The samples on which centres start, as rows of a problem's sites.

@@ -2,7 +2,7 @@
 
 use crate::problem::{Problem, options};
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::hyper::{Learned, Method, Options, Start, Stop, Trace};
+use sinew_trainer::scattered::hyper::{Learned, Method, Options, Start, Stop, Trace};
 
 const FLOW: Method = Method::GradientFlow { step: 1.0 };
 const COLD: Method = Method::Metropolis { reach: 0.5, temperatures: [0.0; 2] };

@@ -5,13 +5,13 @@ use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{EulerOrder, Normalise, QueryRule};
 use sinew_trainer::bake::bake;
-use sinew_trainer::kernel::bake::part;
-use sinew_trainer::kernel::model::{
+use sinew_trainer::regression::rotations::{Feature, from_euler};
+use sinew_trainer::scattered::bake::part;
+use sinew_trainer::scattered::model::{
     EvaluationError, Input, InputKind, KernelModel, Output, OutputKind, query_numbers,
 };
-use sinew_trainer::kernel::problem::{Learn, Problem, ProblemOptions};
-use sinew_trainer::kernel::rotations::{Feature, from_euler};
-use sinew_trainer::kernel::train::train;
+use sinew_trainer::scattered::problem::{Learn, Problem, ProblemOptions};
+use sinew_trainer::scattered::train::train;
 
 /// Of each number over 1, or over itself: features, coefficients, sums of f32 and what is made of them,
 /// for functions whose coefficients are about as large as their values.

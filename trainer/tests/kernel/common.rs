@@ -5,9 +5,9 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
-use sinew_trainer::kernel::scattered::samples::{Conflicts, Samples};
-use sinew_trainer::kernel::scattered::scaling::Block;
-use sinew_trainer::kernel::sum::KernelSum;
+use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
+use sinew_trainer::scattered::solver::scaling::Block;
+use sinew_trainer::scattered::sum::KernelSum;
 use std::fs;
 
 /// Reads a JSON file beside the shared data.

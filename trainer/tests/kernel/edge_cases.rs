@@ -4,16 +4,18 @@ use crate::common::{apart, evaluate, franke_at, halton, json, matrix, numbers, s
 use faer::{Mat, Side};
 use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::compat::published::{
+use sinew_trainer::scattered::compat::published::{
     Published, PublishedError, PublishedKernel, PublishedOptions,
 };
-use sinew_trainer::kernel::compat::scipy::{RbfInterpolator, ScipyError, ScipyOptions, Smoothing};
-use sinew_trainer::kernel::scattered::error::KernelError;
-use sinew_trainer::kernel::scattered::fit::Fit;
-use sinew_trainer::kernel::scattered::matrix::matrix as kernels;
-use sinew_trainer::kernel::scattered::options::Options;
-use sinew_trainer::kernel::scattered::samples::{Conflicts, Samples};
-use sinew_trainer::kernel::scattered::scaling::{Block, Scaling};
+use sinew_trainer::scattered::compat::scipy::{
+    RbfInterpolator, ScipyError, ScipyOptions, Smoothing,
+};
+use sinew_trainer::scattered::solver::error::KernelError;
+use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::matrix::matrix as kernels;
+use sinew_trainer::scattered::solver::options::Options;
+use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
+use sinew_trainer::scattered::solver::scaling::{Block, Scaling};
 
 fn file() -> Option<Value> {
     json("../reference/edge_cases.json")

@@ -2,8 +2,8 @@
 
 use crate::common::json;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::compat::canonical::Falloff;
-use sinew_trainer::kernel::function::Exact;
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::scattered::compat::canonical::Falloff;
 
 #[test]
 fn falloffs_are_their_own_formulas() {

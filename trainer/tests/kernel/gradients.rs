@@ -3,8 +3,8 @@
 use crate::common::{halton, random, rows, samples};
 use crate::reproduction::fitted;
 use faer::Mat;
-use sinew_trainer::kernel::scattered::fit::Fit;
-use sinew_trainer::kernel::scattered::options::Options;
+use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::options::Options;
 
 #[test]
 fn jacobians_are_central_differences_away_from_samples() {

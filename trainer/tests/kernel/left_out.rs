@@ -4,12 +4,12 @@ use crate::common::{franke_at, halton, random, samples};
 use crate::reproduction::fitted;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::scattered::fewer::{Centres, FewerFit};
-use sinew_trainer::kernel::scattered::fit::Fit;
-use sinew_trainer::kernel::scattered::leave_one_out::LeaveOneOut;
-use sinew_trainer::kernel::scattered::options::Options;
-use sinew_trainer::kernel::scattered::polynomial::{RANK_F64, Space};
-use sinew_trainer::kernel::scattered::solve::solve;
+use sinew_trainer::scattered::solver::fewer::{Centres, FewerFit};
+use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::leave_one_out::LeaveOneOut;
+use sinew_trainer::scattered::solver::options::Options;
+use sinew_trainer::scattered::solver::polynomial::{RANK_F64, Space};
+use sinew_trainer::scattered::solver::solve::solve;
 
 const TOLERANCE: f64 = 1e-10;
 
@@ -35,7 +35,7 @@ fn brute(
     let kept: Vec<f64> =
         (0..lambda.len()).filter(|i| !group.contains(i)).map(|i| lambda[i]).collect();
     let solved = solve(kernel, &own, &kept, polynomial, &y);
-    let sum = sinew_trainer::kernel::sum::KernelSum {
+    let sum = sinew_trainer::scattered::sum::KernelSum {
         kernel,
         shift: vec![0.0; points.ncols()],
         scale: vec![1.0; points.ncols()],

@@ -2,8 +2,8 @@
 
 use crate::common::{apart, evaluate, json, matrix, random, rows};
 use faer::Mat;
-use sinew_trainer::kernel::compat::published::{Published, PublishedKernel, PublishedOptions};
-use sinew_trainer::kernel::function::Exact;
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::scattered::compat::published::{Published, PublishedKernel, PublishedOptions};
 
 fn kernel(name: &str) -> PublishedKernel {
     match name {

@@ -4,18 +4,18 @@ use crate::common::{apart, evaluate, franke_at, halton, random, rows, samples, w
 use faer::Mat;
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::function::Exact;
-use sinew_trainer::kernel::rotations::{Feature, from_euler};
-use sinew_trainer::kernel::scattered::choose::{Choice, Freedom};
-use sinew_trainer::kernel::scattered::error::KernelError;
-use sinew_trainer::kernel::scattered::fewer::{Centres, FewerFit};
-use sinew_trainer::kernel::scattered::fit::Fit;
-use sinew_trainer::kernel::scattered::options::{Options, wendland};
-use sinew_trainer::kernel::scattered::report::FitReport;
-use sinew_trainer::kernel::scattered::samples::{Conflicts, Samples};
-use sinew_trainer::kernel::scattered::scaling::Block;
-use sinew_trainer::kernel::scattered::variance::Variance;
-use sinew_trainer::kernel::sum::{monomials, powers};
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::regression::rotations::{Feature, from_euler};
+use sinew_trainer::scattered::solver::choose::{Choice, Freedom};
+use sinew_trainer::scattered::solver::error::KernelError;
+use sinew_trainer::scattered::solver::fewer::{Centres, FewerFit};
+use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::options::{Options, wendland};
+use sinew_trainer::scattered::solver::report::FitReport;
+use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
+use sinew_trainer::scattered::solver::scaling::Block;
+use sinew_trainer::scattered::solver::variance::Variance;
+use sinew_trainer::scattered::sum::{monomials, powers};
 
 /// Every kernel that is fitted with, in d inputs.
 pub(crate) fn fitted(d: usize) -> impl Iterator<Item = Kernel> {
@@ -193,7 +193,7 @@ fn widths_are_chosen_whatever_the_spacing_and_whether_samples_can_be_left_out_or
     // Wendland's kernel of 40 inputs has fallen below 1/e at an eighth of the mean distance.
     let many = random(8, 50, 40);
     let each: Vec<Vec<usize>> = (0..50).map(|i| vec![i]).collect();
-    let kernel = sinew_trainer::kernel::scattered::options::wendland(40).unwrap();
+    let kernel = sinew_trainer::scattered::solver::options::wendland(40).unwrap();
     assert!(width(&many, &random(9, 50, 1), &each, Options::new(kernel)) < 0.125);
     // One group of all leaves nothing to predict it: the width asked for stays.
     let (few, own) = (halton(1, 5, 2), random(10, 5, 1));
@@ -288,7 +288,7 @@ fn variances_are_those_of_the_conditioned_process() {
 /// `G(0) - [g; p]ᵀ S⁻¹ [g; p]`, by elimination of the whole system.
 fn textbook(fit: &Fit, kernel: Kernel, sites: &Mat<f64>, smoothing: f64, query: &[f64]) -> f64 {
     use faer::linalg::solvers::Solve;
-    use sinew_trainer::kernel::function::Exact;
+    use sinew_trainer::regression::function::Exact;
     let bases: Vec<_> = rows(sites).iter().map(|x| fit.sum.basis(x)).collect();
     let (n, t) = (bases.len(), fit.sum.terms.len());
     let whole = Mat::from_fn(n + t, n + t, |i, k| match (i < n, k < n) {

@@ -4,13 +4,13 @@ use crate::common::{json, random, rows};
 use faer::{Mat, Side};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::function::Exact;
-use sinew_trainer::kernel::rotations::{Feature, Xyzw, from_euler, from_values, to_values};
-use sinew_trainer::kernel::scattered::fit::Fit;
-use sinew_trainer::kernel::scattered::matrix::matrix as kernels;
-use sinew_trainer::kernel::scattered::options::Options;
-use sinew_trainer::kernel::scattered::samples::{Conflicts, Samples};
-use sinew_trainer::kernel::scattered::scaling::Block;
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::regression::rotations::{Feature, Xyzw, from_euler, from_values, to_values};
+use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::matrix::matrix as kernels;
+use sinew_trainer::scattered::solver::options::Options;
+use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
+use sinew_trainer::scattered::solver::scaling::Block;
 
 /// The least eigenvalue of a symmetric matrix.
 fn least(of: &Mat<f64>) -> f64 {

@@ -5,15 +5,15 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::arithmetic::Arithmetic;
-use sinew_trainer::kernel::bound::{bound, largest, rounded};
-use sinew_trainer::kernel::deviation::Probe;
-use sinew_trainer::kernel::function::Exact;
-use sinew_trainer::kernel::model::{Input, InputKind};
-use sinew_trainer::kernel::rotations::Feature;
-use sinew_trainer::kernel::scattered::error::{DeviationCause, KernelError};
-use sinew_trainer::kernel::scattered::options::wendland;
-use sinew_trainer::kernel::sum::{KernelSum, Term, monomials};
+use sinew_trainer::regression::arithmetic::Arithmetic;
+use sinew_trainer::regression::function::Exact;
+use sinew_trainer::regression::rotations::Feature;
+use sinew_trainer::scattered::bound::{bound, largest, rounded};
+use sinew_trainer::scattered::deviation::Probe;
+use sinew_trainer::scattered::model::{Input, InputKind};
+use sinew_trainer::scattered::solver::error::{DeviationCause, KernelError};
+use sinew_trainer::scattered::solver::options::wendland;
+use sinew_trainer::scattered::sum::{KernelSum, Term, monomials};
 
 const IEEE: Arithmetic = Arithmetic::IEEE;
 

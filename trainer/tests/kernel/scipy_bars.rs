@@ -4,14 +4,14 @@ use crate::common::{apart, franke, franke_at, halton, random, rows, wahba_at};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::compat::scipy::{
+use sinew_trainer::regression::function::order;
+use sinew_trainer::scattered::compat::scipy::{
     RbfInterpolator, ScipyError, ScipyOptions, ScipyWarning, Smoothing,
 };
-use sinew_trainer::kernel::function::order;
-use sinew_trainer::kernel::scattered::matrix::matrix;
-use sinew_trainer::kernel::scattered::options::wendland;
-use sinew_trainer::kernel::scattered::system::System;
-use sinew_trainer::kernel::sum::{monomials, powers};
+use sinew_trainer::scattered::solver::matrix::matrix;
+use sinew_trainer::scattered::solver::options::wendland;
+use sinew_trainer::scattered::solver::system::System;
+use sinew_trainer::scattered::sum::{monomials, powers};
 
 const INVARIANT: [&str; 4] = ["linear", "thin_plate_spline", "cubic", "quintic"];
 const OTHERS: [&str; 4] = ["multiquadric", "inverse_multiquadric", "inverse_quadratic", "gaussian"];

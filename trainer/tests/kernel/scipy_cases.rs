@@ -2,7 +2,7 @@
 
 use crate::common::{apart, json, matrix, rows};
 use faer::Mat;
-use sinew_trainer::kernel::compat::scipy::{RbfInterpolator, ScipyOptions};
+use sinew_trainer::scattered::compat::scipy::{RbfInterpolator, ScipyOptions};
 
 /// Of the range of the expected values (METHOD §2.7).
 const TOLERANCE: f64 = 1e-9;

@@ -91,7 +91,7 @@ fn its_own_points_drive_it_as_its_parameters_do() {
     let Some(set) = head() else { return };
     let (_, file) = trained(&set);
     let map = file.map_of(&file.views().unwrap(), 0).unwrap();
-    let model = sinew_trainer::kernel::model::KernelModel::from_file(&map);
+    let model = sinew_trainer::scattered::model::KernelModel::from_file(&map);
     let outputs = sinew_trainer::views::fit::MapOutputs { points: 158, views: 27, layers: 1 };
     let starts = starts(&model);
     for (number, view) in set.maps[0].train.iter().enumerate() {

@@ -5,7 +5,7 @@ use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::bake;
-use sinew_trainer::kernel::model::KernelModel;
+use sinew_trainer::scattered::model::KernelModel;
 use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::deformation::{Deformations, centred};
 use sinew_trainer::views::fit::{FitOptions, FittedMap, MapOutputs, fit};

@@ -7,8 +7,8 @@ use super::common::{
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::kernel::bake::part;
-use sinew_trainer::kernel::model::query_numbers;
+use sinew_trainer::scattered::bake::part;
+use sinew_trainer::scattered::model::query_numbers;
 use sinew_trainer::views::fit::{FitOptions, FittedMap, fit_each, given};
 use sinew_trainer::views::set::{Examples, Parameter, View};
 

@@ -8,7 +8,7 @@ use sinew_gpu::headless::HeadlessError;
 use sinew_gpu::layout::{Attribute, LayoutError, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
-use sinew_trainer::kernel::arithmetic::Arithmetic;
+use sinew_trainer::regression::arithmetic::Arithmetic;
 use thiserror::Error;
 
 /// A file, and the envelope and the skin in it.

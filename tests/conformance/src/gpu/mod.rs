@@ -14,7 +14,7 @@ use batched::Batched;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
-use sinew_trainer::kernel::arithmetic::Arithmetic;
+use sinew_trainer::regression::arithmetic::Arithmetic;
 
 /// A device as a backend.
 pub struct Gpu<'a> {

@@ -3,8 +3,8 @@
 use super::inexact::Inexact;
 use nalgebra::Vector3;
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::kernel::fade::STEP_ERROR;
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::regression::fade::STEP_ERROR;
 
 /// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
 /// excess, its scale and their quotient behind one, two and a division's; a step's relative error is

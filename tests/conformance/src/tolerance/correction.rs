@@ -2,11 +2,11 @@
 
 use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::kernel::certainty::Between;
-use sinew_trainer::kernel::fade::STEP_ERROR;
-use sinew_trainer::kernel::map::{Value, ValueError};
 use sinew_trainer::numeric::affine::linear;
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::regression::certainty::Between;
+use sinew_trainer::regression::fade::STEP_ERROR;
+use sinew_trainer::regression::map::{Value, ValueError};
 
 /// Correction: inputs are features times a weight, rounded once; latent values and w are off as the
 /// kernel map says, `K = w (outputs z)` sums r products and rounds once more, and `Q K` is a product

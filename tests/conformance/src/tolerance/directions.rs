@@ -4,8 +4,8 @@ use super::inexact::{Inexact, Transform, product};
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::Skin;
 use sinew_trainer::envelope::model::Vertex;
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::numeric::affine::{cofactors, linear};
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 
 /// A direction of length 1, or 0.
 #[derive(Clone, Copy, Debug)]

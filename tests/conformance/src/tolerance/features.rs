@@ -4,9 +4,9 @@ use super::gradients::turned;
 use super::inexact::{Inexact, Transform, product, seen_from};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::numeric::{affine, so3};
+use sinew_trainer::regression::arithmetic::{Arithmetic, U};
 
 /// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` is behind γ₄. 1 is taken off on the diagonal of R, and
 /// `(R - I) o + t` sums three products and one term; `half` says what becomes of R's error.

@@ -1,7 +1,7 @@
 //! The tolerance of stage filter.
 
 use crate::filters::FilterSubject;
-use sinew_trainer::kernel::arithmetic::gamma;
+use sinew_trainer::regression::arithmetic::gamma;
 
 /// Computes a number of a finer signal, and its bound: a sum of N products that starts at 0.
 ///

@@ -3,9 +3,9 @@
 use super::inexact::{Inexact, Transform, product, seen_from};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::model::{EnvelopeModel, Key, angles, symmetric};
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::numeric::so3;
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 use std::f64::consts::PI;
 
 /// Gradients, first part: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one rounding

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use nalgebra::{Matrix3x4, SMatrix};
-use sinew_trainer::kernel::arithmetic::{U, gamma};
 use sinew_trainer::numeric::affine::linear;
+use sinew_trainer::regression::arithmetic::{U, gamma};
 
 /// Room for products that underflow: each loses less than 2⁻¹²⁶ even where subnormals are flushed,
 /// and no coefficient that multiplies the loss passes 1e7.

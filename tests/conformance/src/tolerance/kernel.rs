@@ -2,10 +2,10 @@
 
 use super::inexact::Inexact;
 use sinew_runtime::kernel::{Normalise, QueryRule};
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::kernel::bound::{bound, distances};
-use sinew_trainer::kernel::model::{Input, InputKind, KernelModel, Output, OutputKind};
-use sinew_trainer::kernel::rotations::{Feature, Xyzw};
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::regression::rotations::{Feature, Xyzw};
+use sinew_trainer::scattered::bound::{bound, distances};
+use sinew_trainer::scattered::model::{Input, InputKind, KernelModel, Output, OutputKind};
 
 /// Kernel: features of rotations are off as `feature_error` says, values by METHOD §2.7's E of them, the confidence as
 /// a fade's; `w y + (1 - w) n` rounds three times. A range moves nothing apart, a rotation is half as far off as its

@@ -41,6 +41,6 @@ pub use joints::joints;
 pub use kernel::kernel;
 pub use palette::palette;
 pub use shapes::shapes;
-pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+pub use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 pub use skin::{Skinned, rest, skin};
 pub use whole::whole;

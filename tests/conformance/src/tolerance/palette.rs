@@ -5,8 +5,8 @@ use faer::Mat;
 use nalgebra::{Matrix3, SMatrix};
 use sinew_trainer::envelope::model::{EnvelopeModel, Reconstruction};
 use sinew_trainer::envelope::oracle::stack;
-use sinew_trainer::kernel::arithmetic::gamma;
 use sinew_trainer::numeric::affine::linear;
+use sinew_trainer::regression::arithmetic::gamma;
 
 /// Palette: `t = c1 d + c2 q`, sums of 3P + 4J products; then `B_r t`, three products and one term.
 pub fn palette(

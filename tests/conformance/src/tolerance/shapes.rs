@@ -3,7 +3,7 @@
 use super::directions::{Bounded, frame};
 use crate::shapes::ShapeSubject;
 use nalgebra::Vector3;
-use sinew_trainer::kernel::arithmetic::{Arithmetic, gamma};
+use sinew_trainer::regression::arithmetic::{Arithmetic, gamma};
 
 /// Position, normal and tangent with its handedness of a shaped vertex, each with the bounds of its entries.
 ///

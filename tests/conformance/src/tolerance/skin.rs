@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::Skin;
 use sinew_trainer::envelope::model::{EnvelopeModel, Reconstruction, SkinModel, Vertex};
 use sinew_trainer::envelope::oracle::stack;
-use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 
 /// A skinned vertex, with its bounds.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ use super::inexact::{Inexact, Transform};
 use super::joints::joints;
 use super::palette::palette;
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::kernel::arithmetic::Arithmetic;
+use sinew_trainer::regression::arithmetic::Arithmetic;
 
 /// The whole way from a pose to the palette and the confidence, beside a backend's own rotations,
 /// which decide what joints at a half turn do; the kernel predictor has none.

@@ -22,15 +22,15 @@ use sinew_trainer::envelope::correction::lists::Known;
 use sinew_trainer::envelope::correction::search::Search;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers::fit::HelperFit;
+use sinew_trainer::envelope::lbs::projection::Projection;
+use sinew_trainer::envelope::lbs::targets::Targets;
+use sinew_trainer::envelope::lbs::training::Training;
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::envelope::rotational::ProxyCount;
-use sinew_trainer::envelope::rotational::predictor::predict_stacked;
-use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduced};
-use sinew_trainer::envelope::rotational::refine::Regression;
-use sinew_trainer::envelope::rotational::{self, RotationalOptions};
-use sinew_trainer::envelope::skin::projection::Projection;
-use sinew_trainer::envelope::skin::targets::Targets;
-use sinew_trainer::envelope::skin::training::Training;
+use sinew_trainer::envelope::s3::ProxyCount;
+use sinew_trainer::envelope::s3::predictor::predict_stacked;
+use sinew_trainer::envelope::s3::reduce::{Anchors, Reduced};
+use sinew_trainer::envelope::s3::refine::Regression;
+use sinew_trainer::envelope::s3::{self, RotationalOptions};
 use sinew_trainer::examples::{Examples, Importance, Split};
 use sinew_trainer::numeric::affine::{after, from_rows, linear};
 use sinew_trainer::progress::Silent;
@@ -159,7 +159,7 @@ fn a_file_evaluates_as_it_was_fitted() {
     let options =
         RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
-    let rotational = rotational::fit(&training, &options, &Silent).unwrap();
+    let rotational = s3::fit(&training, &options, &Silent).unwrap();
     let helpers = HelperFit::new(&training).unwrap().run(9, 4);
     let groups =
         |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;

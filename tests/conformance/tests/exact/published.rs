@@ -6,8 +6,8 @@ use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduction};
-use sinew_trainer::envelope::skin::blend::Weights;
+use sinew_trainer::envelope::lbs::blend::Weights;
+use sinew_trainer::envelope::s3::reduce::{Anchors, Reduction};
 
 const VERTICES: usize = 14;
 const TRIANGLES: usize = 20;

@@ -5,9 +5,9 @@ use conformance::tolerance::PSEUDO_SOLVED;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::envelope::rotational::poisson::Poisson;
-use sinew_trainer::envelope::rotational::reduce::Reduction;
-use sinew_trainer::envelope::skin::blend::Weights;
+use sinew_trainer::envelope::lbs::blend::Weights;
+use sinew_trainer::envelope::s3::poisson::Poisson;
+use sinew_trainer::envelope::s3::reduce::Reduction;
 use sinew_trainer::numeric::affine::homogeneous;
 
 const COLUMNS: usize = 5;

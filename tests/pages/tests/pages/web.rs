@@ -10,8 +10,8 @@ use pages::build::{cargo, emptied, write};
 use pages::text::{blocks, read, repository};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Model, SkinJob};
-use sinew_trainer::envelope::export::{Export, Stand};
 use sinew_trainer::examples::Clip;
+use sinew_trainer::export::{Export, Stand};
 use sinew_trainer::formats::appearance::Appearance;
 use std::path::Path;
 

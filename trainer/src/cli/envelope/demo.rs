@@ -9,14 +9,14 @@ use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_trainer::envelope::FileSkins;
-use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Evaluation, Frames};
-use sinew_trainer::envelope::export::by_use;
-use sinew_trainer::envelope::predicted::Sound;
-use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::envelope::report::{Page, PictureOptions};
+use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::evaluate::{Evaluation, Frames};
+use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Split, npz};
+use sinew_trainer::export::by_use;
 use sinew_trainer::progress::Silent;
+use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::report::{Page, PictureOptions};
 use std::path::{Path, PathBuf};
 
 /// Most positions in all frames together: 2.4 GB of them.

@@ -8,7 +8,7 @@ use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
-use sinew_trainer::envelope::evaluate::{Character, Evaluation, Frames, SkinnedFrame, Told, skin};
+use sinew_trainer::evaluate::{Character, Evaluation, Frames, SkinnedFrame, Told, skin};
 use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use super::demo::SizeArguments;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input};
 use serde_json::json;
-use sinew_trainer::envelope::export::{by_use, demo_glb};
+use sinew_trainer::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
 use std::path::PathBuf;
 

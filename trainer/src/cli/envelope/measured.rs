@@ -3,7 +3,7 @@
 use crate::cli::{Output, input};
 use anyhow::bail;
 use clap::ValueEnum;
-use sinew_trainer::envelope::evaluate::{Character, EvaluateError, Frames, NOTHING, Told};
+use sinew_trainer::evaluate::{Character, EvaluateError, Frames, NOTHING, Told};
 use sinew_trainer::examples::{Clip, Examples, Split, Warning};
 use std::path::Path;
 

@@ -8,10 +8,10 @@ use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::envelope::evaluate::{Character, Told};
-use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::envelope::report::{Page, PictureOptions, csv, moving, ply};
+use sinew_trainer::evaluate::{Character, Told};
 use sinew_trainer::examples::Clip;
+use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::report::{Page, PictureOptions, csv, moving, ply};
 use std::path::{Path, PathBuf};
 
 /// Writes a page that shows where the error of a model is

@@ -2,10 +2,10 @@
 
 use crate::cli::column::padded;
 use crate::cli::counted;
-use sinew_trainer::envelope::alike::{ALIKE, COEFFICIENTS_COST, UNSEEN};
-use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation, LBS, OWN_WEIGHTS, Region};
-use sinew_trainer::envelope::rotational::Method;
-use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
+use sinew_trainer::envelope::choose::report::{CandidateReport, TrainingReport};
+use sinew_trainer::envelope::s3::Method;
+use sinew_trainer::evaluate::{Confidence, Errors, Evaluation, LBS, OWN_WEIGHTS, Region};
+use sinew_trainer::settings::{COEFFICIENTS_COST, TIED, UNSEEN};
 use sinew_trainer::space::written;
 
 /// Describes the candidates, the choice and its errors on the training frames, of examples with this diagonal.
@@ -37,7 +37,7 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
     let best = best.min_by(f64::total_cmp).unwrap_or_default();
     let validated = report.chosen().validated_rms.unwrap_or_default();
-    if validated > ALIKE * best.max(UNSEEN) {
+    if validated > TIED * best.max(UNSEEN) {
         out += &format!(
             "the candidate with the least error lacks tangent coefficients, which make normals right: one\n\
              that has them is taken unless its error is {COEFFICIENTS_COST} times as large\n"
@@ -45,7 +45,7 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     } else if validated > best {
         out += &format!(
             "errors within {:.0} %, or below {} %, are alike: the smallest file is taken\n",
-            100.0 * (ALIKE - 1.0),
+            100.0 * (TIED - 1.0),
             100.0 * UNSEEN
         );
     }

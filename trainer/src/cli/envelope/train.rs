@@ -11,17 +11,16 @@ use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
-use sinew_trainer::envelope::check::finding::Kind;
-use sinew_trainer::envelope::check::judge;
+use sinew_trainer::check::finding::Kind;
+use sinew_trainer::check::judge;
+use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::envelope::lbs::blend::CANDIDATES;
 use sinew_trainer::envelope::levels::AddError;
-use sinew_trainer::envelope::predicted::Sound;
-use sinew_trainer::envelope::rotational::{Method, ProxyCount};
-use sinew_trainer::envelope::skin::blend::CANDIDATES;
-use sinew_trainer::envelope::{
-    FileSkins, Options, Predict, Settings, TrainError, Trained, train_on,
-};
+use sinew_trainer::envelope::s3::{Method, ProxyCount};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train_on};
 use sinew_trainer::examples::{Split, Warning};
 use sinew_trainer::progress::Silent;
+use sinew_trainer::settings::Settings;
 use std::path::PathBuf;
 
 /// Fits an envelope to example poses and bakes it into a model

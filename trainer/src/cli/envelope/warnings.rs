@@ -1,8 +1,8 @@
 //! Warnings of a training: findings of the check, and a model without a gain over LBS.
 
-use sinew_trainer::envelope::alike::{ALIKE, UNSEEN};
-use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
-use sinew_trainer::envelope::evaluate::NOTHING;
+use sinew_trainer::check::finding::{Finding, Kind, Severity};
+use sinew_trainer::evaluate::NOTHING;
+use sinew_trainer::settings::{TIED, UNSEEN};
 use sinew_trainer::space::beside;
 
 /// Share of LBS's error from which a model is hardly better.
@@ -50,7 +50,7 @@ fn hardly(forecast: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
     }
     let [own, of_lbs] =
         [forecast, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
-    let is_tied = forecast <= ALIKE * lbs && lbs <= ALIKE * forecast;
+    let is_tied = forecast <= TIED * lbs && lbs <= TIED * forecast;
     let (how, figures) = match own == of_lbs {
         true => ("no better", format!("both are off by {own} of the diagonal")),
         false => {

@@ -5,8 +5,8 @@ use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::kernel::KernelMap;
-use sinew_trainer::kernel::model::{inputs_of, query_numbers};
-use sinew_trainer::kernel::problem::read_queries;
+use sinew_trainer::scattered::model::{inputs_of, query_numbers};
+use sinew_trainer::scattered::problem::read_queries;
 use std::path::PathBuf;
 
 /// Evaluates a function at queries, as an engine does

@@ -7,10 +7,10 @@ use serde_json::json;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::QueryRule;
 use sinew_trainer::bake::bake;
-use sinew_trainer::kernel::bake::part;
-use sinew_trainer::kernel::problem::{ProblemOptions, Smoothing, read};
-use sinew_trainer::kernel::scattered::report::FitReport;
-use sinew_trainer::kernel::train::{LearnReport, Report, Trained, train};
+use sinew_trainer::scattered::bake::part;
+use sinew_trainer::scattered::problem::{ProblemOptions, Smoothing, read};
+use sinew_trainer::scattered::solver::report::FitReport;
+use sinew_trainer::scattered::train::{LearnReport, Report, Trained, train};
 use std::path::PathBuf;
 
 /// Turns samples into a function, and bakes it into a file

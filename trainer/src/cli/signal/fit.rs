@@ -6,7 +6,7 @@ use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::kernel::bake::part;
+use sinew_trainer::scattered::bake::part;
 use sinew_trainer::signal::function::function;
 use sinew_trainer::signal::observations::Observations;
 use std::path::PathBuf;

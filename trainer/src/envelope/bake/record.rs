@@ -2,8 +2,8 @@
 
 use crate::bake::sections::{floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
+use crate::envelope::lbs::blend::Weights;
 use crate::envelope::model::RecordModel;
-use crate::envelope::skin::blend::Weights;
 use sinew_runtime::format::{Element, PartKind, SectionKind};
 use sinew_runtime::record::RecordCounts;
 

@@ -5,12 +5,12 @@ use super::listening::Listening;
 use super::lists::{self, Known};
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::envelope::alike::ALIKE;
 use crate::envelope::model::{Group, Input};
-use crate::kernel::design::{Design, Hyperparameters};
-use crate::kernel::inputs::Inputs;
-use crate::kernel::outputs::Outputs;
-use crate::kernel::ridge::{self, KernelFit, Scored};
+use crate::regression::design::{Design, Hyperparameters};
+use crate::regression::inputs::Inputs;
+use crate::regression::outputs::Outputs;
+use crate::regression::ridge::{self, KernelFit, Scored};
+use crate::settings::TIED;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
@@ -94,7 +94,7 @@ impl GroupCandidates {
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
-        let preferred = sizes.iter().position(|s| s.score <= ALIKE * least).unwrap_or(0);
+        let preferred = sizes.iter().position(|s| s.score <= TIED * least).unwrap_or(0);
         Self { joint, proxies, listening, metric, directions, outputs, before, sizes, preferred }
     }
 

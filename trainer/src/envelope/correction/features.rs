@@ -1,10 +1,10 @@
 //! Pose features: what the kernel maps take for inputs (METHOD §1.9).
 
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::training::Training;
 use crate::envelope::model::Input;
-use crate::envelope::settings::Settings;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::training::Training;
 use crate::numeric::so3;
+use crate::settings::Settings;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
@@ -149,7 +149,7 @@ pub fn neighbours(parents: &[Option<usize>], joint: usize) -> impl Iterator<Item
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
+    use crate::examples::demo::{DemoOptions, demo};
 
     #[test]
     fn hops_run_along_the_tree_both_ways() {

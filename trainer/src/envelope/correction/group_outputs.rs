@@ -3,9 +3,9 @@
 use super::features::near;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::stacked::map_of;
-use crate::kernel::outputs::{Block, Outputs};
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::stacked::map_of;
+use crate::regression::outputs::{Block, Outputs};
 use faer::Mat;
 use nalgebra::Matrix3;
 use std::ops::Range;

@@ -3,11 +3,11 @@
 use super::features::near;
 use super::target::CorrectionTarget;
 use crate::envelope::model::Input;
-use crate::kernel::design::Design;
-use crate::kernel::function::SMOOTHEST_FIRST;
-use crate::kernel::inputs::{Inputs, WIDTHS};
-use crate::kernel::outputs::Outputs;
-use crate::kernel::ridge;
+use crate::regression::design::Design;
+use crate::regression::function::SMOOTHEST_FIRST;
+use crate::regression::inputs::{Inputs, WIDTHS};
+use crate::regression::outputs::Outputs;
+use crate::regression::ridge;
 use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate hops, the fewest inputs first.

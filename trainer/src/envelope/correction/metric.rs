@@ -1,6 +1,6 @@
 //! Distances of the skin, from entries of maps.
 
-use crate::envelope::skin::projection::UNSEEN;
+use crate::envelope::lbs::projection::UNSEEN;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
 use std::ops::Range;

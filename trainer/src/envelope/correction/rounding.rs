@@ -1,11 +1,11 @@
 //! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
 
 use super::features::Features;
+use crate::envelope::lbs::training::Training;
 use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
-use crate::envelope::skin::training::Training;
-use crate::kernel::arithmetic::{Arithmetic, U};
-use crate::kernel::map::Value;
 use crate::numeric::registers;
+use crate::regression::arithmetic::{Arithmetic, U};
+use crate::regression::map::Value;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;

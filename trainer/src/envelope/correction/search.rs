@@ -8,9 +8,9 @@ use super::candidates::{GroupCandidates, GroupReport};
 use super::group_outputs::groups;
 use super::lists::Known;
 use super::target::CorrectionTarget;
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::stacked::{map_of, set_map};
 use crate::envelope::model::Group;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::stacked::{map_of, set_map};
 use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
@@ -122,12 +122,12 @@ fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut
 mod tests {
     use super::*;
     use crate::envelope::correction::lists;
-    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::helpers::fit::HelperFit;
-    use crate::envelope::skin::targets::Targets;
-    use crate::envelope::skin::training::Training;
+    use crate::envelope::lbs::targets::Targets;
+    use crate::envelope::lbs::training::Training;
     use crate::examples::Importance;
     use crate::examples::Split;
+    use crate::examples::demo::{DemoOptions, demo};
     use crate::progress::Silent;
 
     #[test]

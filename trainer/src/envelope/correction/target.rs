@@ -2,7 +2,7 @@
 
 use super::features::Features;
 use crate::envelope::folds::Folds;
-use crate::envelope::skin::poses::Poses;
+use crate::envelope::lbs::poses::Poses;
 use faer::Mat;
 
 /// Most values of a map's certainty, where nothing else is said.

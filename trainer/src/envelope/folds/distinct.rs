@@ -2,8 +2,8 @@
 //!
 //! A fit that has seen a pose knows its repeats, so repeats are left out together.
 
-use crate::envelope::skin::poses::{Poses, Time};
-use crate::kernel::outputs::Block;
+use crate::envelope::lbs::poses::{Poses, Time};
+use crate::regression::outputs::Block;
 use std::ops::Range;
 
 /// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size. Export

@@ -8,8 +8,8 @@ mod distinct;
 #[cfg(test)]
 mod testing;
 
-use super::skin::poses::{MIN_POSES, Poses};
-use crate::kernel::outputs::Block;
+use crate::envelope::lbs::poses::{MIN_POSES, Poses};
+use crate::regression::outputs::Block;
 use distinct::Distinct;
 use std::ops::Range;
 
@@ -166,8 +166,8 @@ mod tests {
     use super::testing::{looped, moving};
     use super::*;
     use crate::envelope::correction::features::near;
-    use crate::envelope::demo::{DemoOptions, demo};
     use crate::examples::Examples;
+    use crate::examples::demo::{DemoOptions, demo};
 
     #[test]
     fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {

@@ -1,6 +1,6 @@
 //! Poses that tests cut into folds.
 
-use crate::envelope::skin::poses::Poses;
+use crate::envelope::lbs::poses::Poses;
 use crate::examples::testing::triangle;
 
 /// Makes clips of the given lengths, in which no pose repeats another.

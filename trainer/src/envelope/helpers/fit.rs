@@ -4,15 +4,15 @@ use crate::envelope::correction::features::Features;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
-use crate::envelope::model::Group;
-use crate::envelope::skin::blend::{
+use crate::envelope::lbs::blend::{
     Alternation, InTurn, Items, Maps, Pull, Supports, Weights, fit_maps,
 };
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::projection::gram;
-use crate::envelope::skin::stacked::{bases, set_map};
-use crate::envelope::skin::targets::{Targets, skin};
-use crate::envelope::skin::training::Training;
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::projection::gram;
+use crate::envelope::lbs::stacked::{bases, set_map};
+use crate::envelope::lbs::targets::{Targets, skin};
+use crate::envelope::lbs::training::Training;
+use crate::envelope::model::Group;
 use crate::examples::Importance;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::{Basis, basis_of};
@@ -387,8 +387,8 @@ impl Helpers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
     use crate::examples::Examples;
+    use crate::examples::demo::{DemoOptions, demo};
     use crate::progress::Silent;
     use std::sync::LazyLock;
 

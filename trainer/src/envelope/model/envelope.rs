@@ -3,9 +3,9 @@
 use super::group::{Group, Input};
 use super::key::Key;
 use crate::examples::Skeleton;
-use crate::kernel::certainty::Certainty;
-use crate::kernel::map::KernelMap;
 use crate::numeric::affine;
+use crate::regression::certainty::Certainty;
+use crate::regression::map::KernelMap;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6};
 use sinew_runtime::Envelope;

@@ -1,6 +1,6 @@
 //! A group of proxies that share a dominant joint and a kernel map (METHOD §1.9).
 
-use crate::kernel::map::KernelMap;
+use crate::regression::map::KernelMap;
 use faer::Mat;
 use nalgebra::Matrix3x4;
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! What an envelope was trained on.
 
-use crate::envelope::skin::blend::Weights;
+use crate::envelope::lbs::blend::Weights;
 use crate::examples::{Examples, Mark};
 
 /// Marks of the training frames, and linear blend skinning fitted to them.

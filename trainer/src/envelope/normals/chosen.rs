@@ -2,9 +2,9 @@
 
 use super::{Fan, PosedSurface};
 use crate::envelope::error::TrainError;
-use crate::envelope::evaluate::{Baseline, Character, EvaluateError, Measured};
+use crate::envelope::lbs::training::Training;
 use crate::envelope::model::FileModel;
-use crate::envelope::skin::training::Training;
+use crate::evaluate::{Baseline, Character, EvaluateError, Measured};
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
 

@@ -181,11 +181,11 @@ fn of(trajectory: &[f64], pose: usize) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::fitted::Fitted;
     use crate::envelope::helpers::fit::HelperFit;
-    use crate::envelope::skin::training::Training;
+    use crate::envelope::lbs::training::Training;
     use crate::examples::Examples;
+    use crate::examples::demo::{DemoOptions, demo};
     use crate::progress::Silent;
     use nalgebra::{DMatrix, DVector, Matrix3};
     use sinew_runtime::envelope::Certificate;

@@ -2,10 +2,10 @@
 
 use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
-use crate::kernel::certainty::Evidence;
-use crate::kernel::map::Value;
 use crate::numeric::affine::{linear, seen_from};
 use crate::numeric::so3;
+use crate::regression::certainty::Evidence;
+use crate::regression::map::Value;
 use nalgebra::{Matrix3x4, Vector3};
 
 impl EnvelopeModel {

@@ -1,8 +1,8 @@
 //! From pose to palette.
 
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::stacked::set_map;
 use crate::envelope::model::EnvelopeModel;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::stacked::set_map;
 use faer::Mat;
 use nalgebra::Matrix3x4;
 

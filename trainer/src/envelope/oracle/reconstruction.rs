@@ -1,9 +1,9 @@
 //! The stages of the reconstruction (METHOD §1.1 to §1.7).
 
 use crate::envelope::model::{EnvelopeModel, Factors, Key};
-use crate::kernel::fade::step;
 use crate::numeric::affine::{after, linear, seen_from};
 use crate::numeric::so3;
+use crate::regression::fade::step;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
 

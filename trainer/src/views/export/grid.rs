@@ -1,7 +1,7 @@
 //! A model at the nodes of a grid of parameters, or at those of its key views.
 
 use super::error::GridError;
-use crate::kernel::model::{Input, InputKind, features};
+use crate::scattered::model::{Input, InputKind, features};
 use crate::views::fit::{FitError, given, names_of};
 use crate::views::inverse::starts;
 use crate::views::object::FileMap;

@@ -2,10 +2,10 @@
 
 use super::candidate::Width;
 use super::terms::{Monomial, TermSet, terms};
-use crate::kernel::scattered::leave_one_out::LeaveOneOut;
-use crate::kernel::scattered::polynomial::{Polynomial, RANK_F64};
-use crate::kernel::scattered::solve::solve;
-use crate::kernel::sum::{Term, powers};
+use crate::scattered::solver::leave_one_out::LeaveOneOut;
+use crate::scattered::solver::polynomial::{Polynomial, RANK_F64};
+use crate::scattered::solver::solve::solve;
+use crate::scattered::sum::{Term, powers};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use serde::Serialize;
@@ -197,7 +197,7 @@ fn alone(polynomial: &Polynomial, values: &Mat<f64>) -> Coefficients {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::sum::monomials;
+    use crate::scattered::sum::monomials;
 
     #[test]
     fn products_that_no_view_shows_are_left_out() {

@@ -1,7 +1,7 @@
 //! What a block of outputs may be fitted with.
 
 use super::terms::TermSet;
-use crate::kernel::function::{by_name, order};
+use crate::regression::function::{by_name, order};
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 

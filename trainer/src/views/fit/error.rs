@@ -1,7 +1,7 @@
 //! Why views give no map.
 
-use crate::kernel::model::EvaluationError;
-use crate::kernel::scattered::error::KernelError;
+use crate::scattered::model::EvaluationError;
+use crate::scattered::solver::error::KernelError;
 
 /// Views that no map was fitted to; views count from 0.
 #[derive(Debug, thiserror::Error)]

@@ -4,9 +4,9 @@
 //! so a file alone tells what an angle is.
 
 use super::error::FitError;
-use crate::kernel::model::{Input, InputKind};
-use crate::kernel::rotations::Feature;
 use crate::numeric::columns::ends;
+use crate::regression::rotations::Feature;
+use crate::scattered::model::{Input, InputKind};
 use crate::views::set::{Examples, Parameter, Values, View};
 use sinew_runtime::kernel::EulerOrder;
 

@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use super::inputs::given;
-use crate::kernel::model::{KernelModel, Output, OutputKind};
+use crate::scattered::model::{KernelModel, Output, OutputKind};
 use crate::views::set::Values;
 use sinew_runtime::views::Views;
 

@@ -1,7 +1,7 @@
 //! The polynomials that are tried: products of features.
 
-use crate::kernel::model::{Input, InputKind};
-use crate::kernel::sum::Term;
+use crate::scattered::model::{Input, InputKind};
+use crate::scattered::sum::Term;
 
 /// Features of a rotation's first two rows: all that an orthographic view of a rigid object is made of.
 const TWO_ROWS: usize = 6;
@@ -95,8 +95,8 @@ fn quadratic(blocks: &[Vec<usize>]) -> Vec<Monomial> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::rotations::Feature;
-    use crate::kernel::sum::powers;
+    use crate::regression::rotations::Feature;
+    use crate::scattered::sum::powers;
 
     #[test]
     fn sets_are_products_of_what_changes() {

@@ -7,7 +7,7 @@ use super::{Character, export_into};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use sinew_trainer::envelope::export::{ExportError, Grafted, IntoError};
+use sinew_trainer::export::{ExportError, Grafted, IntoError};
 use sinew_trainer::formats::{FormatError, SceneError};
 use std::path::{Path, PathBuf};
 

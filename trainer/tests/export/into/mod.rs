@@ -7,9 +7,9 @@ mod plays;
 use super::{arm, clip, model};
 pub(super) use file::Glb;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{ExportError, ExportInto, Grafted, by_use, demo_glb};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Clip, Examples, JointNames};
+use sinew_trainer::export::{ExportError, ExportInto, Grafted, by_use, demo_glb};
 use std::path::Path;
 
 /// Puts a model's first skin into a file.

@@ -9,9 +9,9 @@ use nalgebra::{Matrix4, Vector3};
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::Grafted;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Loaded, Source, load};
+use sinew_trainer::export::Grafted;
 use std::path::Path;
 
 /// Greatest distance from the runtime's skin, as a share of the rest diagonal.

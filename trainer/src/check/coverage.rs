@@ -1,0 +1,168 @@
+//! What the training poses do with each joint, and which other frames go beyond.
+
+use super::context::Context;
+use super::finding::FrameName;
+use super::thresholds::{BENT, BEYOND, DISTINCT, MUCH, STILL};
+use super::turns::{Turn, Turns};
+use crate::envelope::correction::features::Features;
+use crate::envelope::lbs::poses::Poses;
+use crate::examples::Split;
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A joint in the training poses, against its parent; angles are degrees from the rest pose.
+#[derive(Clone, Debug, Serialize)]
+pub struct Coverage {
+    /// Its name.
+    pub joint: String,
+    /// Vertices that follow it most.
+    pub vertices: usize,
+    /// RMS error of LBS over them in the training frames, in % of the diagonal.
+    pub lbs_percent: f64,
+    /// That error in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lbs_mm: Option<f64>,
+    /// Largest angle.
+    pub degrees: f64,
+    /// Axis of most of its rotation, in the rest pose's model axes.
+    pub axis: [f64; 3],
+    /// Least and largest angle about that axis.
+    pub twist: [f64; 2],
+    /// Largest angle beside that axis.
+    pub swing: f64,
+    /// Largest displacement of its origin, in % of the diagonal.
+    pub slide_percent: f64,
+    /// Poses of it that differ by more than a tenth of its largest angle.
+    pub distinct: usize,
+    /// Held-out and extreme frames that bend it where no training frame does.
+    pub beyond: Vec<Beyond>,
+}
+
+/// A frame that bends a joint where no training frame does.
+#[derive(Clone, Debug, Serialize)]
+pub struct Beyond {
+    /// The frame.
+    pub frame: FrameName,
+    /// How far the nearest training frame is, in degrees.
+    pub degrees: f64,
+}
+
+/// A joint and its parent that both move a lot, but never together in training.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Apart {
+    /// The joint.
+    pub joint: String,
+    /// Its parent.
+    pub parent: String,
+}
+
+impl Coverage {
+    /// Whether the joint moves in training.
+    pub fn moves(&self) -> bool {
+        self.degrees > STILL || super::thresholds::SLIDE * self.slide_percent > 100.0 * STILL
+    }
+}
+
+/// Measures every joint, in their order; the reference root has no parent that it could move against.
+pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
+    let others: Vec<usize> = (0..context.examples.frame_len())
+        .filter(|&frame| context.examples.split[frame] != Split::Train)
+        .collect();
+    let poses = Poses::new(context.examples, &others);
+    let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
+    let others = (others, Turns::new(&poses, Features::of(context.training)));
+    let skins = context.skins();
+    let joints = (0..context.examples.joint_len()).into_par_iter();
+    joints.map(|joint| of(context, joint, &skins[joint], &others)).collect()
+}
+
+fn of(
+    context: &Context<'_>,
+    joint: usize,
+    skin: &[usize],
+    (others, turns): &(Vec<usize>, Turns),
+) -> Coverage {
+    let training: Vec<&Turn> =
+        (0..context.turns.len()).map(|i| context.turns.of(i, joint)).collect();
+    let axis = main_axis(&training);
+    let about: Vec<(f64, f64)> = training.iter().map(|turn| twist_and_swing(turn, &axis)).collect();
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let twists = || about.iter().map(|(twist, _)| *twist);
+    let mut beyond: Vec<Beyond> = others
+        .iter()
+        .enumerate()
+        .map(|(i, &frame)| Beyond {
+            frame: FrameName::new(context.clips, frame),
+            degrees: context.turns.nearest(joint, turns.of(i, joint)),
+        })
+        .filter(|beyond| beyond.degrees > BEYOND)
+        .collect();
+    beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
+    let lbs_percent = 100.0 * context.rms_of(skin);
+    Coverage {
+        joint: context.joint(joint).to_owned(),
+        vertices: skin.len(),
+        lbs_percent,
+        lbs_mm: context.mm(lbs_percent),
+        degrees: most(&mut training.iter().map(|turn| turn.rotation.angle().to_degrees())),
+        axis: axis.into(),
+        twist: [least(&mut twists()), twists().fold(f64::NEG_INFINITY, f64::max)],
+        swing: most(&mut about.iter().map(|(_, swing)| *swing)),
+        slide_percent: 100.0 * most(&mut training.iter().map(|turn| turn.slide.norm())),
+        distinct: distinct(&training, DISTINCT * context.turns.farthest(joint)),
+        beyond,
+    }
+}
+
+/// The axis that carries most of the rotation, pointing so that most of it is positive.
+fn main_axis(turns: &[&Turn]) -> Vector3<f64> {
+    let angles: Vec<Vector3<f64>> = turns.iter().map(|turn| turn.rotation.scaled_axis()).collect();
+    let spread: Matrix3<f64> = angles.iter().map(|angle| angle * angle.transpose()).sum();
+    let eigen = spread.symmetric_eigen();
+    let axis: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
+    let sum: f64 = angles.iter().map(|angle| angle.dot(&axis)).sum();
+    if sum < 0.0 { -axis } else { axis }
+}
+
+/// Angles about an axis and beside it, in degrees.
+fn twist_and_swing(turn: &Turn, axis: &Vector3<f64>) -> (f64, f64) {
+    let q = turn.rotation.quaternion();
+    let (w, along) =
+        if q.w < 0.0 { (-q.w, -q.imag().dot(axis)) } else { (q.w, q.imag().dot(axis)) };
+    let beside = (q.imag() - axis * q.imag().dot(axis)).norm();
+    let swing = 2.0 * beside.atan2(w.hypot(along));
+    (2.0 * along.atan2(w).to_degrees(), swing.to_degrees())
+}
+
+/// Counts poses that are further apart than `gap`, in the order of the frames.
+fn distinct(turns: &[&Turn], gap: f64) -> usize {
+    let mut kept: Vec<&Turn> = Vec::new();
+    for turn in turns {
+        if kept.iter().all(|other| other.gap(turn) > gap) {
+            kept.push(turn);
+        }
+    }
+    kept.len()
+}
+
+/// Lists joints that never bend together with their parent, those whose skin errs most first.
+pub(super) fn apart(context: &Context<'_>) -> Vec<Apart> {
+    let parents = &context.examples.skeleton.parents;
+    let skins = context.skins();
+    let error = |joint: usize| context.rms_of(&skins[joint]);
+    let pairs = (0..parents.len()).filter(|&joint| {
+        let Some(parent) = parents[joint] else { return false };
+        let both = [joint, parent].map(|j| (j, context.turns.usual(j)));
+        let bent = |i: usize| both.iter().all(|&(j, most)| context.turns.bend(i, j) > BENT * most);
+        both.iter().all(|&(_, most)| most > MUCH) && !(0..context.turns.len()).any(bent)
+    });
+    super::context::worst_first(pairs, error)
+        .into_iter()
+        .filter_map(|joint| {
+            let parent = context.joint(parents[joint]?).to_owned();
+            Some(Apart { joint: context.joint(joint).to_owned(), parent })
+        })
+        .collect()
+}

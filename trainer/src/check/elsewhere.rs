@@ -1,0 +1,35 @@
+//! Whether most meshes stand elsewhere than their joints: one of the two lacks the root's motion.
+
+use super::context::{Context, worst_first};
+use super::finding::{Finding, Kind, Severity, count};
+use crate::envelope::clean::stands;
+use crate::envelope::lbs::residuals::Residuals;
+
+/// Share of a frame's squared error that is left where its mesh is put back, where most frames bend LBS.
+const LEFT: f64 = 0.25;
+
+/// Tells of most training frames that their meshes stand elsewhere; of fewer the others tell ([`super::broken`]).
+pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
+    let Context { training, residuals: left, dominant, .. } = context;
+    let stands = stands(Residuals { training, left, dominant });
+    let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
+    let worst = worst_first(places, |pose| stands[pose].moved);
+    if 2 * worst.len() < stands.len() {
+        return None;
+    }
+    let farthest = *worst.first()?;
+    Some(Finding {
+        kind: Kind::Elsewhere,
+        severity: Severity::Warning,
+        text: format!(
+            "{} of {} a mesh that stands elsewhere than the joints, as a whole, by up to {} in frame \
+             {}: as if the root moved in the meshes or in the joints alone, all stood in another place, or the meshes were of \
+             other frames; nothing below is to be trusted until they go together",
+            worst.len(),
+            count(stands.len(), "training frame has", "training frames have"),
+            context.length(stands[farthest].moved),
+            context.frame(farthest)
+        ),
+        places: context.frames(worst.iter().copied()),
+    })
+}

@@ -1,0 +1,136 @@
+//! Joints by themselves: rigidity, half turns, and those that do nothing.
+
+use super::context::{Context, worst_first};
+use super::finding::{Finding, Kind, Place, Severity, count, listed};
+use super::thresholds::{IDLE, SCALED, STILL};
+use crate::envelope::choose::report::SEAM;
+use crate::examples::{Matrix3x4, Warning};
+use nalgebra::Matrix3;
+
+pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut Vec<Finding>) {
+    for warning in warnings {
+        if let Warning::NonRigidJoint { joint, worst_frame, .. } = warning {
+            let worst = worst_frame.and_then(|frame| usize::try_from(frame).ok());
+            findings.push(non_rigid(context, warning, joint, worst));
+        }
+    }
+    half_turns(context, findings);
+    let joints = 0..context.examples.joint_len();
+    let root = context.examples.skeleton.root();
+    let still = |&j: &usize| j != root && context.turns.farthest(j) < STILL;
+    let still: Vec<usize> = joints.clone().filter(still).collect();
+    if !still.is_empty() {
+        findings.push(Finding {
+            kind: Kind::Still,
+            severity: Severity::Note,
+            text: format!(
+                "{} against {} in training: {}; no frame shows which skin follows {}, so the nearest skin does, and the \
+                 confidence of a model falls where a pose turns {}",
+                count(still.len(), "joint never moves", "joints never move"),
+                if still.len() == 1 { "its parent" } else { "their parents" },
+                names(context, &still),
+                if still.len() == 1 { "it" } else { "them" },
+                if still.len() == 1 { "it" } else { "one" }
+            ),
+            places: places(context, &still),
+        });
+    }
+    let mut used = vec![false; context.examples.joint_len()];
+    let weights = &context.training.lbs.weights;
+    for vertex in 0..weights.len() {
+        weights.of(vertex).for_each(|(joint, weight)| used[joint] |= weight > IDLE);
+    }
+    // Of a joint that never moves, no fit can tell what follows it.
+    let idle: Vec<usize> = joints.filter(|j| !used[*j] && !still.contains(j)).collect();
+    if !idle.is_empty() {
+        findings.push(Finding {
+            kind: Kind::Idle,
+            severity: Severity::Note,
+            text: format!(
+                "{} no vertex: {}",
+                count(idle.len(), "joint moves", "joints move"),
+                names(context, &idle)
+            ),
+            places: places(context, &idle),
+        });
+    }
+}
+
+fn non_rigid(
+    context: &Context<'_>,
+    warning: &Warning,
+    joint: &str,
+    worst_frame: Option<usize>,
+) -> Finding {
+    let number = context.examples.skeleton.names.iter().position(|name| name == joint).unwrap_or(0);
+    let map = match worst_frame {
+        Some(frame) => &context.examples.pose(frame)[number],
+        None => &context.examples.skeleton.rest[number],
+    };
+    let mut places = vec![Place::Joint(joint.to_owned())];
+    let frame = worst_frame.map(|frame| super::finding::FrameName::new(context.clips, frame));
+    places.extend(frame.map(Place::Frame));
+    let warning = warning.clone().called(context.clips);
+    Finding {
+        kind: Kind::NonRigid,
+        severity: Severity::Warning,
+        text: format!("{warning}; {}: export joints without scale", stretch(map)),
+        places,
+    }
+}
+
+/// Tells a scale from a stretch.
+fn stretch(map: &Matrix3x4) -> String {
+    let linear = Matrix3::from_fn(|row, column| map[row][column]);
+    let sigma = linear.singular_values();
+    let (most, least) = (sigma.max(), sigma.min());
+    if most - least < SCALED {
+        return format!("it is scaled by {:.4}", sigma.mean());
+    }
+    format!("it is stretched by {least:.4} to {most:.4}")
+}
+
+fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let ranges = context.training.poses.angle_ranges();
+    let over = (0..ranges.len()).filter(|&joint| ranges[joint] > SEAM);
+    let over = worst_first(over, |joint| ranges[joint]);
+    if over.is_empty() {
+        return;
+    }
+    let worst = |joint: usize| {
+        let angle = |i: usize| context.training.poses.angle(i, joint).norm();
+        (0..context.frames.len()).max_by(|&a, &b| angle(a).total_cmp(&angle(b))).unwrap_or(0)
+    };
+    let line = |&joint: &usize| {
+        let degrees = ranges[joint].to_degrees();
+        format!(
+            "{} by {degrees:.0}° in frame {}",
+            context.joint(joint),
+            context.frame(worst(joint))
+        )
+    };
+    findings.push(Finding {
+        kind: Kind::HalfTurn,
+        severity: Severity::Warning,
+        text: format!(
+            "{} near a half turn against the parent, where the rotational predictor jumps: {}; use `--predictor \
+             kernel`, or share the turn with another joint",
+            count(over.len(), "joint comes", "joints come"),
+            listed(over.iter().map(line))
+        ),
+        places: over
+            .iter()
+            .flat_map(|&joint| {
+                [context.joint_place(joint), Place::Frame(context.frame(worst(joint)))]
+            })
+            .collect(),
+    });
+}
+
+pub(super) fn names(context: &Context<'_>, joints: &[usize]) -> String {
+    listed(joints.iter().map(|&joint| context.joint(joint)))
+}
+
+pub(super) fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
+    joints.iter().map(|&joint| context.joint_place(joint)).collect()
+}

@@ -1,0 +1,287 @@
+//! Whether the meshes belong to their frames, or to those before or after, in whole clips or in a part.
+
+use super::finding::{Finding, FrameName, Kind, Place, Severity, runs};
+use super::thresholds::{SHIFT_FRAMES, SHIFT_RUN, SHIFTED, SHIFTS, VISIBLE};
+use crate::envelope::lbs::poses::{Poses, trajectories};
+use crate::envelope::lbs::targets::Targets;
+use crate::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
+use crate::examples::spread;
+use crate::examples::{Clip, Examples, Importance, Split};
+use crate::space::beside;
+use sinew_runtime::format::Space;
+
+/// Vertices that are looked at.
+const VERTICES: usize = 400;
+
+/// A clip's frames that are looked at.
+const FRAMES: usize = 200;
+
+/// How often shifts are found anew, as LBS is fitted to the meshes as they shift them.
+const ROUNDS: usize = 5;
+
+/// Reports clips whose meshes are out of step, in whole or in part. Returns the examples with each mesh at the frame that it
+/// belongs to. Frames without a mesh become extreme.
+///
+/// - `left_out`: training frames whose meshes belong to no pose, in order.
+pub(super) fn steps(
+    examples: &Examples,
+    clips: &[Clip],
+    left_out: &[usize],
+    findings: &mut Vec<Finding>,
+) -> Option<Examples> {
+    let sample = sample(examples);
+    let mut moved = Vec::new();
+    for (number, clip) in clips.iter().enumerate() {
+        let end = clips.get(number + 1).map_or(sample.frame_len(), |next| next.first);
+        let of_clip = Steps { sample: &sample, range: clip.first..end, left_out };
+        let Some(found) = of_clip.find() else { continue };
+        findings.push(found.finding(examples, clips, clip));
+        moved.extend((clip.first..end).map(|frame| (frame, of_clip.mesh(frame, found.at(frame)))));
+    }
+    if moved.is_empty() {
+        return None;
+    }
+    let mut in_step = examples.clone();
+    let len = examples.vertex_len();
+    for (frame, mesh) in moved {
+        match mesh {
+            Some(mesh) => {
+                in_step.vertices[frame * len..][..len].copy_from_slice(examples.frame(mesh))
+            }
+            None if examples.split[frame] == Split::Train => in_step.split[frame] = Split::Extreme,
+            None => {}
+        }
+    }
+    Some(in_step)
+}
+
+/// A clip whose steps are looked at.
+struct Steps<'a> {
+    sample: &'a Examples,
+    /// Its frames.
+    range: std::ops::Range<usize>,
+    left_out: &'a [usize],
+}
+
+/// Frames from one on, and by how many frames their meshes are late.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Run {
+    first: usize,
+    shift: isize,
+}
+
+/// How a clip is out of step.
+struct Shifted {
+    /// Its runs in order; the shift differs from one to the next.
+    runs: Vec<Run>,
+    /// RMS error of LBS, with the meshes as they are and in step, in units of the input.
+    leaves: [f64; 2],
+}
+
+impl Steps<'_> {
+    /// Returns the training frame whose mesh belongs to a frame that is so late; `None` where the clip has none.
+    fn mesh(&self, frame: usize, shift: isize) -> Option<usize> {
+        let mesh = frame.checked_add_signed(shift)?;
+        let trains = |frame| self.sample.split[frame] == Split::Train;
+        (self.range.contains(&mesh) && trains(frame) && trains(mesh)).then_some(mesh)
+    }
+
+    fn find(&self) -> Option<Shifted> {
+        let is_seen = |frame: &usize| {
+            self.mesh(*frame, 0).is_some() && self.left_out.binary_search(frame).is_err()
+        };
+        let frames: Vec<usize> = self.range.clone().filter(is_seen).collect();
+        let frames: Vec<usize> =
+            spread(frames.len(), FRAMES).into_iter().map(|k| frames[k]).collect();
+        let whole = |shift| vec![shift; frames.len()];
+        if self.leaves(&frames, &whole(0))?[0] < VISIBLE * self.sample.diagonal() {
+            return None;
+        }
+        // Each start is the whole clip, as it is, late or early.
+        let starts = [0, 1, -1].map(|shift| (self.leaves(&frames, &whole(shift)), shift));
+        let start = starts.into_iter().filter_map(|(leaves, shift)| Some((leaves?, shift)));
+        let (_, start) = start.min_by(|a, b| (a.0[1] / a.0[0]).total_cmp(&(b.0[1] / b.0[0])))?;
+        let mut shifts = whole(start);
+        for _ in 0..ROUNDS {
+            let found = self.shifts(&frames, &shifts)?;
+            if found == shifts {
+                break;
+            }
+            shifts = found;
+        }
+        let leaves @ [now, then] = self.leaves(&frames, &shifts)?;
+        (then < SHIFTED * now).then(|| Shifted { runs: found_runs(&frames, &shifts), leaves })
+    }
+
+    /// Fits LBS to the meshes as they are, and to the meshes with the given shifts. Returns both RMS errors, over the frames
+    /// that have both meshes; `None` where these are too few.
+    fn leaves(&self, frames: &[usize], shifts: &[isize]) -> Option<[f64; 2]> {
+        let (frames, meshes) = self.pairs(frames, shifts)?;
+        let poses = Poses::new(self.sample, &frames);
+        Some([&frames, &meshes].map(|meshes| error(self.sample, meshes, &poses)))
+    }
+
+    /// Lists the frames that have a mesh when it is shifted, and the meshes.
+    fn pairs(&self, frames: &[usize], shifts: &[isize]) -> Option<(Vec<usize>, Vec<usize>)> {
+        let pair = |(&frame, &shift)| Some((frame, self.mesh(frame, shift)?));
+        let pairs: (Vec<usize>, Vec<usize>) = frames.iter().zip(shifts).filter_map(pair).unzip();
+        (pairs.0.len() >= SHIFT_FRAMES).then_some(pairs)
+    }
+
+    /// Finds how many frames each mesh is late, by LBS that is fitted to the meshes with the given shifts. A change of the
+    /// shift costs [`SHIFT_RUN`] frames of mean error.
+    fn shifts(&self, frames: &[usize], shifts: &[isize]) -> Option<Vec<isize>> {
+        let (fitted, meshes) = self.pairs(frames, shifts)?;
+        let fitted = Poses::new(self.sample, &fitted);
+        let moved = trajectories(self.sample, &meshes, &fitted);
+        let rest = &self.sample.rest;
+        let (weights, _) = weights::fit(rest, &moved, &fitted, BASELINE_INFLUENCES, None);
+        let poses = Poses::new(self.sample, frames);
+        let maps = poses.stacked();
+        let errors_of = |shift: isize| -> Vec<f64> {
+            let mesh = |&frame: &usize| self.mesh(frame, shift).unwrap_or(frame);
+            let meshes: Vec<usize> = frames.iter().map(mesh).collect();
+            let trajectories = &trajectories(self.sample, &meshes, &poses);
+            let targets =
+                Targets { rest, weights: &weights, trajectories, importance: Importance::ALIKE };
+            let left = targets.residuals(&maps);
+            let mut errors = vec![0.0; frames.len()];
+            for vertex in 0..rest.len() {
+                for (error, x) in errors.iter_mut().zip(left.col_as_slice(vertex).chunks(3)) {
+                    *error += x.iter().map(|x| x * x).sum::<f64>();
+                }
+            }
+            errors
+        };
+        // No shift first: where two do as well it is taken.
+        let tried: Vec<isize> =
+            std::iter::once(0).chain((1..=SHIFTS).flat_map(|s| [s, -s])).collect();
+        let errors: Vec<Vec<f64>> = tried.iter().map(|&shift| errors_of(shift)).collect();
+        let change = SHIFT_RUN * errors[0].iter().sum::<f64>() / frames.len() as f64;
+        Some(cheapest(&errors, change).into_iter().map(|k| tried[k]).collect())
+    }
+}
+
+/// Chooses a row for each column: the sum of the entries, plus `change` for each change of the row, is least.
+fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
+    let mut costs = vec![0.0; rows.len()];
+    let mut from = Vec::new();
+    let least = |costs: &[f64]| {
+        (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0)
+    };
+    for column in 0..rows.first().map_or(0, Vec::len) {
+        let best = least(&costs);
+        let changed = costs[best] + change;
+        from.push(
+            costs
+                .iter()
+                .enumerate()
+                .map(|(k, &cost)| if cost < changed { k } else { best })
+                .collect::<Vec<_>>(),
+        );
+        for (cost, row) in costs.iter_mut().zip(rows) {
+            *cost = cost.min(changed) + row[column];
+        }
+    }
+    let mut row = least(&costs);
+    let mut rows = vec![0; from.len()];
+    for (at, from) in rows.iter_mut().zip(&from).rev() {
+        *at = row;
+        row = from[row];
+    }
+    rows
+}
+
+/// Gathers the runs of frames of one shift.
+fn found_runs(frames: &[usize], shifts: &[isize]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (&first, &shift) in frames.iter().zip(shifts) {
+        if runs.last().is_none_or(|run| run.shift != shift) {
+            runs.push(Run { first, shift });
+        }
+    }
+    runs
+}
+
+impl Shifted {
+    /// By how many frames the mesh of a frame is late.
+    fn at(&self, frame: usize) -> isize {
+        let run = self.runs.iter().rev().find(|run| run.first <= frame);
+        run.or(self.runs.first()).map_or(0, |run| run.shift)
+    }
+
+    fn finding(&self, examples: &Examples, clips: &[Clip], clip: &Clip) -> Finding {
+        let end = clip.first + clip.times.len();
+        let name = |frame| FrameName::new(clips, frame);
+        let ends = self.runs.iter().skip(1).map(|run| run.first).chain([end]);
+        let late = self.runs.iter().zip(ends).filter(|(run, _)| run.shift != 0);
+        let parts: Vec<String> = late
+            .clone()
+            .map(|(run, end)| {
+                let frames: Vec<FrameName> = (run.first..end).map(name).collect();
+                let frames = match self.runs.len() {
+                    1 => String::new(),
+                    _ => format!(" in the frames {}", runs(&frames).join(", ")),
+                };
+                format!(
+                    "{} {}{frames}",
+                    frames_of(run.shift),
+                    if run.shift > 0 { "late" } else { "early" }
+                )
+            })
+            .collect();
+        let diagonal = examples.diagonal();
+        let [now, then] = self.leaves.map(|left| {
+            let percent = 100.0 * left / diagonal;
+            format!("{percent:.3} %{} of the diagonal", beside(percent, examples.diagonal_mm()))
+        });
+        Finding {
+            kind: Kind::OutOfStep,
+            severity: Severity::Warning,
+            text: format!(
+                "the meshes of clip {} seem to be {}: LBS errs by {now}, and by {then} with each mesh at the frame that it \
+                 belongs to; the rest of this check is of meshes that are moved so: export them in step",
+                clip.name,
+                parts.join(", and ")
+            ),
+            places: late.map(|(run, _)| Place::Frame(name(run.first))).collect(),
+        }
+    }
+}
+
+/// Counts the frames of a shift.
+fn frames_of(shift: isize) -> String {
+    match shift.unsigned_abs() {
+        1 => "one frame".to_owned(),
+        count => format!("{count} frames"),
+    }
+}
+
+/// RMS error of LBS fitted to the poses with the meshes of some frames.
+pub(super) fn error(sample: &Examples, meshes: &[usize], poses: &Poses) -> f64 {
+    let moved = trajectories(sample, meshes, poses);
+    let (_, errors) = weights::fit(&sample.rest, &moved, poses, BASELINE_INFLUENCES, None);
+    (errors.iter().sum::<f64>() / (errors.len() * meshes.len()) as f64).sqrt()
+}
+
+/// The examples with few vertices.
+pub(super) fn sample(examples: &Examples) -> Examples {
+    let kept = spread(examples.vertex_len(), VERTICES);
+    let pick = |points: &[[f64; 3]]| kept.iter().map(|&v| points[v]).collect::<Vec<_>>();
+    Examples {
+        rest: pick(&examples.rest),
+        triangles: Vec::new(),
+        engine: None,
+        skeleton: examples.skeleton.clone(),
+        vertices: (0..examples.frame_len()).flat_map(|f| pick(examples.frame(f))).collect(),
+        transforms: examples.transforms.clone(),
+        split: examples.split.clone(),
+        ranges: Vec::new(),
+        clip_starts: examples.clip_starts.clone(),
+        space: Space::default(),
+        joint_weights: None,
+        importance: None,
+        frame_weights: None,
+        own_skin: false,
+    }
+}

@@ -1,0 +1,73 @@
+//! Forecasts of a model's error on frames that it has not seen (METHOD §1.9): the same fit without some of the frames,
+//! measured on these.
+
+use crate::envelope::fitted::Fitted;
+use crate::envelope::lbs::targets::Targets;
+use crate::envelope::lbs::training::Training;
+use crate::regression::outputs::Block;
+use rayon::prelude::*;
+
+/// Fits without each of some blocks of poses in turn. Returns the RMS error over all blocks, in diagonals; `None` without
+/// blocks, and where a fit fails for want of frames.
+///
+/// - `vertices`: those that are fitted and measured.
+/// - `fit`: makes a model of a part of the training.
+pub(super) fn forecast(
+    training: &Training,
+    vertices: &[usize],
+    blocks: &[Block],
+    fit: &(impl Fn(&Training) -> Option<Fitted> + Sync),
+) -> Option<f64> {
+    let error = |block: &Block| {
+        let part = training.part(vertices, &block.others(training.poses.len()));
+        let Fitted { envelope, weights } = fit(&part)?;
+        let targets = Targets {
+            rest: &part.rest,
+            weights: &weights,
+            trajectories: &training.moved(vertices, &block.own),
+            importance: part.importance(),
+        };
+        let palettes = envelope.palettes(&training.poses.only(&block.own));
+        Some(targets.rms(&palettes).powi(2) * block.own.len() as f64)
+    };
+    let errors = blocks.par_iter().map(error).collect::<Option<Vec<f64>>>()?;
+    let poses: usize = blocks.iter().map(|block| block.own.len()).sum();
+    (poses > 0).then(|| (errors.iter().sum::<f64>() / poses as f64).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::lbs::blend::Weights;
+    use crate::examples::demo::{DemoOptions, demo};
+    use crate::progress::Silent;
+
+    #[test]
+    fn a_forecast_is_the_error_on_frames_that_the_fit_has_not_seen() {
+        let mut examples = demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 });
+        examples.clip_starts = vec![0, 15];
+        let training = Training::new(&examples, &Silent).unwrap();
+        let vertices: Vec<usize> = (0..100).collect();
+        let clips = training.folds().clips();
+        assert_eq!(clips.len(), 2);
+        // A model that leaves every vertex on the root.
+        let fit = |part: &Training| {
+            let frames = part.poses.frames();
+            assert!(
+                frames == Vec::from_iter(0..15) || frames == Vec::from_iter(15..40),
+                "{frames:?}"
+            );
+            let root = part.poses.root();
+            let weights = Weights::from_lists(1, part.rest.iter().map(|_| vec![(root, 1.0)]));
+            Some(Fitted::new(part, weights, None))
+        };
+        let found = forecast(&training, &vertices, &clips, &fit).unwrap();
+        let squared = |&vertex: &usize| -> f64 {
+            let (rest, moved) = (training.rest[vertex], training.trajectories.col_as_slice(vertex));
+            moved.iter().enumerate().map(|(k, y)| (y - rest[k % 3]).powi(2)).sum()
+        };
+        let expected = (vertices.iter().map(squared).sum::<f64>() / (100.0 * 40.0)).sqrt();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        assert_eq!(forecast(&training, &vertices, &[], &fit), None);
+    }
+}

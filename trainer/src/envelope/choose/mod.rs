@@ -1,0 +1,374 @@
+//! The choice of predictor and number of proxies by cross-validation inside the training split
+//! (METHOD §1.9).
+
+mod budget;
+mod candidate;
+mod counts;
+mod forecast;
+pub mod report;
+pub mod ties;
+
+use super::correction::candidates::GroupReport;
+use super::correction::lists::{self, Known};
+use super::correction::search::Search;
+use super::correction::target::CorrectionTarget;
+use super::error::{FitError, TrainError};
+use super::fitted::{Fitted, corrected};
+use super::helpers::fit::{HelperFit, Helpers, STEP};
+use super::lbs::own::own_weights;
+use super::lbs::training::Training;
+use super::levels::AddError;
+use super::levels::{self, LevelReport};
+use super::normals::fit_normals;
+use super::options::{FileSkins, Options, Predict};
+use super::s3::ProxyCount;
+use super::s3::{self, Rotational, RotationalOptions};
+use crate::examples::spread;
+use crate::progress::{Progress, Silent};
+use crate::settings::FEW_VERTICES;
+use budget::Budget;
+use candidate::{Candidate, chosen};
+use counts::{proxies_max, proxy_counts, usual_count};
+use faer::Mat;
+use forecast::forecast;
+use report::{CandidateReport, TrainingReport};
+use sinew_runtime::envelope::{Certificate, Predictor};
+
+/// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
+const FEW_VALUES: usize = 4;
+
+/// A trained model.
+pub struct Trained {
+    /// The file's bytes.
+    pub model: Vec<u8>,
+    /// How it was fitted.
+    pub report: TrainingReport,
+    /// How the further meshes follow, in their order.
+    pub levels: Vec<LevelReport>,
+}
+
+/// Fits every candidate that the options allow and takes the best.
+///
+/// # Errors
+/// Every [`TrainError`].
+pub fn choose(
+    training: &Training,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Trained, TrainError> {
+    if let FileSkins::Skins(further) = &options.meshes {
+        levels::check_names(further).map_err(AddError::from)?;
+        levels::check_places(further, training.examples).map_err(AddError::from)?;
+    }
+    let lbs = training.targets(&training.lbs.weights);
+    let counts = proxy_counts(training, options);
+    let mut choice = PredictorSearch {
+        training,
+        options,
+        progress,
+        lbs_rms: lbs.rms(&training.poses.stacked()),
+        budget: Budget::new(training, options)?,
+        reports: Vec::new(),
+        candidates: Vec::new(),
+        helper_fit: None,
+        known: Known::new(),
+        usual: None,
+    };
+    let parts = counts.len();
+    let each = counts.into_iter().zip(1..);
+    match options.predictor {
+        Predict::Only(Predictor::Kernel) => {
+            if options.proxies.is_none() {
+                choice.joints_alone()?;
+            }
+            choice.listen();
+            for (count, part) in each {
+                if choice.needs(count) {
+                    progress.part(part, parts);
+                    choice.kernel(count)?;
+                }
+            }
+        }
+        Predict::Only(Predictor::Rotational) | Predict::Published => {
+            for (count, part) in each {
+                if choice.needs(count) {
+                    progress.part(part, parts);
+                    choice.rotational(count)?;
+                }
+            }
+        }
+    }
+    choice.take()
+}
+
+struct PredictorSearch<'a> {
+    training: &'a Training<'a>,
+    options: &'a Options,
+    progress: &'a dyn Progress,
+    lbs_rms: f64,
+    budget: Budget<'a>,
+    reports: Vec<CandidateReport>,
+    candidates: Vec<Candidate>,
+    /// What fits of helpers read; none where LBS errs nowhere.
+    helper_fit: Option<HelperFit<'a>>,
+    /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
+    usual: Option<Helpers>,
+    known: Known,
+}
+
+impl PredictorSearch<'_> {
+    /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
+    /// matter which were tried.
+    fn listen(&mut self) {
+        self.progress.step(STEP, 1);
+        self.helper_fit = HelperFit::new(self.training);
+        self.usual = self.helper_fit.as_ref().map(|fit| {
+            let helpers = fit.run(usual_count(self.training), self.options.influences);
+            let target = helpers.target(self.training);
+            self.known = lists::choose(&target, self.progress);
+            helpers.listening(self.training, &self.known)
+        });
+    }
+
+    /// Returns whether a number of proxies is to be tried: without a budget fewer than usual are not, once more were better.
+    fn needs(&self, count: ProxyCount) -> bool {
+        let usual = usual_count(self.training);
+        let is_fewer = matches!(count, ProxyCount::Fixed(count) if count < usual);
+        let best = chosen(&self.candidates, &self.reports);
+        let is_past = best.is_some_and(|best| best.fitted.envelope.proxy_len() > usual);
+        self.options.budget.is_some() || !is_fewer || !is_past
+    }
+
+    /// Fits helpers; none where LBS errs nowhere.
+    fn helpers(&self, count: usize) -> Option<Helpers> {
+        let fit = self.helper_fit.as_ref()?;
+        Some(fit.run(count, self.options.influences).listening(self.training, &self.known))
+    }
+
+    fn rotational_options(&self, proxies: ProxyCount) -> RotationalOptions {
+        let Options { influences, .. } = *self.options;
+        RotationalOptions { proxies, influences, method: self.options.method() }
+    }
+
+    fn rotational(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+        let options = self.rotational_options(count);
+        let rotational = s3::fit(self.training, &options, self.progress)?;
+        let fitted = rotational.fitted(self.training);
+        for coefficients in self.budget.with_coefficients() {
+            let bytes = self.budget.bytes(&fitted, coefficients)?;
+            let fits =
+                (bytes <= self.budget.most()).then_some((bytes, &rotational.validated, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, Some(&rotational));
+        }
+        Ok(())
+    }
+
+    fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+        self.progress.step(STEP, 1);
+        let is_usual = count == ProxyCount::Fixed(usual_count(self.training));
+        let helpers = match count {
+            ProxyCount::Fixed(count) => {
+                let usual = self.usual.take_if(|_| is_usual);
+                usual.or_else(|| self.helpers(count))
+            }
+            ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
+        };
+        let Some(helpers) = helpers else { return self.joints_alone() };
+        let fitted = helpers.fitted(self.training, Vec::new());
+        let base = helpers.base(&self.training.poses);
+        self.corrected(fitted, &helpers.target(self.training), &base)
+    }
+
+    /// Plain LBS: a palette of joints without helpers.
+    fn joints_alone(&mut self) -> Result<(), TrainError> {
+        let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
+        let palette = self.training.poses.stacked();
+        for coefficients in self.budget.with_coefficients() {
+            let bytes = self.budget.bytes(&fitted, coefficients)?;
+            let fits = (bytes <= self.budget.most()).then_some((bytes, &palette, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, None);
+        }
+        Ok(())
+    }
+
+    /// Doubles the helpers until their true maps come as near as asked; none where LBS does.
+    fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, FitError> {
+        if self.lbs_rms <= limit {
+            return Ok(None);
+        }
+        let most = proxies_max(self.training);
+        let mut count = 4.min(most);
+        loop {
+            let Some(helpers) = self.helpers(count) else { return Ok(None) };
+            let palette = helpers.true_palette(&self.training.poses);
+            let reached = self.training.targets(&helpers.weights).rms(&palette);
+            if reached <= limit {
+                return Ok(Some(helpers));
+            }
+            if count == most {
+                return Err(FitError::MaxError { limit, reached, proxies: count });
+            }
+            count = (2 * count).min(most);
+        }
+    }
+
+    /// Corrects a base, whose palette of the training poses is given, in the bytes that the budget leaves.
+    fn corrected(
+        &mut self,
+        fitted: Fitted,
+        target: &CorrectionTarget<'_>,
+        base: &Mat<f64>,
+    ) -> Result<(), TrainError> {
+        let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
+        let target = CorrectionTarget { certainty, ..*target };
+        let search = Search::new(target, &self.known, self.progress);
+        let fitted = fitted.with(search.nothing());
+        for coefficients in self.budget.with_coefficients() {
+            let without = self.budget.bytes(&fitted, coefficients)?;
+            let room = self.budget.most().checked_sub(without);
+            let Some(correction) = room.and_then(|room| search.fit(room)) else {
+                self.add((fitted.clone(), coefficients), None, None);
+                continue;
+            };
+            let palette = corrected(base.clone(), &correction.validated);
+            let fits = (without + correction.bytes, &palette, correction.reports);
+            let fitted = fitted.clone().with(correction.groups);
+            self.add((fitted, coefficients), Some(fits), None);
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        (fitted, tangent_coefficients): (Fitted, bool),
+        fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
+        rotational: Option<&Rotational>,
+    ) {
+        let mut report = CandidateReport {
+            predictor: fitted.envelope.predictor().name(),
+            method: rotational.map(|rotational| rotational.method),
+            proxies: fitted.envelope.proxy_len(),
+            tangent_coefficients,
+            bytes: None,
+            validated_rms: None,
+            groups: Vec::new(),
+        };
+        if let Some((bytes, palette, groups)) = fits {
+            let validated_rms = self.training.targets(&fitted.weights).rms(palette);
+            (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
+            report.groups = groups;
+            let rotational = rotational.map(|rotational| rotational.report.clone());
+            let report = self.reports.len();
+            self.candidates.push(Candidate {
+                fitted,
+                tangent_coefficients,
+                report,
+                validated_rms,
+                rotational,
+            });
+        }
+        self.reports.push(report);
+    }
+
+    /// Forecasts the error of the chosen model on more frames of the training clips and on another clip.
+    fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
+        let training = self.training;
+        let folds = training.folds();
+        let [some, all] = [FEW_VERTICES, usize::MAX].map(|most| spread(training.rest.len(), most));
+        let envelope = &chosen.fitted.envelope;
+        let proxies = ProxyCount::Fixed(envelope.proxy_len());
+        match chosen.rotational {
+            Some(_) => {
+                let options = self.rotational_options(proxies);
+                let fit = |part: &Training| {
+                    let rotational = s3::fit(part, &options, &Silent).ok()?;
+                    Some(rotational.fitted(part))
+                };
+                [None, forecast(training, &all, &folds.clips(), &fit)]
+            }
+            None => {
+                let bytes = &self.reports[chosen.report].groups;
+                let bytes =
+                    self.options.budget.map(|_| bytes.iter().map(|group| group.bytes).sum());
+                let fit = |part: &Training| {
+                    Some(self.again(part, envelope.proxy_len(), bytes.unwrap_or(usize::MAX)))
+                };
+                [folds.spread(), folds.clips()]
+                    .map(|blocks| forecast(training, &some, &blocks, &fit))
+            }
+        }
+    }
+
+    /// Fits helpers to a part of the training as they were fitted to all of it.
+    ///
+    /// - `bytes`: most bytes of their maps.
+    fn again(&self, part: &Training, count: usize, bytes: usize) -> Fitted {
+        let Some(fit) = HelperFit::new(part).filter(|_| count > 0) else {
+            return Fitted::new(part, part.lbs.weights.clone(), None);
+        };
+        let helpers = fit.run(count, self.options.influences).listening(part, &self.known);
+        let search = Search::new(helpers.target(part), &self.known, &Silent);
+        let correction = search.fit(bytes);
+        let groups = correction.map_or_else(|| search.nothing(), |correction| correction.groups);
+        helpers.fitted(part, groups)
+    }
+
+    /// Takes the candidate that scores best, or a smaller one where that costs little.
+    fn take(self) -> Result<Trained, TrainError> {
+        let (training, progress, lbs_rms) = (self.training, self.progress, self.lbs_rms);
+        let Some(chosen) = chosen(&self.candidates, &self.reports) else {
+            return Err(self.budget.exceeded());
+        };
+        let palette = chosen.fitted.envelope.palettes(&training.poses);
+        let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
+        let base = chosen.fitted.envelope.bases(&training.poses);
+        let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
+        // A forecast fits few vertices, which as many helpers follow more closely than they follow all vertices.
+        let [same_clips, other_clip] =
+            self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
+        let same_clips = same_clips.unwrap_or(chosen.validated_rms);
+        let certificate = Certificate {
+            training_rms: training_rms as f32,
+            same_clips_rms: same_clips as f32,
+            other_clip_rms: other_clip.map(|rms| rms as f32),
+            lbs_training_rms: lbs_rms as f32,
+            base_training_rms: base_rms as f32,
+            ..Certificate::default()
+        };
+        let (fitted, palette) = chosen.fitted.led_by_upright(palette);
+        let mut model = fitted.file_model(training, certificate);
+        let levels = match &self.options.meshes {
+            FileSkins::Skins(further) => {
+                progress.step("normals", 1);
+                let coefficients = chosen.tangent_coefficients;
+                // A budget was measured with the lists as they are.
+                let most = self.options.budget.map_or(self.options.influences, |_| 0);
+                let palettes = coefficients.then_some(&palette);
+                fit_normals(&mut model, palettes, most, training)?;
+                levels::add(&mut model, further, coefficients, training.examples)?
+            }
+            FileSkins::PaletteAlone => {
+                model.skins.clear();
+                Vec::new()
+            }
+        };
+        let model = self.budget.recorded(model)?;
+        let mut reports = self.reports.clone();
+        reports[chosen.report].bytes = Some(model.len());
+        let report = TrainingReport {
+            left_out: Vec::new(),
+            lbs_rms,
+            own_weights_rms: own_weights(training.examples, &training.lbs.weights)
+                .map(|own| training.targets(&own).rms(&training.poses.stacked())),
+            folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
+            chosen: chosen.report,
+            training_rms,
+            same_clips_rms: same_clips,
+            other_clip_rms: other_clip,
+            rotational: chosen.rotational.clone(),
+            angle_ranges: training.poses.angle_ranges(),
+            candidates: reports,
+        };
+        Ok(Trained { model, report, levels })
+    }
+}

@@ -1,0 +1,349 @@
+//! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
+
+use crate::examples::{Examples, RIGID};
+use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
+use crate::numeric::{columns, so3};
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix3x4, Vector3};
+
+/// Fewest training poses: one row of H has six unknowns.
+pub const MIN_POSES: usize = 6;
+/// Entries of joints' maps, lengths in diagonals, that differ by less are one: nobody sees what they move.
+const ONE: f64 = 1e-4;
+
+/// The joints of n poses of J joints, relative to the reference root.
+#[derive(Clone, Debug)]
+pub struct Poses {
+    joint_len: usize,
+    root: usize,
+    maps: Vec<Matrix3x4<f64>>,
+    angles: Vec<Vector3<f64>>,
+    parent_rotations: Vec<Matrix3<f64>>,
+    roots: Vec<Matrix3x4<f64>>,
+    times: Vec<Time>,
+}
+
+/// When a pose was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Time {
+    /// The number of its clip.
+    pub clip: usize,
+    /// Its frame.
+    pub frame: usize,
+}
+
+impl Poses {
+    /// Reads the given frames of the examples.
+    pub fn new(examples: &Examples, frames: &[usize]) -> Self {
+        let skeleton = &examples.skeleton;
+        let mut poses = Self {
+            joint_len: skeleton.names.len(),
+            root: skeleton.root(),
+            maps: Vec::new(),
+            angles: Vec::new(),
+            parent_rotations: Vec::new(),
+            roots: Vec::new(),
+            times: Vec::new(),
+        };
+        for &frame in frames {
+            let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
+            poses.push(&pose, &skeleton.parents);
+            poses.times.push(Time { clip: examples.clip_of(frame), frame });
+        }
+        poses
+    }
+
+    fn push(&mut self, pose: &[Matrix3x4<f64>], parents: &[Option<usize>]) {
+        let inverse = rigid_inverse(&pose[self.root]);
+        let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
+        let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
+        for (joint, parent) in parents.iter().enumerate() {
+            let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
+            let relative = frame_of_parent.transpose() * rotations[joint];
+            self.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
+            self.parent_rotations.push(frame_of_parent);
+        }
+        self.maps.extend(maps);
+        self.roots.push(pose[self.root]);
+    }
+
+    /// Returns n.
+    pub fn len(&self) -> usize {
+        self.roots.len()
+    }
+
+    /// Returns whether there is no pose.
+    pub fn is_empty(&self) -> bool {
+        self.roots.is_empty()
+    }
+
+    /// Returns J.
+    pub fn joint_len(&self) -> usize {
+        self.joint_len
+    }
+
+    /// Returns r, the reference root.
+    pub fn root(&self) -> usize {
+        self.root
+    }
+
+    /// Returns when each of the n poses was taken, in order.
+    pub fn times(&self) -> &[Time] {
+        &self.times
+    }
+
+    /// Lists the frames of the n poses.
+    pub fn frames(&self) -> Vec<usize> {
+        self.times.iter().map(|time| time.frame).collect()
+    }
+
+    /// Returns `B_r⁻¹ B_j` of a pose.
+    pub fn map(&self, pose: usize, joint: usize) -> &Matrix3x4<f64> {
+        &self.maps[pose * self.joint_len + joint]
+    }
+
+    /// Returns the J maps `B_r⁻¹ B_j` of a pose.
+    pub fn pose(&self, pose: usize) -> &[Matrix3x4<f64>] {
+        &self.maps[pose * self.joint_len..][..self.joint_len]
+    }
+
+    /// Returns θ_j of a pose: the joint's rotation relative to its parent's, as axis times angle.
+    pub fn angle(&self, pose: usize, joint: usize) -> &Vector3<f64> {
+        &self.angles[pose * self.joint_len + joint]
+    }
+
+    /// Returns Q_p of a pose: the rotation of the joint's parent, I for the root.
+    pub fn parent_rotation(&self, pose: usize, joint: usize) -> &Matrix3<f64> {
+        &self.parent_rotations[pose * self.joint_len + joint]
+    }
+
+    /// Whether all are one pose, each joint within what nobody sees of where it is in the first; of a skeleton of one joint,
+    /// whether that stands still.
+    pub fn are_one(&self) -> bool {
+        let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
+        let all = maps.chunks(self.joint_len);
+        all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
+    }
+
+    /// Whether two joints turn as one in all poses, each within what nobody sees of the other.
+    pub fn turn_as_one(&self, a: usize, b: usize) -> bool {
+        let apart = |pose| self.map(pose, a) - self.map(pose, b);
+        (0..self.len()).all(|pose| apart(pose).fixed_columns::<3>(0).amax() <= ONE)
+    }
+
+    /// Whether entries of the joints' maps differ by no more than this in two poses.
+    pub fn are_alike(&self, a: usize, b: usize, most: f64) -> bool {
+        self.pose(a).iter().zip(self.pose(b)).all(|(a, b)| (a - b).amax() <= most)
+    }
+
+    /// Returns how far an entry of a joint's map is from the same in the first pose, where it is farthest.
+    pub fn farthest_apart(&self) -> f64 {
+        let all = self.maps.chunks(self.joint_len).flat_map(|pose| pose.iter().zip(&self.maps));
+        all.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max)
+    }
+
+    /// Returns the largest |θ_j| over the poses, J values in radians.
+    pub fn angle_ranges(&self) -> Vec<f64> {
+        (0..self.joint_len)
+            .map(|j| (0..self.len()).map(|i| self.angle(i, j).norm()).fold(0.0, f64::max))
+            .collect()
+    }
+
+    /// Returns how a joint's origin, given in the rest pose, parts from where its parent carries it, as the root sees it.
+    pub fn gap(
+        &self,
+        pose: usize,
+        [joint, parent]: [usize; 2],
+        origin: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        (self.map(pose, joint) - self.map(pose, parent)) * origin.push(1.0)
+    }
+
+    /// Returns how far each joint's origin comes from where its parent carries it, the most over the poses, J
+    /// lengths; 0 for the root.
+    ///
+    /// - `origins`: of the joints in the rest pose, J, in the poses' unit and about their centre.
+    pub fn gaps(&self, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<f64> {
+        let of_joint = |(joint, parent): (usize, &Option<usize>)| {
+            let Some(parent) = *parent else { return 0.0 };
+            let gap = |pose| self.gap(pose, [joint, parent], &origins[joint]).norm();
+            (0..self.len()).map(gap).fold(0.0, f64::max)
+        };
+        parents.iter().enumerate().map(of_joint).collect()
+    }
+
+    /// Returns the poses with positions measured from a centre.
+    pub fn about(mut self, centre: [f64; 3]) -> Self {
+        let centre = Vector3::from(centre);
+        for map in self.maps.iter_mut().chain(&mut self.roots) {
+            let moved = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
+            map.set_column(3, &moved);
+        }
+        self
+    }
+
+    /// Returns the poses with lengths measured in a unit.
+    pub fn in_units_of(mut self, unit: f64) -> Self {
+        for map in self.maps.iter_mut().chain(&mut self.roots) {
+            map.column_mut(3).unscale_mut(unit);
+        }
+        self
+    }
+
+    /// Stacks the joints as maps of trajectories: 3n x 4J, columns 4j..4j+4 are joint j.
+    pub fn stacked(&self) -> Mat<f64> {
+        Mat::from_fn(3 * self.len(), 4 * self.joint_len, |row, column| {
+            self.map(row / 3, column / 4)[(row % 3, column % 4)]
+        })
+    }
+
+    /// Returns some of the poses.
+    #[must_use]
+    pub fn only(&self, poses: &[usize]) -> Self {
+        fn of<T: Copy>(all: &[T], width: usize, poses: &[usize]) -> Vec<T> {
+            poses.iter().flat_map(|&pose| &all[pose * width..][..width]).copied().collect()
+        }
+        let joints = self.joint_len;
+        Self {
+            joint_len: joints,
+            root: self.root,
+            maps: of(&self.maps, joints, poses),
+            angles: of(&self.angles, joints, poses),
+            parent_rotations: of(&self.parent_rotations, joints, poses),
+            roots: of(&self.roots, 1, poses),
+            times: of(&self.times, 1, poses),
+        }
+    }
+}
+
+/// Gathers the vertices' trajectories relative to the root: 3n x V, column v is
+/// `[x y z]` of vertex v over the frames.
+pub fn trajectories(examples: &Examples, frames: &[usize], poses: &Poses) -> Mat<f64> {
+    let mut all = Mat::zeros(3 * frames.len(), examples.vertex_len());
+    let inverses: Vec<_> = poses.roots.iter().map(rigid_inverse).collect();
+    columns::fill(&mut all, |v, column| {
+        for (i, &frame) in frames.iter().enumerate() {
+            let y = inverses[i] * homogeneous(&examples.frame(frame)[v]);
+            column[3 * i..3 * i + 3].copy_from_slice(y.as_slice());
+        }
+    });
+    all
+}
+
+/// Measures a position from a centre in a unit.
+pub fn local(x: &[f64; 3], (centre, unit): ([f64; 3], f64)) -> [f64; 3] {
+    std::array::from_fn(|axis| (x[axis] - centre[axis]) / unit)
+}
+
+/// Gathers poses and [`trajectories`] with positions measured from a centre in a unit.
+pub fn seen_from(
+    examples: &Examples,
+    frames: &[usize],
+    (centre, unit): ([f64; 3], f64),
+) -> (Poses, Mat<f64>) {
+    let poses = Poses::new(examples, frames);
+    let mut trajectories = trajectories(examples, frames, &poses);
+    for vertex in 0..trajectories.ncols() {
+        for y in trajectories.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
+            *y = local(y, (centre, unit));
+        }
+    }
+    (poses.about(centre).in_units_of(unit), trajectories)
+}
+
+/// Inverts a rigid map.
+pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
+    let transposed = nearest_rotation(m).transpose();
+    joined(&transposed, &(-transposed * m.column(3)))
+}
+
+fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
+    let q = linear(m);
+    let deviation = (q.transpose() * q - Matrix3::identity()).amax();
+    if deviation <= RIGID {
+        return q;
+    }
+    so3::polar(&q).map_or(Matrix3::identity(), |(rotation, _)| rotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::demo::{DemoOptions, demo};
+    use crate::numeric::affine::to_rows;
+
+    #[test]
+    fn gaps_are_how_far_joints_part_in_any_unit_and_about_any_centre() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let mut parted = demo(&options);
+        let origin = |joint: usize| parted.skeleton.rest[joint].map(|row| row[3]);
+        let origins: Vec<_> = (0..parted.joint_len()).map(|j| Vector3::from(origin(j))).collect();
+        let parents = parted.skeleton.parents.clone();
+        let frames: Vec<usize> = (0..parted.frame_len()).collect();
+        let still = Poses::new(&parted, &frames).gaps(&parents, &origins);
+        let leaf = (0..parents.len()).rfind(|joint| !parents.contains(&Some(*joint))).unwrap();
+        let at = 2 * parted.joint_len() + leaf;
+        parted.transforms[at][1][3] += 0.75;
+        let poses = Poses::new(&parted, &frames);
+        let found = poses.gaps(&parents, &origins);
+        for (joint, (found, still)) in found.iter().zip(&still).enumerate() {
+            let expected = if joint == leaf { 0.75 } else { *still };
+            assert!((found - expected).abs() < 1e-9 + still, "{joint}: {found} {expected}");
+        }
+        let centre = Vector3::new(0.5, -2.0, 1.0);
+        let elsewhere = poses.about(centre.into()).in_units_of(4.0);
+        let origins: Vec<_> = origins.iter().map(|origin| (origin - centre) / 4.0).collect();
+        for (a, b) in elsewhere.gaps(&parents, &origins).iter().zip(&found) {
+            assert!((4.0 * a - b).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_global_motion_of_each_frame_changes_nothing() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let still = demo(&options);
+        let mut moved = still.clone();
+        for frame in 0..moved.frame_len() {
+            let angle = 0.7 * frame as f64;
+            let turn = so3::exp(&Vector3::new(0.3, angle, -0.5));
+            let mut global = Matrix3x4::zeros();
+            global.fixed_columns_mut::<3>(0).copy_from(&turn);
+            global.set_column(3, &Vector3::new(angle, 2.0, -1.0));
+            for v in 0..moved.vertex_len() {
+                let at = frame * moved.vertex_len() + v;
+                moved.vertices[at] = (global * homogeneous(&moved.vertices[at])).into();
+            }
+            for j in 0..moved.joint_len() {
+                let at = frame * moved.joint_len() + j;
+                let joint = after(&global, &from_rows(&moved.transforms[at]));
+                moved.transforms[at] = to_rows(&joint);
+            }
+        }
+        let frames: Vec<usize> = (0..still.frame_len()).collect();
+        let (a, b) = (Poses::new(&still, &frames), Poses::new(&moved, &frames));
+        let difference = a.stacked() - b.stacked();
+        assert!(difference.norm_max() < 1e-12);
+        let difference = trajectories(&still, &frames, &a) - trajectories(&moved, &frames, &b);
+        assert!(difference.norm_max() < 1e-12);
+        for joint in 0..a.joint_len() {
+            assert!((a.angle(5, joint) - b.angle(5, joint)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_sheared_joint_turns_by_its_polar_rotation() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 });
+        let clean = Poses::new(&examples, &[2]);
+        let joint = (0..examples.joint_len()).find(|&j| clean.angle(0, j).norm() > 0.1).unwrap();
+        let at = 2 * examples.joint_len() + joint;
+        let q: Matrix3<f64> = from_rows(&examples.transforms[at]).fixed_columns::<3>(0).into();
+        let stretched = q * Matrix3::from_diagonal(&Vector3::new(1.005, 1.0, 0.995));
+        for r in 0..3 {
+            for c in 0..3 {
+                examples.transforms[at][r][c] = stretched[(r, c)];
+            }
+        }
+        let poses = Poses::new(&examples, &[2]);
+        assert!((poses.angle(0, joint) - clean.angle(0, joint)).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,117 @@
+//! Meshes as a palette sees them: summed over the vertices by what they follow.
+
+use super::targets::Targets;
+use crate::numeric::affine::homogeneous;
+use crate::numeric::dot::dot;
+use crate::numeric::ridge::solve_ridge;
+use faer::Mat;
+use std::ops::Range;
+
+/// Share of the mean diagonal that decides directions of the palette no vertex sees.
+pub const UNSEEN: f64 = 1e-6;
+
+/// Meshes as a palette sees them.
+pub struct Projection {
+    /// Σ φ φᵀ, 4P x 4P.
+    pub gram: Mat<f64>,
+    /// The trajectories weighted onto the palette, 3n x 4P.
+    onto: Mat<f64>,
+    /// The maps that come nearest, 3n x 4P, and what those leave of `onto`.
+    nearest: Mat<f64>,
+    slope: Mat<f64>,
+    /// Their squared error, over V vertices and the poses.
+    floor: f64,
+    vertices: usize,
+}
+
+impl Projection {
+    /// Sums over the vertices of the training meshes.
+    pub fn new(targets: &Targets<'_>, proxy_len: usize) -> Self {
+        let mut onto = Mat::zeros(targets.trajectories.nrows(), 4 * proxy_len);
+        for (vertex, x) in targets.rest.iter().enumerate() {
+            let h = homogeneous(x) * targets.importance.of(vertex);
+            let y = targets.trajectories.col_as_slice(vertex);
+            for (a, alpha) in targets.weights.of(vertex) {
+                for i in 0..4 {
+                    let phi = alpha * h[i];
+                    for (sum, value) in onto.col_as_slice_mut(4 * a + i).iter_mut().zip(y) {
+                        *sum += phi * value;
+                    }
+                }
+            }
+        }
+        let gram = gram(targets, 0..proxy_len);
+        let nearest = nearest(&gram, &onto);
+        let slope = &onto - &nearest * &gram;
+        let floor = targets.rms(&nearest).powi(2);
+        Self { gram, onto, nearest, slope, floor, vertices: targets.rest.len() }
+    }
+
+    /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
+    pub fn residual(&self, maps: &Mat<f64>) -> Mat<f64> {
+        nearest(&self.gram, &(&self.onto - maps * &self.gram))
+    }
+
+    /// RMS error over vertices and poses under maps, 3n x 4P.
+    pub fn rms(&self, maps: &Mat<f64>) -> f64 {
+        let off = maps - &self.nearest;
+        let weighted = &off * &self.gram - &self.slope * faer::Scale(2.0);
+        let squared: f64 = (0..off.ncols())
+            .map(|column| dot(off.col_as_slice(column), weighted.col_as_slice(column)))
+            .sum();
+        let count = (self.vertices * maps.nrows() / 3).max(1) as f64;
+        (self.floor + squared / count).max(0.0).sqrt()
+    }
+}
+
+/// The maps that weigh nearest to others onto a palette: `maps gram = onto`.
+fn nearest(gram: &Mat<f64>, onto: &Mat<f64>) -> Mat<f64> {
+    let mut gram = gram.clone();
+    let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
+    solve_ridge(&mut gram, onto.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
+}
+
+/// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
+pub fn gram(targets: &Targets<'_>, span: Range<usize>) -> Mat<f64> {
+    let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
+    for (vertex, x) in targets.rest.iter().enumerate() {
+        let h = homogeneous(x);
+        let counted = h * targets.importance.of(vertex);
+        let own = targets.weights.of(vertex).filter(|(map, _)| span.contains(map));
+        for (a, alpha) in own.clone() {
+            for (b, beta) in own.clone() {
+                for i in 0..4 {
+                    for j in 0..4 {
+                        let place = (4 * (b - span.start) + j, 4 * (a - span.start) + i);
+                        gram[place] += alpha * counted[i] * beta * h[j];
+                    }
+                }
+            }
+        }
+    }
+    gram
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::lbs::training::Training;
+    use crate::examples::demo::{DemoOptions, demo};
+    use crate::progress::Silent;
+
+    #[test]
+    fn errors_are_those_of_all_vertices() {
+        let examples = demo(&DemoOptions { vertices: 300, poses: 8, held_out: 0, seed: 2 });
+        let training = Training::new(&examples, &Silent).unwrap();
+        let targets = training.targets(&training.lbs.weights);
+        let palette = training.poses.stacked();
+        let seen = Projection::new(&targets, palette.ncols() / 4);
+        let off = Mat::from_fn(palette.nrows(), palette.ncols(), |row, column| {
+            1e-3 * ((row * 7919 + column * 104_729) as f64).sin()
+        });
+        for maps in [&palette, &(&palette + &off)] {
+            let (found, expected) = (seen.rms(maps), targets.rms(maps));
+            assert!((found - expected).abs() < 1e-9 * expected, "{found} for {expected}");
+        }
+    }
+}

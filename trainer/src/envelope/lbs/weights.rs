@@ -1,0 +1,143 @@
+//! LBS weights by non-negative least squares (METHOD §1.2): the near-rigid vertices' skinning and
+//! the baseline that every report compares with.
+
+use super::blend::{Items, Maps, Pull, Supports, Weights, fit_weights};
+use super::poses::{Poses, local, seen_from};
+use super::prior::prior;
+use super::stacked::in_poses;
+use super::targets::Targets;
+use crate::envelope::folds::Folds;
+use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
+use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
+use crate::numeric::columns;
+use crate::regression::outputs::Block;
+use crate::settings::{FEW_VERTICES, TIED};
+use faer::Mat;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Influences of the baseline, as most engines skin.
+pub const BASELINE_INFLUENCES: usize = 4;
+/// Candidate strengths of the pull to prior weights, in squared diagonals. Against 1 no motion counts.
+const STRENGTHS: [f64; 10] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, FREE];
+/// The weakest pull, which decides only where poses do not.
+pub const FREE: f64 = 1e-12;
+/// Errors below this, RMS in diagonals, are alike: single precision rounds as much.
+const EXACT: f64 = 1e-6;
+
+/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the vertices' squared
+/// errors, summed over the poses.
+///
+/// - `pull`: prior weights and the strength of the pull to them, in squared units of the trajectories. Without it the poses
+///   alone decide.
+pub fn fit(
+    rest: &[[f64; 3]],
+    trajectories: &Mat<f64>,
+    poses: &Poses,
+    most: usize,
+    pull: Option<(&Mat<f64>, f64)>,
+) -> (Weights, Vec<f64>) {
+    let joints: Vec<usize> = (0..poses.joint_len()).collect();
+    let pull = pull.map(|(to, strength)| {
+        let strength = strength * poses.len() as f64;
+        Pull { to, joints: &joints, strength }
+    });
+    let items = Items { pull, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
+    let joints = Maps { width: 4, columns: poses.stacked() };
+    fit_weights(&items, &joints, Supports::Free(most))
+}
+
+/// Linear blend skinning: the baseline of all reports, and the weights of vertices that need no helper.
+pub struct Lbs {
+    /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
+    pub weights: Weights,
+    /// Squared error of each vertex, summed over the poses.
+    pub errors: Vec<f64>,
+    /// Prior weights, J x V.
+    pub prior: Mat<f64>,
+    /// Strength of the pull to prior weights, in squared diagonals.
+    pub strength: f64,
+}
+
+impl Lbs {
+    /// Fits LBS to training frames as they are seen: V rest positions, trajectories 3n x V and poses about the centre of
+    /// the mesh, in diagonals.
+    pub fn new(
+        rest: &[[f64; 3]],
+        trajectories: &Mat<f64>,
+        (poses, folds): (&Poses, &Folds),
+        prior: Mat<f64>,
+    ) -> Self {
+        let strength = strength(rest, trajectories, (poses, &folds.elsewhere()), &prior);
+        Self::pulled(rest, trajectories, poses, (prior, strength))
+    }
+
+    /// Fits LBS with the given pull.
+    pub fn pulled(
+        rest: &[[f64; 3]],
+        trajectories: &Mat<f64>,
+        poses: &Poses,
+        (prior, strength): (Mat<f64>, f64),
+    ) -> Self {
+        let pull = Some((&prior, strength));
+        let (weights, errors) = fit(rest, trajectories, poses, BASELINE_INFLUENCES, pull);
+        Self { weights, errors, prior, strength }
+    }
+}
+
+/// Chooses the strength of the pull to prior weights: the strongest of those that predict blocks of poses nearly as well
+/// as any, each block left out in turn.
+fn strength(
+    rest: &[[f64; 3]],
+    trajectories: &Mat<f64>,
+    (poses, blocks): (&Poses, &[Block]),
+    prior: &Mat<f64>,
+) -> f64 {
+    let vertices = spread(rest.len(), FEW_VERTICES);
+    let rest: Vec<_> = vertices.iter().map(|&v| rest[v]).collect();
+    let [trajectories, prior] = [trajectories, prior].map(|all| columns::some(all, &vertices));
+    let errors = blocks.par_iter().map(|block| {
+        let others = block.others(poses.len());
+        let [seen, unseen] = [&others, &block.own].map(|own| in_poses(&trajectories, own));
+        let [seen_poses, unseen_poses] = [&others, &block.own].map(|own| poses.only(own));
+        STRENGTHS.map(|strength| {
+            let pull = Some((&prior, strength));
+            let (weights, _) = fit(&rest, &seen, &seen_poses, BASELINE_INFLUENCES, pull);
+            let importance = Importance::ALIKE;
+            let targets =
+                Targets { rest: &rest, weights: &weights, trajectories: &unseen, importance };
+            targets.residuals(&unseen_poses.stacked()).squared_norm_l2()
+        })
+    });
+    let errors: Vec<_> = errors.collect();
+    let sums: [f64; STRENGTHS.len()] =
+        std::array::from_fn(|k| errors.iter().map(|of_block| of_block[k]).sum());
+    let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
+    let exact = EXACT.powi(2) * counted as f64;
+    let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
+    let alike = sums.iter().position(|&sum| sum <= TIED.powi(2) * least);
+    STRENGTHS[alike.unwrap_or(0)]
+}
+
+/// Fits the baseline's weights to the training frames of examples.
+pub fn baseline(examples: &Examples) -> Weights {
+    let frames = examples.frames_of(Split::Train);
+    let seen = (examples.centroid(), examples.diagonal());
+    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
+    let (poses, moved) = seen_from(examples, &frames, seen);
+    Lbs::new(&rest, &moved, (&poses, &Folds::new(&poses)), prior(examples, &poses)).weights
+}
+
+/// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
+pub fn skin(
+    weights: &Weights,
+    pose: &[Matrix3x4],
+    vertex: usize,
+    rest: &[f64; 3],
+    normal: &[f64; 3],
+) -> (Vector3<f64>, Vector3<f64>) {
+    let blended: nalgebra::Matrix3x4<f64> =
+        weights.of(vertex).map(|(joint, weight)| from_rows(&pose[joint]) * weight).sum();
+    let cofactors = cofactors(&linear(&blended));
+    (blended * homogeneous(rest), cofactors * Vector3::from(*normal))
+}

@@ -1,0 +1,224 @@
+//! The fit: proxies, keys, and the reduced reconstruction.
+
+use super::options::{Method, RotationalOptions};
+use super::predictor::{GradientPredictor, predict_stacked};
+use super::proxies::CountTrial;
+use super::reduce::{Reduced, Reduction};
+use super::refinement::{Keyed, Refinement, RefinementTrial, Refining};
+use super::settings::{Candidates, Setting, SettingTrial};
+use super::surface::Surface;
+use super::validation::Validation;
+use super::{bias, keys, merge, merging, proxies, published, refinement, settings, validation};
+use crate::envelope::FitError;
+use crate::envelope::fitted::Fitted;
+use crate::envelope::lbs::blend::Weights;
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::projection::Projection;
+use crate::envelope::lbs::training::Training;
+use crate::numeric::columns;
+use crate::progress::Progress;
+use faer::Mat;
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A fitted envelope of P proxies, in training units.
+pub struct Rotational {
+    /// α of each vertex on the proxies.
+    pub weights: Weights,
+    /// Dominant joint of each proxy, P, ascending.
+    pub dominant: Vec<usize>,
+    /// How c1 and c2 come about: refined on the training meshes only where that predicts better.
+    pub method: Method,
+    /// What predicts the keys' gradients, P.
+    pub predictors: Vec<GradientPredictor>,
+    /// c1 and c2.
+    reduced: Reduced,
+    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
+    pub validated: Mat<f64>,
+    /// How it was fitted.
+    pub report: RotationalReport,
+}
+
+/// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
+#[derive(Clone, Debug, Serialize)]
+pub struct RotationalReport {
+    /// Dimensions of the trajectory basis.
+    pub basis_rank: usize,
+    /// What the basis leaves out.
+    pub basis_residual: f64,
+    /// Every number of proxies that was tried.
+    pub proxy_counts: Vec<CountTrial>,
+    /// The proxies' true maps on the training frames.
+    pub proxy_rms: f64,
+    /// The edges under the keys' true gradients on the training frames.
+    pub key_rms: f64,
+    /// The joints that each key follows, and how every other joint would have done.
+    pub keys: Vec<KeyChoice>,
+    /// Every candidate of F, γ and μ, and its cross-validated error.
+    pub trials: Vec<SettingTrial>,
+    /// The candidate taken.
+    pub choice: Setting,
+    /// Every refinement that was tried, and how it did.
+    pub refinements: Vec<RefinementTrial>,
+    /// The one taken.
+    pub refinement: Option<Refinement>,
+    /// Condition number of the reduced system.
+    pub condition: f64,
+    /// Largest distance of a vertex of F from its LBS position on the training frames.
+    pub near_rigid_deviation: f64,
+}
+
+/// Which joints a key follows.
+#[derive(Clone, Debug, Serialize)]
+pub struct KeyChoice {
+    /// b.
+    pub joint: usize,
+    /// c.
+    pub residual_joint: Option<usize>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
+}
+
+impl KeyChoice {
+    fn new(predictor: &GradientPredictor) -> Self {
+        Self {
+            joint: predictor.key.joint,
+            residual_joint: predictor.key.residual.map(|(joint, _)| joint),
+            errors: predictor.errors.clone(),
+            residual_errors: predictor.residual_errors.clone(),
+        }
+    }
+}
+
+/// Fits an envelope to the training frames.
+///
+/// # Errors
+/// [`FitError::MaxError`] and [`FitError::Singular`].
+pub fn fit(
+    training: &Training,
+    options: &RotationalOptions,
+    progress: &dyn Progress,
+) -> Result<Rotational, FitError> {
+    let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
+    let parents = &training.skeleton.parents;
+    let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
+    progress.step("trajectory basis", 1);
+    let basis = training.basis();
+    let surface = Surface::new(rest, triangles.clone(), moved, basis, training.importance());
+    progress.step("merging triangles", surface.triangles.len());
+    let tree = merge::MergeTree::build(&surface, || progress.advance(1));
+    let mut proxies = match options.method {
+        Method::Published => merging::fit(&surface, &tree, options, progress)?,
+        _ => {
+            let followed = basis.vectors.transpose() * joint_maps(joints, poses);
+            proxies::fit(&surface, &tree, &followed, options, progress)?
+        }
+    };
+    let dominant = proxies.sort_by_joint(joints, poses.joint_len());
+    let keys = keys::fit(&surface, &proxies, options.influences, progress);
+    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis.vectors)).collect();
+
+    let published = (options.method == Method::Published).then(|| published::setting(lbs_errors));
+    let (weights, palette_len) = match &published {
+        Some(setting) => {
+            let fixed = settings::near_rigid(lbs_errors, setting.near_rigid_fraction);
+            let weights = published::fixed_on_joints(&proxies, joints, &fixed);
+            (weights, proxies.len() + poses.joint_len())
+        }
+        None => (proxies.weights.clone(), proxies.len()),
+    };
+    let targets = training.targets(&weights);
+    let predictor = |poses: &Poses, d: &[Matrix3<f64>]| {
+        GradientPredictor::fit(poses, parents, d, options.method)
+    };
+    let projection = Projection::new(&targets, palette_len);
+    progress.step("key predictors", 1);
+    let keyed = Keyed {
+        predictors: sequences.par_iter().map(|d| predictor(poses, d)).collect(),
+        validation: Validation::new(&projection, poses, &sequences, &predictor, progress),
+    };
+    let candidates = Candidates {
+        reduction: Reduction {
+            rest,
+            triangles: &surface.triangles,
+            proxies: &proxies.weights,
+            keys: &keys.weights,
+            joints,
+            proxy_len: proxies.len(),
+            joint_len: poses.joint_len(),
+            fixed: &[],
+            anchors: None,
+        },
+        lbs_errors,
+        validation: &keyed.validation,
+    };
+    let (choice, trials) = match published {
+        Some(setting) => (setting, Vec::new()),
+        None => candidates.choose(progress)?,
+    };
+    let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
+    let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
+    let unrefined = system.run().ok_or(FitError::Singular)?;
+    let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
+
+    let mut method = match options.method {
+        Method::Published => Method::Published,
+        Method::Unrefined | Method::Refined => Method::Unrefined,
+    };
+    let mut validated = keyed.validation.join(&keyed.validation.unrefined(&unrefined));
+    let (mut predictors, mut reduced) = (keyed.predictors.clone(), unrefined.clone());
+    let (mut refinement, mut refinements) = (None, Vec::new());
+    if options.method == Method::Refined {
+        progress.step("refinement", 1);
+        let rigid = keyed.without_shear();
+        let [shearing, rigid] =
+            [&keyed, &rigid].map(|keyed| Refining::new(&unrefined, keyed, poses, &projection));
+        (refinement, refinements) = refinement::choose(&shearing, &rigid);
+        if let Some(choice) = &refinement {
+            let refining = if choice.shear { &shearing } else { &rigid };
+            (method, reduced) = (Method::Refined, refining.refined(choice));
+            validated = keyed.validation.join(&refining.maps_of_folds(choice));
+            predictors.clone_from(&refining.keyed.predictors);
+        }
+    }
+    let maps = reduced.palette(&predict_stacked(&predictors, poses), poses);
+    let report = RotationalReport {
+        basis_rank: basis.vectors.ncols(),
+        basis_residual: basis.residual,
+        proxy_counts: proxies.trials,
+        proxy_rms: proxies.rms,
+        key_rms: keys.rms,
+        keys: keyed.predictors.iter().map(KeyChoice::new).collect(),
+        trials,
+        choice,
+        refinements,
+        refinement,
+        condition: system.equations().condition(),
+        near_rigid_deviation: validation::largest_distance(
+            rest,
+            (&weights, &maps),
+            (joints, &poses.stacked()),
+            &fixed,
+        ),
+    };
+    Ok(Rotational { weights, dominant, method, predictors, reduced, validated, report })
+}
+
+/// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
+fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
+    let mut used = vec![false; poses.joint_len()];
+    (0..joints.len()).flat_map(|v| joints.of(v)).for_each(|(joint, _)| used[joint] = true);
+    let followed: Vec<usize> = (0..used.len()).filter(|&joint| used[joint]).collect();
+    columns::some(&poses.stacked(), &columns::of_maps(&followed))
+}
+
+impl Rotational {
+    /// Returns the envelope.
+    pub fn fitted(&self, training: &Training) -> Fitted {
+        let reconstruction = bias::carried(&self.predictors, &self.reduced);
+        Fitted::new(training, self.weights.clone(), Some(reconstruction))
+    }
+}

@@ -1,0 +1,273 @@
+//! Reduction of the Poisson reconstruction to `t = c1 d + c2 q` (METHOD §1.7.3, S3 §2.3, Eq. 6).
+//!
+//! The three coordinates separate, so c1 is 4P x 3P and c2 4P x 4J; S3's C1 and C2 are c1 ⊗ I₃ and
+//! c2 ⊗ I₃.
+
+use crate::envelope::lbs::blend::Weights;
+use crate::envelope::lbs::poses::Poses;
+use crate::numeric::affine::homogeneous;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use nalgebra::{Matrix4, Vector3, Vector4};
+use serde::Serialize;
+
+/// What is reduced.
+#[derive(Clone, Copy)]
+pub struct Reduction<'a> {
+    /// V rest positions, in units of the diagonal.
+    pub rest: &'a [[f64; 3]],
+    /// T triangles; which vertex is first matters.
+    pub triangles: &'a [[usize; 3]],
+    /// α: the vertices' weights on the P proxies.
+    pub proxies: &'a Weights,
+    /// β: the triangles' weights on the P keys.
+    pub keys: &'a Weights,
+    /// w: the vertices' LBS weights on the J joints.
+    pub joints: &'a Weights,
+    /// P.
+    pub proxy_len: usize,
+    /// J.
+    pub joint_len: usize,
+    /// F: the near-rigid vertices, V flags.
+    pub fixed: &'a [bool],
+    /// What keeps F in place and the system regular.
+    pub anchors: Option<Anchors>,
+}
+
+/// Strength of the two anchors, both without unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Anchors {
+    /// γ: pulls each vertex of F to its LBS position; relative to the mean squared edge.
+    pub near_rigid: f64,
+    /// μ: pulls each proxy to its patch's LBS map; relative to the proxy's share of the edges.
+    pub patch: f64,
+}
+
+/// The reduced reconstruction.
+#[derive(Clone, Debug)]
+pub struct Reduced {
+    /// c1, 4P x 3P.
+    pub c1: Mat<f64>,
+    /// c2, 4P x 4J.
+    pub c2: Mat<f64>,
+}
+
+/// The normal equations `a t = b1 d + b2 q`.
+pub struct NormalEquations {
+    /// a, 4P x 4P.
+    pub a: Mat<f64>,
+    /// b1, 4P x 3P.
+    pub b1: Mat<f64>,
+    /// b2, 4P x 4J.
+    pub b2: Mat<f64>,
+}
+
+impl Reduction<'_> {
+    /// Solves for c1 and c2: by Cholesky, or with the least norm where there are no anchors.
+    ///
+    /// Returns `None` where the anchors are too weak to make the system regular.
+    pub fn run(&self) -> Option<Reduced> {
+        let equations = self.equations();
+        let (b1, b2) = (&equations.b1, &equations.b2);
+        if self.anchors.is_none() {
+            let inverse = pseudo_inverse(&equations.a)?;
+            return Some(Reduced { c1: &inverse * b1, c2: &inverse * b2 });
+        }
+        let factor = equations.a.llt(Side::Lower).ok()?;
+        Some(Reduced { c1: factor.solve(b1), c2: factor.solve(b2) })
+    }
+
+    /// Builds the normal equations with their anchors.
+    pub fn equations(&self) -> NormalEquations {
+        let p = self.proxy_len;
+        let mut e = NormalEquations {
+            a: Mat::zeros(4 * p, 4 * p),
+            b1: Mat::zeros(4 * p, 3 * p),
+            b2: Mat::zeros(4 * p, 4 * self.joint_len),
+        };
+        for (k, &[first, second, third]) in self.triangles.iter().enumerate() {
+            for last in [second, third] {
+                self.add_edge(&mut e, k, first, last);
+            }
+        }
+        if let Some(anchors) = self.anchors {
+            self.add_near_rigid_anchor(&mut e, anchors.near_rigid);
+            self.add_patch_anchor(&mut e, anchors.patch);
+        }
+        e
+    }
+
+    /// One edge of a triangle: the free ends' proxies against the key gradient and the fixed end.
+    fn add_edge(&self, e: &mut NormalEquations, triangle: usize, first: usize, last: usize) {
+        // φ_j - φ_1 with the fixed ends left out, which covers F0, F1 and F2 at once.
+        let mut free = Vec::with_capacity(2 * self.proxies.most());
+        let mut known = Vec::with_capacity(self.joints.most());
+        for (vertex, sign) in [(last, 1.0), (first, -1.0)] {
+            if self.fixed[vertex] {
+                known.extend(self.psi(vertex).map(|(j, psi)| (j, -sign * psi)));
+            } else {
+                free.extend(self.phi(vertex).map(|(l, phi)| (l, sign * phi)));
+            }
+        }
+        if free.is_empty() {
+            return;
+        }
+        let edge = Vector3::from(self.rest[last]) - Vector3::from(self.rest[first]);
+        for (row, phi) in &free {
+            for (column, other) in &free {
+                add_block(&mut e.a, 4 * row, 4 * column, &(phi * other.transpose()));
+            }
+            for (key, beta) in self.keys.of(triangle) {
+                add_block(&mut e.b1, 4 * row, 3 * key, &(phi * edge.transpose() * beta));
+            }
+            for (joint, psi) in &known {
+                add_block(&mut e.b2, 4 * row, 4 * joint, &(phi * psi.transpose()));
+            }
+        }
+    }
+
+    /// γ Σ_{a∈F} |φ_aᵀt - ψ_aᵀq|².
+    fn add_near_rigid_anchor(&self, e: &mut NormalEquations, strength: f64) {
+        let gamma = strength * self.mean_squared_edge();
+        for vertex in (0..self.rest.len()).filter(|&v| self.fixed[v]) {
+            for (row, phi) in self.phi(vertex) {
+                for (column, other) in self.phi(vertex) {
+                    add_block(&mut e.a, 4 * row, 4 * column, &(phi * other.transpose() * gamma));
+                }
+                for (joint, psi) in self.psi(vertex) {
+                    add_block(&mut e.b2, 4 * row, 4 * joint, &(phi * psi.transpose() * gamma));
+                }
+            }
+        }
+    }
+
+    /// μ |T_l - T_l^LBS|² over four points around each patch's centroid, which also holds planar
+    /// patches, floating parts and proxies of fixed vertices alone.
+    fn add_patch_anchor(&self, e: &mut NormalEquations, strength: f64) {
+        let p = self.proxy_len;
+        let mut mass = vec![0.0; p];
+        let mut moment = vec![Vector3::zeros(); p];
+        let mut square = vec![0.0; p];
+        let mut share = vec![vec![0.0; self.joint_len]; p];
+        for vertex in 0..self.rest.len() {
+            let x = Vector3::from(self.rest[vertex]);
+            for (l, alpha) in self.proxies.of(vertex) {
+                mass[l] += alpha;
+                moment[l] += x * alpha;
+                square[l] += x.norm_squared() * alpha;
+                for (joint, w) in self.joints.of(vertex) {
+                    share[l][joint] += alpha * w;
+                }
+            }
+        }
+        let stiffness = |e: &NormalEquations, l: usize| {
+            (0..3).map(|c| e.a[(4 * l + c, 4 * l + c)]).sum::<f64>()
+        };
+        let mean = (0..p).map(|l| stiffness(e, l)).sum::<f64>() / p.max(1) as f64;
+        for l in 0..p {
+            // A proxy that no vertex uses follows the first joint.
+            let weight = mass[l].max(f64::MIN_POSITIVE);
+            let centroid = moment[l] / weight;
+            let spread = (square[l] / weight - centroid.norm_squared()).max(0.0);
+            let radius = spread.sqrt().max(1e-3);
+            let points = tetrahedron_moment(&centroid, radius);
+            let own = stiffness(e, l).max(1e-3 * mean) + f64::MIN_POSITIVE;
+            let block = points * (strength * own / (points.fixed_view::<3, 3>(0, 0).trace()));
+            add_block(&mut e.a, 4 * l, 4 * l, &block);
+            if mass[l] == 0.0 {
+                share[l][0] = weight;
+            }
+            for (joint, sum) in share[l].iter().enumerate().filter(|(_, sum)| **sum > 0.0) {
+                add_block(&mut e.b2, 4 * l, 4 * joint, &(block * (sum / weight)));
+            }
+        }
+    }
+
+    fn phi(&self, vertex: usize) -> impl Iterator<Item = (usize, Vector4<f64>)> + '_ {
+        let h = homogeneous(&self.rest[vertex]);
+        self.proxies.of(vertex).map(move |(l, alpha)| (l, h * alpha))
+    }
+
+    fn psi(&self, vertex: usize) -> impl Iterator<Item = (usize, Vector4<f64>)> + '_ {
+        let h = homogeneous(&self.rest[vertex]);
+        self.joints.of(vertex).map(move |(j, w)| (j, h * w))
+    }
+
+    fn mean_squared_edge(&self) -> f64 {
+        let squared = |a: usize, b: usize| {
+            (Vector3::from(self.rest[b]) - Vector3::from(self.rest[a])).norm_squared()
+        };
+        let sum: f64 = self.triangles.iter().map(|&[a, b, c]| squared(a, b) + squared(a, c)).sum();
+        sum / (2 * self.triangles.len()).max(1) as f64
+    }
+}
+
+impl Reduced {
+    /// The same with the joints' own transforms after the proxies': `[t; q] = [c1; 0] d + [c2; I] q`.
+    #[must_use]
+    pub fn and_joints(&self) -> Self {
+        let (rows, joints) = (self.c2.nrows(), self.c2.ncols());
+        let mut c1 = Mat::zeros(rows + joints, self.c1.ncols());
+        let mut c2 = Mat::zeros(rows + joints, joints);
+        c1.subrows_mut(0, rows).copy_from(&self.c1);
+        c2.subrows_mut(0, rows).copy_from(&self.c2);
+        c2.subrows_mut(rows, joints).copy_from(Mat::<f64>::identity(joints, joints));
+        Self { c1, c2 }
+    }
+
+    /// Evaluates `t = c1 d + c2 q` of n poses: gradients 3n x 3P (columns 3l..3l+3 are key l) to
+    /// maps 3n x 4P (columns 4l..4l+4 are proxy l).
+    pub fn palette(&self, gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
+        gradients * self.c1.transpose() + poses.stacked() * self.c2.transpose()
+    }
+}
+
+impl NormalEquations {
+    /// Returns the ratio of a's largest to its smallest eigenvalue.
+    pub fn condition(&self) -> f64 {
+        match self.a.self_adjoint_eigenvalues(Side::Lower) {
+            Ok(values) => match (values.first(), values.last()) {
+                (Some(&least), Some(&most)) if least > 0.0 => most / least,
+                _ => f64::INFINITY,
+            },
+            Err(_) => f64::INFINITY,
+        }
+    }
+}
+
+/// Σ h hᵀ over the corners of a regular tetrahedron of a given radius about a centre.
+fn tetrahedron_moment(centre: &Vector3<f64>, radius: f64) -> Matrix4<f64> {
+    let step = radius / 3f64.sqrt();
+    [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]
+        .iter()
+        .map(|corner| {
+            let h = (centre + Vector3::from(*corner) * step).push(1.0);
+            h * h.transpose()
+        })
+        .sum()
+}
+
+fn add_block<R: nalgebra::Dim, C: nalgebra::Dim, S: nalgebra::Storage<f64, R, C>>(
+    matrix: &mut Mat<f64>,
+    row: usize,
+    column: usize,
+    block: &nalgebra::Matrix<f64, R, C, S>,
+) {
+    for c in 0..block.ncols() {
+        for r in 0..block.nrows() {
+            matrix[(row + r, column + c)] += block[(r, c)];
+        }
+    }
+}
+
+fn pseudo_inverse(a: &Mat<f64>) -> Option<Mat<f64>> {
+    const RANK: f64 = 1e-11;
+    let eigen = a.self_adjoint_eigen(Side::Lower).ok()?;
+    let values = eigen.S().column_vector();
+    let largest = values[values.nrows().checked_sub(1)?];
+    let inverted = Mat::from_fn(a.nrows(), a.nrows(), |r, c| {
+        let value = values[c];
+        if value > RANK * largest { eigen.U()[(r, c)] / value } else { 0.0 }
+    });
+    Some(inverted * eigen.U().transpose())
+}

@@ -1,0 +1,293 @@
+//! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2). Here the joint
+//! b that a key follows is chosen and, where it helps, the residual joint c.
+
+use crate::envelope::lbs::poses::Poses;
+use crate::numeric::so3;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
+
+/// How W and u are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// The global optimum over both signs of u, preferring W near I where axes leave it open.
+    ClosedForm,
+    /// S3's coordinate descent from S3's start; reaches u ≥ 0 only.
+    Alternation,
+}
+
+/// Rounds in which ρ may change its representative at the branch at π.
+const BRANCH_ROUNDS: usize = 3;
+/// Share of the first singular value that pulls W towards I.
+const PREFERENCE: f64 = 1e-3;
+/// Gain, relative to Σ|ρ|², that a mirroring u < 0 must bring.
+const MIRROR_GAIN: f64 = 1e-6;
+/// Error, relative to one joint's, below which a second joint is kept.
+const RESIDUAL_GAIN: f64 = 0.98;
+
+/// Largest |u|: a joint that hardly moved in training explains noise with any u, which would spin
+/// the surface once it moves.
+const MAX_SCALE: f64 = 4.0;
+
+/// One axis and one scale: the matrix u W.
+#[derive(Clone, Copy, Debug)]
+pub struct Twist {
+    /// u, real.
+    pub u: f64,
+    /// W, a rotation.
+    pub w: Matrix3<f64>,
+    /// Σ |ρ - u W θ|² over the examples.
+    pub error: f64,
+}
+
+/// The rotation predictor of one sequence: `R = Q_p exp(u W θ_b) [exp(u' W' θ_c)]`.
+#[derive(Clone, Debug)]
+pub struct RotationPredictor {
+    /// b.
+    pub joint: usize,
+    /// u W.
+    pub twist: Matrix3<f64>,
+    /// c and u' W'.
+    pub residual: Option<(usize, Matrix3<f64>)>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
+}
+
+impl RotationPredictor {
+    /// Fits the joint, its twist and, where it helps, a residual joint to rotations relative to
+    /// the root, one per pose; every joint is tried.
+    pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], solver: Solver) -> Self {
+        let joints = 0..poses.joint_len();
+        let (twists, errors): (Vec<_>, Vec<_>) = joints
+            .clone()
+            .map(|b| {
+                let bases = (0..poses.len()).map(|i| *poses.parent_rotation(i, b));
+                candidate(poses, b, bases, rotations, solver)
+            })
+            .unzip();
+        let joint = least(&errors);
+        let mut fitted = Self {
+            joint,
+            twist: twists.get(joint).copied().unwrap_or_default(),
+            residual: None,
+            residual_errors: vec![errors.get(joint).copied().unwrap_or_default(); errors.len()],
+            errors,
+        };
+        let predicted: Vec<_> = (0..poses.len()).map(|i| fitted.predict(poses, i)).collect();
+        let mut twists = vec![Matrix3::zeros(); poses.joint_len()];
+        for c in joints.filter(|&c| c != joint) {
+            let start = predicted.iter().copied();
+            (twists[c], fitted.residual_errors[c]) = candidate(poses, c, start, rotations, solver);
+        }
+        let c = least(&fitted.residual_errors);
+        if c != joint && fitted.residual_errors[c] < RESIDUAL_GAIN * fitted.errors[joint] {
+            fitted.residual = Some((c, twists[c]));
+        }
+        fitted
+    }
+
+    /// Predicts the rotation of a pose, relative to the root.
+    pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
+        let turn = so3::exp(&(self.twist * poses.angle(pose, self.joint)));
+        let rotation = poses.parent_rotation(pose, self.joint) * turn;
+        match &self.residual {
+            Some((joint, twist)) => rotation * so3::exp(&(twist * poses.angle(pose, *joint))),
+            None => rotation,
+        }
+    }
+}
+
+fn least(errors: &[f64]) -> usize {
+    let order = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+    order.map_or(0, |(index, _)| index)
+}
+
+/// Fits one joint on top of given base rotations; returns u W and Σ|R - R_pred|².
+fn candidate(
+    poses: &Poses,
+    joint: usize,
+    bases: impl Iterator<Item = Matrix3<f64>> + Clone,
+    rotations: &[Matrix3<f64>],
+    solver: Solver,
+) -> (Matrix3<f64>, f64) {
+    let theta: Vec<_> = (0..poses.len()).map(|i| *poses.angle(i, joint)).collect();
+    let mut rho: Vec<_> =
+        bases.clone().zip(rotations).map(|(base, r)| so3::log(&(base.transpose() * r))).collect();
+    let fit = fit_twist(&theta, &mut rho, solver);
+    let twist = fit.w * fit.u;
+    let error = bases
+        .zip(rotations)
+        .zip(&theta)
+        .map(|((base, r), angle)| (base * so3::exp(&(twist * angle)) - r).norm_squared())
+        .sum();
+    (twist, error)
+}
+
+/// Fits `ρ = u W θ`, choosing for each ρ the representative nearest the prediction.
+///
+/// `rho` is left with the representatives chosen.
+pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], solver: Solver) -> Twist {
+    let fit = |rho: &[Vector3<f64>]| match solver {
+        Solver::ClosedForm => closed_form(theta, rho),
+        Solver::Alternation => alternation(theta, rho),
+    };
+    let mut twist = fit(rho);
+    for _ in 0..BRANCH_ROUNDS {
+        let mut changed = false;
+        for (angle, r) in theta.iter().zip(rho.iter_mut()) {
+            let length = r.norm();
+            if length == 0.0 {
+                continue;
+            }
+            let other = *r - *r * (2.0 * PI / length);
+            let predicted = twist.w * angle * twist.u;
+            if (other - predicted).norm_squared() < (*r - predicted).norm_squared() {
+                *r = other;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+        twist = fit(rho);
+    }
+    twist
+}
+
+struct Moments {
+    m: Matrix3<f64>,
+    theta: f64,
+    rho: f64,
+}
+
+impl Moments {
+    fn new(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Self {
+        Self {
+            m: theta.iter().zip(rho).map(|(t, r)| r * t.transpose()).sum(),
+            theta: theta.iter().map(Vector3::norm_squared).sum(),
+            rho: rho.iter().map(Vector3::norm_squared).sum(),
+        }
+    }
+
+    fn still(&self) -> Twist {
+        Twist { u: 0.0, w: Matrix3::identity(), error: self.rho }
+    }
+
+    /// The best u for a rotation W, kept on one side of zero.
+    fn scale(&self, w: Matrix3<f64>, side: f64) -> Twist {
+        let trace = (w.transpose() * self.m).trace();
+        let u = if trace * side > 0.0 { trace / self.theta } else { 0.0 };
+        let u = u.clamp(-MAX_SCALE, MAX_SCALE);
+        Twist { u, w, error: (self.rho - 2.0 * u * trace + u * u * self.theta).max(0.0) }
+    }
+}
+
+fn closed_form(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
+    let moments = Moments::new(theta, rho);
+    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
+        return moments.still();
+    }
+    let largest = moments.m.singular_values()[0];
+    let towards_identity = Matrix3::identity() * (PREFERENCE * largest);
+    let same = moments.scale(procrustes(&(moments.m + towards_identity), 1.0), 1.0);
+    let mirrored = moments.scale(procrustes(&(moments.m - towards_identity), -1.0), -1.0);
+    if mirrored.error < same.error - MIRROR_GAIN * moments.rho { mirrored } else { same }
+}
+
+fn alternation(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
+    const ROUNDS: usize = 100;
+    let moments = Moments::new(theta, rho);
+    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
+        return moments.still();
+    }
+    let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
+    let mut twist = Twist { u: lengths / moments.theta, ..moments.still() };
+    for _ in 0..ROUNDS {
+        let last = twist.error;
+        twist = moments.scale(procrustes(&(moments.m * twist.u), 1.0), 1.0);
+        if twist.u == 0.0 || last - twist.error <= 1e-14 * moments.rho {
+            break;
+        }
+    }
+    twist
+}
+
+/// The rotation W that maximises (side = 1) or minimises (side = -1) tr(WᵀM).
+fn procrustes(m: &Matrix3<f64>, side: f64) -> Matrix3<f64> {
+    let svd = m.svd(true, true);
+    let (Some(u), Some(vt)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+    let sign = (u * vt).determinant().signum();
+    u * Matrix3::from_diagonal(&Vector3::new(side, side, sign)) * vt
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    fn seeded(n: usize, seed: u64) -> Vec<Vector3<f64>> {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        (0..n).map(|_| Vector3::from_fn(|_, _| random.random_range(-1.0..1.0))).collect()
+    }
+
+    #[test]
+    fn both_signs_of_u_and_its_axis_are_recovered() {
+        let theta = seeded(40, 1);
+        let axis = so3::exp(&Vector3::new(0.3, -0.2, 0.5));
+        for u in [0.5, 1.0, -0.7] {
+            let mut rho: Vec<_> = theta.iter().map(|t| axis * t * u).collect();
+            let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+            assert!((fit.u - u).abs() < 2e-3 && (fit.w - axis).amax() < 2e-3, "u {u}: {fit:?}");
+        }
+    }
+
+    #[test]
+    fn a_hinge_keeps_w_near_the_identity() {
+        let theta: Vec<_> = (1..20).map(|i| Vector3::new(0.0, 0.0, 0.1 * f64::from(i))).collect();
+        let mut rho: Vec<_> = theta.iter().map(|t| t * 0.5).collect();
+        let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+        assert!((fit.u - 0.5).abs() < 1e-12 && (fit.w - Matrix3::identity()).amax() < 1e-12);
+    }
+
+    #[test]
+    fn a_counter_rotation_has_negative_u_only_where_it_pays() {
+        let theta = seeded(40, 2);
+        let mut rho: Vec<_> = theta.iter().map(|t| -t * 0.4).collect();
+        assert!(fit_twist(&theta, &mut rho, Solver::ClosedForm).u < 0.0);
+        assert!(fit_twist(&theta, &mut rho, Solver::Alternation).u >= 0.0);
+        let hinge: Vec<_> = (1..20).map(|i| Vector3::new(0.0, 0.0, 0.1 * f64::from(i))).collect();
+        let mut against: Vec<_> = hinge.iter().map(|t| -t * 0.4).collect();
+        let fit = fit_twist(&hinge, &mut against, Solver::ClosedForm);
+        assert!(fit.error < 1e-12, "a hinge's counter rotation is exact with either sign");
+    }
+
+    #[test]
+    fn no_rotation_gives_no_twist() {
+        let still = vec![Vector3::zeros(); 5];
+        let mut rho = seeded(5, 3);
+        let fit = fit_twist(&still, &mut rho, Solver::ClosedForm);
+        assert!(fit.u == 0.0 && fit.w == Matrix3::identity());
+    }
+
+    #[test]
+    fn the_closed_form_is_never_worse_than_alternation() {
+        for seed in 0..200 {
+            let theta = seeded(12, 100 + seed);
+            let mut rho = seeded(12, 900 + seed);
+            let alternated = fit_twist(&theta, &mut rho.clone(), Solver::Alternation);
+            let closed = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+            // ε buys W near I for at most its own square of the error.
+            let slack = 1e-5 * rho.iter().map(Vector3::norm_squared).sum::<f64>();
+            assert!(closed.error <= alternated.error + slack, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn the_branch_at_pi_is_crossed() {
+        let theta: Vec<_> = (0..24).map(|i| Vector3::new(0.1 * f64::from(i), 0.0, 0.0)).collect();
+        let mut rho: Vec<_> = theta.iter().map(|t| so3::log(&so3::exp(&(t * 1.5)))).collect();
+        let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+        assert!((fit.u - 1.5).abs() < 1e-9 && fit.error < 1e-9, "{fit:?}");
+    }
+}

@@ -1,0 +1,309 @@
+//! Joints, weights and keys put into a file.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::Matrix4;
+use serde_json::{Value, json};
+
+use super::error::IntoError;
+use super::find::Found;
+use super::joints::{self, OwnJoints};
+use crate::envelope::levels::{Level, LevelReport};
+use crate::examples::{Clip, Examples};
+use crate::export::error::ExportError;
+use crate::export::further::Further;
+use crate::export::played::Played;
+use crate::export::proxies::ProxyNodes;
+use crate::export::skeleton::square;
+use crate::formats::FileError;
+use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
+use crate::formats::gltf::write::Document;
+use crate::formats::scene::JointNames;
+
+/// An artist's file that plays a model.
+pub struct Grafted {
+    /// Its bytes.
+    pub glb: Vec<u8>,
+    /// The meshes that follow the model.
+    pub meshes: Vec<String>,
+    /// Joints that the file did not have.
+    pub added_joints: Vec<String>,
+    /// The animations that were added, one a clip.
+    pub animations: Vec<String>,
+    /// Animations of the file that move the same joints, and no proxy.
+    pub kept_animations: Vec<String>,
+    /// How the further meshes follow, in their order.
+    pub levels: Vec<LevelReport>,
+}
+
+/// Attributes of vertices, each with its array.
+type Attributes = Vec<(String, Value)>;
+
+/// Rows of an affine map.
+type Rows = [[f32; 4]; 3];
+
+/// Puts a model into an artist's GLB or glTF: the meshes whose vertices are the model's, found by place,
+/// hang on the file's own joints, found by name, and on proxies under them, and an animation a clip is
+/// added. All else of the file stays as it is.
+#[derive(Clone, Copy)]
+pub struct ExportInto<'a> {
+    /// A model's file.
+    pub model: &'a [u8],
+    /// The skin whose mesh plays; the model's first where none is named.
+    pub skin: Option<&'a str>,
+    /// The poses.
+    pub examples: &'a Examples,
+    /// The clips of its frames.
+    pub clips: &'a [Clip],
+    /// Whether what lies between frames counts: helpers get more keys, so that the skin is within 0.1 % of the diagonal of
+    /// the model's there.
+    pub between: bool,
+    /// Further meshes, which are added.
+    pub levels: &'a [Level],
+    /// How the names of the file's joints become the model's.
+    pub names: JointNames<'a>,
+    /// The artist's file.
+    pub file: &'a Path,
+}
+
+impl ExportInto<'_> {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// - Those of [`Export::run`](crate::export::Export::run) that concern model, clips and further meshes.
+    /// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
+    ///   motion.
+    pub fn run(&self) -> Result<Grafted, ExportError> {
+        let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
+        let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
+        let file = RiggedFile::read(path).map_err(in_file)?;
+        let played = Played::new(model, skin, examples, clips, between)?;
+        let right = played.right_handed(examples)?;
+        let mut further = Further::new(&played, examples, levels)?;
+        if let Some(mirror) = &right.mirror {
+            further.convert(mirror);
+        }
+        let known = joints::nodes(&file, &right.skeleton.names, &names)?;
+        let root = known.get(right.skeleton.root()).copied().flatten();
+        let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
+
+        let mut document = Document::of(file.tree.clone(), file.bytes.clone());
+        // Without a proxy they move all that there is.
+        let has_proxies = !right.centres.is_empty();
+        let kept_animations = if has_proxies { moving(&document, &known) } else { Vec::new() };
+        let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
+        let carriers = joints.carriers();
+        let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
+        let shown = played.shown();
+        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
+        // From the model's rest mesh to each joint's own space.
+        let mut inverse_binds: Vec<_> =
+            (0..shown).map(|joint| joints.inverse_bind(joint)).collect();
+        for (bind, &joint) in proxies.inverse_binds.iter().zip(&right.carriers) {
+            let bind = square(&bind.map(|row| row.map(f64::from)));
+            inverse_binds.push(Matrix4::new_scaling(1.0 / joints.unit(joint)) * bind);
+        }
+
+        let graft =
+            Graft { file: &file, found: &found, nodes: &nodes, inverse_binds: &inverse_binds };
+        graft.release(&mut document);
+        graft.skins(&mut document, joints.added.is_empty());
+        graft.weights(&mut document, &played.influences);
+        for mesh in graft.meshes().map(|(mesh, _)| mesh) {
+            to_root(&mut document, &file, mesh);
+        }
+        if !levels.is_empty() {
+            let rows = graft.rows(&Matrix4::identity());
+            let matrices = document.matrices(&rows);
+            document.skins.push(json!({ "joints": nodes, "inverseBindMatrices": matrices }));
+            let skin = document.skins.len() - 1;
+            further.add(&mut document, skin);
+        }
+        let mut animations = Vec::new();
+        for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times)?;
+            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            let name = free_name(&document, &clip.name);
+            document.animation(&name, times, tracks);
+            animations.push(name);
+        }
+        let meshes = graft.meshes().map(|(mesh, _)| mesh.name.clone()).collect();
+        let glb = document.finish()?;
+        let added_joints = joints.added;
+        let levels = further.reports;
+        Ok(Grafted { glb, meshes, added_joints, animations, kept_animations, levels })
+    }
+}
+
+/// A file, and what its meshes are to follow.
+struct Graft<'a> {
+    file: &'a RiggedFile,
+    found: &'a Found,
+    /// Joints of the palette.
+    nodes: &'a [usize],
+    /// From the model's rest mesh to each.
+    inverse_binds: &'a [Matrix4<f64>],
+}
+
+impl Graft<'_> {
+    /// Lists the meshes that are the model's, and the model's vertices in them.
+    fn meshes(&self) -> impl Iterator<Item = (&RiggedMesh, &Vec<Vec<usize>>)> {
+        let all = self.file.meshes.iter().zip(&self.found.vertices);
+        all.filter_map(|(mesh, vertices)| Some((mesh, vertices.as_ref()?)))
+    }
+
+    /// Takes the meshes' old joints and weights away, and the skins that would stay without a mesh.
+    fn release(&self, document: &mut Document) {
+        let mut arrays = Vec::new();
+        for (mesh, _) in self.meshes() {
+            for primitive in primitives(&mut document.meshes[mesh.mesh]) {
+                let Some(Value::Object(attributes)) = primitive.get_mut("attributes") else {
+                    continue;
+                };
+                attributes.retain(|name, array| {
+                    let old = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+                    arrays.extend(array.as_u64().filter(|_| old));
+                    !old
+                });
+            }
+            document.nodes[mesh.node].as_object_mut().and_then(|node| node.remove("skin"));
+        }
+        for skin in self.meshes().filter_map(|(mesh, _)| mesh.skin) {
+            if !document.nodes.iter().any(|node| node.get("skin") == Some(&json!(skin))) {
+                let members = document.skins[skin].as_object_mut();
+                let matrices = members.and_then(|skin| skin.remove("inverseBindMatrices"));
+                arrays.extend(matrices.as_ref().and_then(Value::as_u64));
+            }
+        }
+        document.free_unused(arrays.into_iter().map(|array| array as usize));
+    }
+
+    /// Hangs the meshes on the palette: those that are bound alike on one skin, in place of the one
+    /// that they had to themselves.
+    fn skins(&self, document: &mut Document, own_root: bool) {
+        let mut made: Vec<(Matrix4<f64>, usize)> = Vec::new();
+        for (mesh, _) in self.meshes() {
+            let known = made.iter().find(|(bound, _)| *bound == mesh.to_bind);
+            let skin = known.map(|(_, skin)| *skin).unwrap_or_else(|| {
+                let rows = self.rows(&(self.found.to_model * mesh.to_bind));
+                let matrices = document.matrices(&rows);
+                let free = mesh.skin.filter(|&skin| {
+                    document.nodes.iter().all(|node| node.get("skin") != Some(&json!(skin)))
+                });
+                let place = free.unwrap_or_else(|| {
+                    document.skins.push(json!({}));
+                    document.skins.len() - 1
+                });
+                let skin = &mut document.skins[place];
+                skin["joints"] = json!(self.nodes);
+                skin["inverseBindMatrices"] = json!(matrices);
+                if !own_root {
+                    skin.as_object_mut().and_then(|skin| skin.remove("skeleton"));
+                }
+                made.push((mesh.to_bind, place));
+                place
+            });
+            document.nodes[mesh.node]["skin"] = json!(skin);
+        }
+    }
+
+    /// Returns the inverse bind matrices of a mesh; `to_model` leads from the mesh to the model's rest mesh.
+    fn rows(&self, to_model: &Matrix4<f64>) -> Vec<Rows> {
+        let rows = |bind: &Matrix4<f64>| {
+            let bind = bind * to_model;
+            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| bind[(row, column)] as f32))
+        };
+        self.inverse_binds.iter().map(rows).collect()
+    }
+
+    /// Gives the meshes' vertices what the model's follow.
+    fn weights(&self, document: &mut Document, influences: &[Vec<(usize, f64)>]) {
+        // Primitives that share their positions, and are the same vertices of the model, share these, too.
+        let mut made: HashMap<(Option<u64>, &[usize]), Attributes> = HashMap::new();
+        let mut shown: HashMap<usize, &Vec<Vec<usize>>> = HashMap::new();
+        for (mesh, vertices) in self.meshes() {
+            let mut own = mesh.mesh;
+            if *shown.entry(own).or_insert(vertices) != vertices {
+                // Another node shows this mesh as other vertices of the model.
+                let copy = document.meshes[own].clone();
+                document.meshes.push(copy);
+                own = document.meshes.len() - 1;
+                document.nodes[mesh.node]["mesh"] = json!(own);
+            }
+            for (number, vertices) in vertices.iter().enumerate().filter(|(_, v)| !v.is_empty()) {
+                let primitive = primitives(&mut document.meshes[own]).nth(number);
+                let positions = primitive.and_then(|p| p["attributes"]["POSITION"].as_u64());
+                let key = (positions, vertices.as_slice());
+                let attributes = made.entry(key).or_insert_with(|| {
+                    let own: Vec<_> = vertices.iter().map(|&v| influences[v].clone()).collect();
+                    document.influences(&own, self.nodes.len())
+                });
+                for primitive in primitives(&mut document.meshes[own]).skip(number).take(1) {
+                    for (name, array) in attributes.iter() {
+                        primitive["attributes"][name] = array.clone();
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn primitives(mesh: &mut Value) -> impl Iterator<Item = &mut Value> {
+    mesh.get_mut("primitives").and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// Moves a mesh's node to the root of the scene, where glTF wants what a skin moves: its own place
+/// counts for nothing. One that carries other nodes stays.
+fn to_root(document: &mut Document, file: &RiggedFile, mesh: &RiggedMesh) {
+    let node = mesh.node;
+    if document.nodes[node].get("children").is_some() {
+        return;
+    }
+    if let Some(parent) = file.parents[node] {
+        let parent = &mut document.nodes[parent];
+        let children = parent.get_mut("children").and_then(Value::as_array_mut);
+        let left = children.map(|children| {
+            children.retain(|child| *child != json!(node));
+            children.len()
+        });
+        if left == Some(0) {
+            parent.as_object_mut().and_then(|parent| parent.remove("children"));
+        }
+        document.show(node);
+    }
+    for name in ["matrix", "translation", "rotation", "scale"] {
+        document.nodes[node].as_object_mut().and_then(|node| node.remove(name));
+    }
+}
+
+/// Names the animations that move joints.
+fn moving(document: &Document, joints: &[Option<usize>]) -> Vec<String> {
+    let moves = |animation: &&Value| {
+        let channels = animation.get("channels").and_then(Value::as_array);
+        let mut nodes = channels.into_iter().flatten();
+        nodes.any(|channel| {
+            let node = channel["target"]["node"].as_u64().map(|node| node as usize);
+            node.is_some() && joints.contains(&node)
+        })
+    };
+    let name = |(number, animation): (usize, &Value)| match animation["name"].as_str() {
+        Some(name) => name.to_owned(),
+        None => format!("animation {number}"),
+    };
+    document
+        .animations
+        .iter()
+        .enumerate()
+        .filter(|(_, animation)| moves(animation))
+        .map(name)
+        .collect()
+}
+
+/// Gives a clip's name, or one like it that no animation of the file has.
+fn free_name(document: &Document, name: &str) -> String {
+    let taken = |name: &str| document.animations.iter().any(|a| a["name"].as_str() == Some(name));
+    let further = (2..).map(|number| format!("{name} (sinew {number})"));
+    let names = [name.to_owned(), format!("{name} (sinew)")].into_iter().chain(further);
+    names.into_iter().find(|name| !taken(name)).unwrap_or_default()
+}

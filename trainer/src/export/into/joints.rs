@@ -1,0 +1,292 @@
+//! The model's joints among the nodes of an artist's file.
+
+use nalgebra::{Isometry3, Matrix3, Matrix4, UnitQuaternion, Vector3};
+use serde_json::Value;
+
+use super::error::IntoError;
+use super::find::Found;
+use crate::examples::{Matrix3x4, Skeleton};
+use crate::export::skeleton::{Carrier, continuous, isometry, parents_first, quaternion, square};
+use crate::export::times::track;
+use crate::formats::gltf::rigged::RiggedFile;
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use crate::formats::scene::{JointNames, mismatch};
+
+/// A scale is that of its node within this share.
+const SAME_SCALE: f64 = 1e-5;
+/// Farthest that a node's transform may be from a turn and an even scale, over the scale.
+const EVEN: f64 = 1e-3;
+
+/// Frames of the joints in the model, pose by pose.
+type Frames = Vec<Vec<Isometry3<f64>>>;
+
+/// The joints as nodes: the file's own where it has them, others added.
+pub(super) struct OwnJoints {
+    /// Their nodes.
+    pub(super) nodes: Vec<NodeIndex>,
+    /// Names of those that the file did not have.
+    pub(super) added: Vec<String>,
+    /// Frames in the model's rest pose.
+    frames: Vec<Isometry3<f64>>,
+    /// Length of each node's unit in the model.
+    units: Vec<f64>,
+    /// Scale of each node where nothing is animated.
+    scales: Vec<[f32; 3]>,
+    names: Vec<String>,
+    to_world: Matrix4<f64>,
+    tree: Tree,
+}
+
+/// All nodes, and their transforms at rest.
+struct Tree {
+    parents: Vec<Option<usize>>,
+    locals: Vec<Matrix4<f64>>,
+    /// Parents before children.
+    order: Vec<usize>,
+}
+
+/// Finds the node of each joint by its name: the joint of a skin where several have it.
+///
+/// - `joints`: names of the joints.
+/// - `names`: how names of the file become such.
+///
+/// # Errors
+/// [`IntoError::OtherJoints`] where none is found, and other names would match.
+pub(super) fn nodes(
+    file: &RiggedFile,
+    joints: &[String],
+    names: &JointNames<'_>,
+) -> Result<Vec<Option<NodeIndex>>, IntoError> {
+    let own: Vec<String> = file.names.iter().map(|name| names.renamed(name, joints)).collect();
+    let find = |joint: &String| {
+        let mut named = (0..own.len()).filter(|&node| own[node] == *joint);
+        let bound = named.clone().find(|&node| file.binds[node].is_some());
+        let shows = |node: &usize| file.meshes.iter().any(|mesh| mesh.node == *node);
+        bound.or_else(|| named.find(|node| !shows(node)))
+    };
+    let found: Vec<_> = joints.iter().map(find).collect();
+    match mismatch(joints, &own).filter(|_| found.iter().all(Option::is_none)) {
+        Some(mismatch) => Err(IntoError::OtherJoints { joints: joints.to_vec(), mismatch }),
+        None => Ok(found),
+    }
+}
+
+impl OwnJoints {
+    /// Finds the joints of the model's skeleton, and adds those that are missing under their parents.
+    ///
+    /// # Errors
+    /// [`IntoError::Uneven`]
+    pub(super) fn new(
+        document: &mut Document,
+        file: &RiggedFile,
+        found: &Found,
+        skeleton: &Skeleton,
+        known: &[Option<NodeIndex>],
+    ) -> Result<Self, IntoError> {
+        let worlds = file.worlds();
+        let from_world = found.at_rest.try_inverse().unwrap_or_else(Matrix4::identity);
+        let len = known.len();
+        let RiggedFile { parents, locals, order, .. } = file.clone();
+        let mut joints = Self {
+            nodes: vec![0; len],
+            added: Vec::new(),
+            frames: vec![Isometry3::identity(); len],
+            units: vec![1.0; len],
+            scales: vec![[1.0; 3]; len],
+            names: skeleton.names.clone(),
+            to_world: found.to_world,
+            tree: Tree { parents, locals, order },
+        };
+        let world_unit = scale(&joints.to_world);
+        for joint in parents_first(&skeleton.parents) {
+            if let Some(node) = known[joint] {
+                let bind = file.binds[node].unwrap_or_else(|| from_world * worlds[node]);
+                let frame = found.to_model * bind;
+                joints.nodes[joint] = node;
+                if !scale(&frame).is_normal() {
+                    return Err(joints.uneven(joint));
+                }
+                joints.units[joint] = scale(&frame);
+                joints.frames[joint] = isometry(&(frame * even(1.0 / scale(&frame))));
+                part_matrix(&mut document.nodes[node], &joints.tree.locals[node])
+                    .ok_or_else(|| joints.uneven(joint))?;
+                joints.scales[joint] = stated_scale(&document.nodes[node]);
+                continue;
+            }
+            let parent = skeleton.parents[joint];
+            joints.units[joint] = parent.map_or(1.0 / world_unit, |parent| joints.units[parent]);
+            joints.frames[joint] = isometry(&square(&skeleton.rest[joint]));
+            let parent = parent.map(|parent| joints.nodes[parent]);
+            // Its place is set below, when it can be seen from its parent.
+            let name = skeleton.names[joint].clone();
+            joints.nodes[joint] = document.node(name.clone(), parent, &Placed::AT_PARENT);
+            joints.tree.add(parent);
+            joints.added.push(name);
+        }
+        let still = vec![Matrix4::identity(); len];
+        let rest = joints.place(&still)?.0;
+        for (joint, &node) in joints.nodes.iter().enumerate() {
+            if known[joint].is_none() {
+                rest[joint].state(&mut document.nodes[node]);
+                joints.tree.locals[node] = local(&rest[joint]);
+                joints.scales[joint] = rest[joint].scale;
+            }
+        }
+        Ok(joints)
+    }
+
+    /// Gives the joints as proxies hang on them.
+    pub(super) fn carriers(&self) -> Vec<Carrier> {
+        let parts = self.nodes.iter().zip(&self.frames).zip(&self.units);
+        parts.map(|((&node, &at_rest), &unit)| Carrier { node, at_rest, unit }).collect()
+    }
+
+    /// Gives what takes a point of the model's rest mesh to a joint's own space.
+    pub(super) fn inverse_bind(&self, joint: usize) -> Matrix4<f64> {
+        even(1.0 / self.units[joint]) * self.frames[joint].inverse().to_homogeneous()
+    }
+
+    /// Gives the length of a joint's unit in the model.
+    pub(super) fn unit(&self, joint: usize) -> f64 {
+        self.units[joint]
+    }
+
+    /// Tracks the joints through poses at these times: J maps each, from the rest pose. Gives the frames that they
+    /// reach in the model, too.
+    ///
+    /// # Errors
+    /// [`IntoError::Uneven`]
+    pub(super) fn tracks(
+        &self,
+        poses: &[Vec<Matrix3x4>],
+        times: &[f32],
+    ) -> Result<(Vec<Track>, Frames), IntoError> {
+        let keys = poses.iter().map(|pose| {
+            let maps: Vec<_> = pose.iter().map(square).collect();
+            self.place(&maps)
+        });
+        let keys = keys.collect::<Result<Vec<_>, _>>()?;
+        let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.into_iter().unzip();
+        let mut tracks = Vec::new();
+        for (joint, &node) in self.nodes.iter().enumerate() {
+            let translations = keys.iter().map(|pose| pose[joint].translation).collect();
+            let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
+            tracks.push(track(node, ChannelKeys::Translation(translations), times));
+            tracks.push(track(node, ChannelKeys::Rotation(continuous(rotations)), times));
+            if keys.iter().any(|pose| pose[joint].scale != self.scales[joint]) {
+                let scales = keys.iter().map(|pose| pose[joint].scale).collect();
+                tracks.push(track(node, ChannelKeys::Scale(scales), times));
+            }
+        }
+        Ok((tracks, reached))
+    }
+
+    /// Places each joint against where its parent comes to lie in single precision, so that rounding
+    /// does not add up along a chain; gives the frames that they reach in the model.
+    fn place(
+        &self,
+        maps: &[Matrix4<f64>],
+    ) -> Result<(Vec<Placed>, Vec<Isometry3<f64>>), IntoError> {
+        let mut joint_of = vec![None; self.tree.locals.len()];
+        for (joint, &node) in self.nodes.iter().enumerate() {
+            joint_of[node] = Some(joint);
+        }
+        let from_world = self.to_world.try_inverse().unwrap_or_else(Matrix4::identity);
+        let mut placed = vec![Placed::AT_PARENT; self.nodes.len()];
+        let mut reached = vec![Isometry3::identity(); self.nodes.len()];
+        let mut worlds = vec![Matrix4::identity(); self.tree.locals.len()];
+        for &node in &self.tree.order {
+            let above = self.tree.parents[node].map_or(Matrix4::identity(), |up| worlds[up]);
+            let Some(joint) = joint_of[node] else {
+                worlds[node] = above * self.tree.locals[node];
+                continue;
+            };
+            let uneven = || self.uneven(joint);
+            let frame = self.frames[joint].to_homogeneous() * even(self.units[joint]);
+            let target = self.to_world * maps[joint] * frame;
+            let wanted = above.try_inverse().ok_or_else(uneven)? * target;
+            let factor = scale(&wanted);
+            let own = self.scales[joint];
+            let kept = own.iter().all(|&own| (f64::from(own) / factor - 1.0).abs() < SAME_SCALE);
+            let turn = isometry(&(wanted * even(1.0 / factor)));
+            placed[joint] = Placed {
+                translation: wanted.fixed_view::<3, 1>(0, 3).map(|x| x as f32).into(),
+                rotation: quaternion(&turn.rotation),
+                scale: if kept { own } else { [factor as f32; 3] },
+            };
+            let rounded = local(&placed[joint]);
+            if (rounded - wanted).fixed_view::<3, 3>(0, 0).amax() > EVEN * factor.abs() {
+                return Err(uneven());
+            }
+            worlds[node] = above * rounded;
+            reached[joint] = isometry(&(from_world * worlds[node] * even(1.0 / self.units[joint])));
+        }
+        Ok((placed, reached))
+    }
+
+    fn uneven(&self, joint: usize) -> IntoError {
+        IntoError::Uneven { joint: self.names[joint].clone() }
+    }
+}
+
+impl Tree {
+    fn add(&mut self, parent: Option<usize>) {
+        self.order.push(self.parents.len());
+        self.parents.push(parent);
+        self.locals.push(Matrix4::identity());
+    }
+}
+
+/// Gives the node's matrix as its parts, which keys can move; `None` where it has none.
+fn part_matrix(node: &mut Value, matrix: &Matrix4<f64>) -> Option<()> {
+    if node.get("matrix").is_none() {
+        return Some(());
+    }
+    let scale = factors(matrix);
+    if scale.iter().any(|factor| !factor.is_normal()) {
+        return None;
+    }
+    let linear =
+        matrix.fixed_view::<3, 3>(0, 0) * Matrix3::from_diagonal(&scale.map(f64::recip).into());
+    let turn = isometry(&linear.to_homogeneous()).rotation;
+    let placed = Placed {
+        translation: matrix.fixed_view::<3, 1>(0, 3).map(|x| x as f32).into(),
+        rotation: quaternion(&turn),
+        scale: scale.map(|x| x as f32),
+    };
+    let even = (turn.to_rotation_matrix().into_inner() - linear).amax() <= EVEN;
+    node.as_object_mut()?.remove("matrix");
+    placed.state(node);
+    even.then_some(())
+}
+
+/// Reads the scale that a node states.
+fn stated_scale(node: &Value) -> [f32; 3] {
+    let factor = |axis: usize| node.get("scale").and_then(|scale| scale.get(axis)?.as_f64());
+    [0, 1, 2].map(|axis| factor(axis).map_or(1.0, |factor| factor as f32))
+}
+
+/// Gives a matrix's factors along its axes; all are negative where it mirrors.
+fn factors(local: &Matrix4<f64>) -> [f64; 3] {
+    let linear = local.fixed_view::<3, 3>(0, 0);
+    let sign = linear.determinant().signum();
+    [0, 1, 2].map(|axis| sign * linear.column(axis).norm())
+}
+
+fn scale(map: &Matrix4<f64>) -> f64 {
+    map.fixed_view::<3, 3>(0, 0).determinant().cbrt()
+}
+
+fn even(scale: f64) -> Matrix4<f64> {
+    Matrix3::from_diagonal_element(scale).to_homogeneous()
+}
+
+fn local(placed: &Placed) -> Matrix4<f64> {
+    let [moved, factors] =
+        [placed.translation, placed.scale].map(|x| Vector3::from(x.map(f64::from)));
+    let turned = UnitQuaternion::from_quaternion(placed.rotation.map(f64::from).into());
+    let linear = turned.to_rotation_matrix() * Matrix3::from_diagonal(&factors);
+    let mut local = linear.to_homogeneous();
+    local.fixed_view_mut::<3, 1>(0, 3).copy_from(&moved);
+    local
+}

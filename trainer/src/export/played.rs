@@ -1,0 +1,181 @@
+//! Clips as the f32 runtime plays them on a model.
+
+use rayon::prelude::*;
+use sinew_runtime::Envelope;
+use sinew_runtime::format::{Handedness, Space};
+
+use super::between::{Between, Key};
+use super::error::ExportError;
+use super::proxies;
+use super::times::key_times;
+use crate::envelope::levels::Influences;
+use crate::envelope::posed::{FrameError, influences, palette, rest};
+use crate::evaluate::{Character, EvaluateError};
+use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
+use crate::space::{Conversion, SpaceRequest};
+
+/// How far a proxy reaches about its centre where a joint is looked for to carry it, in diagonals.
+const REACH: f64 = 0.05;
+
+/// A model, and the palettes that it predicts in the keys of clips.
+pub(super) struct Played<'a> {
+    /// The model.
+    pub(super) character: Character<'a>,
+    /// Key times of each clip.
+    pub(super) times: Vec<Vec<f32>>,
+    /// Maps of the joints in the keys, one clip after another.
+    poses: Vec<Vec<Matrix3x4>>,
+    /// The palette of each.
+    pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
+    /// What the skin's vertices follow.
+    pub(super) influences: Influences,
+}
+
+/// The same in the model's space, mirrored where that is left-handed.
+pub(super) struct RightHanded {
+    /// That space.
+    pub(super) space: Space,
+    /// What mirrors the model's.
+    pub(super) mirror: Option<Conversion>,
+    /// Rest positions.
+    pub(super) rest: Vec<[f64; 3]>,
+    /// The joints.
+    pub(super) skeleton: Skeleton,
+    /// Their poses in each frame.
+    pub(super) poses: Vec<Vec<Matrix3x4>>,
+    /// The palette of each.
+    pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
+    /// Centre of what each proxy moves.
+    pub(super) centres: Vec<[f64; 3]>,
+    /// Joint that carries each proxy.
+    pub(super) carriers: Vec<usize>,
+}
+
+impl<'a> Played<'a> {
+    /// Predicts every frame of the clips, and, where what lies `between` them counts, as many more as that needs.
+    ///
+    /// # Errors
+    /// [`ExportError::Model`], [`ExportError::Frame`], [`ExportError::NoFrames`] and
+    /// [`ExportError::Times`].
+    pub(super) fn new(
+        model: &'a [u8],
+        skin: Option<&str>,
+        examples: &Examples,
+        clips: &[Clip],
+        between: bool,
+    ) -> Result<Self, ExportError> {
+        let character = Character::open(model, skin, examples)?;
+        let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
+        if clips.is_empty() {
+            return Err(ExportError::NoFrames { clip: "the examples have no clip".to_owned() });
+        }
+        let frames: Vec<usize> =
+            clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
+        examples.check_rigid_in(&frames).map_err(EvaluateError::Examples)?;
+        let palettes = frames
+            .par_iter()
+            .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
+            .collect::<Result<Vec<_>, FrameError>>()?;
+        let poses = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
+        let influences = influences(&character.skin);
+        let mut played = Self { character, times, poses, palettes, influences };
+        if between {
+            played.fill(examples, clips)?;
+        }
+        Ok(played)
+    }
+
+    /// Adds keys where helpers leave the even way from key to key.
+    fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), FrameError> {
+        let Character { envelope, skin, .. } = &self.character;
+        let (rest, diagonal) = (rest(skin), examples.diagonal());
+        let centres = centres(envelope, &rest, &self.influences);
+        let carriers = proxies::carriers(&self.palettes, &self.poses, &centres, REACH * diagonal);
+        let mesh = (&rest[..], &self.influences);
+        let proxies = (&centres[..], &carriers[..]);
+        let between = Between::new(&examples.skeleton, proxies, mesh, self.shown(), diagonal);
+        let (mut times, mut poses, mut palettes) = (Vec::new(), Vec::new(), Vec::new());
+        for ((own, clip), keys) in self.times.iter().zip(clips).zip(self.clips()) {
+            let known = self.poses[keys.clone()].iter().zip(&self.palettes[keys]);
+            let key = |(&time, (pose, palette)): (&f32, (&Vec<_>, &Vec<_>))| Key {
+                time,
+                pose: pose.clone(),
+                palette: palette.clone(),
+            };
+            let keys = own.iter().zip(known).map(key).collect();
+            let predict = |pose: &[Matrix3x4]| Ok(palette(envelope, pose, clip.first)?.0);
+            let keys = between.refine(keys, predict)?;
+            times.push(keys.iter().map(|key| key.time).collect());
+            for key in keys {
+                poses.push(key.pose);
+                palettes.push(key.palette);
+            }
+        }
+        (self.times, self.poses, self.palettes) = (times, poses, palettes);
+        Ok(())
+    }
+
+    /// Turns what plays to the right hand.
+    ///
+    /// # Errors
+    /// [`ExportError::Space`]
+    pub(super) fn right_handed(&self, examples: &Examples) -> Result<RightHanded, ExportError> {
+        let Character { envelope, skin, space } = &self.character;
+        let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
+        let (space, mirror) = Conversion::to(*space, &hand)?;
+        let (mut rest, mut skeleton) = (rest(skin), examples.skeleton.clone());
+        let (mut poses, mut palettes) = (self.poses.clone(), self.palettes.clone());
+        if let Some(mirror) = &mirror {
+            rest.iter_mut().for_each(|x| *x = mirror.point(*x));
+            let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
+            skeleton.rest.iter_mut().for_each(turn);
+            poses.iter_mut().flatten().for_each(turn);
+            for b in palettes.iter_mut().flatten() {
+                // Exact: entries change places and signs.
+                let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
+                *b = turned.map(|row| row.map(|x| x as f32));
+            }
+        }
+        let centres = centres(envelope, &rest, &self.influences);
+        let radius = REACH * examples.diagonal();
+        let carriers = proxies::carriers(&palettes, &poses, &centres, radius);
+        Ok(RightHanded { space, mirror, rest, skeleton, poses, palettes, centres, carriers })
+    }
+
+    /// Counts the joints of the palette that are the skeleton's; they are its first.
+    pub(super) fn shown(&self) -> usize {
+        let envelope = &self.character.envelope;
+        envelope.palette_len() - envelope.proxy_len()
+    }
+
+    /// Gives the frames of each clip, as places among those of all.
+    pub(super) fn clips(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        self.times.iter().scan(0, |begin, times| {
+            let own = *begin..*begin + times.len();
+            *begin = own.end;
+            Some(own)
+        })
+    }
+}
+
+/// Gives the centre of what each proxy moves; of the mesh, where it moves nothing.
+fn centres(envelope: &Envelope<'_>, rest: &[[f64; 3]], influences: &Influences) -> Vec<[f64; 3]> {
+    let first = envelope.palette_len() - envelope.proxy_len();
+    let mut sums = vec![[0.0; 4]; envelope.proxy_len()];
+    let mut all = [0.0; 4];
+    for (x, influences) in rest.iter().zip(influences) {
+        let add = |sum: &mut [f64; 4], weight: f64| {
+            for (sum, x) in sum.iter_mut().zip(x.iter().chain([&1.0])) {
+                *sum += weight * x;
+            }
+        };
+        for &(index, weight) in influences {
+            if let Some(sum) = index.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
+                add(sum, weight);
+            }
+        }
+        add(&mut all, 1.0);
+    }
+    let mean = |[x, y, z, weight]: [f64; 4]| [x / weight, y / weight, z / weight];
+    sums.into_iter().map(|sum| mean(if sum[3] > 0.0 { sum } else { all })).collect()
+}

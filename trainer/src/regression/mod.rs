@@ -1,0 +1,22 @@
+//! Regression of functions that vanish at rest: how a correction depends on the pose (METHOD §1.6).
+//!
+//! [`inputs`] holds distances between samples, [`centres`] chooses kernel centres. [`design`] decomposes the part of
+//! the problem that depends on inputs alone; [`ridge`] fits [`outputs`] to it; [`map`] evaluates the fit. [`gram`]
+//! replaces outputs by their inner products where only errors are needed. [`left_out`] validates both forms.
+//!
+//! [`function`] holds the kernels, [`rotations`] the features of a rotation, [`arithmetic`] the rounding model.
+//! [`certainty`] and [`fade`] lower a correction where the pose is far from the samples.
+
+pub mod arithmetic;
+pub mod centres;
+pub mod certainty;
+pub mod design;
+pub mod fade;
+pub mod function;
+pub mod gram;
+pub mod inputs;
+pub mod left_out;
+pub mod map;
+pub mod outputs;
+pub mod ridge;
+pub mod rotations;

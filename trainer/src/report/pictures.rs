@@ -1,0 +1,282 @@
+//! The pictures of a report: which side they are taken from, and what is in them.
+
+use super::comparison::{Comparison, Series, SeriesSkin};
+use crate::envelope::normals::TrueNormals;
+use crate::evaluate::{EvaluateError, skin};
+use crate::examples::Examples;
+use crate::page::bars::colour_bar;
+use crate::page::camera::{Camera, Resolution, View};
+use crate::page::colour::{Colour, Scale};
+use crate::page::html::{figure, text};
+use crate::page::picture::Picture;
+use crate::page::render::{Look, ShadedMesh};
+use nalgebra::Vector3;
+use png::EncodingError;
+use rayon::prelude::*;
+use sinew_runtime::format::Axis;
+use std::fmt::Write;
+
+/// Pixels in a row of a trial.
+const TRIAL: usize = 160;
+/// What lies around the worst vertex in a close-up, in diagonals on each side.
+const NEAR: f64 = 0.12;
+/// A picture of a shape takes light and shadow in full; where colours stand for something, only as
+/// much as tells the shape.
+const SHAPE: Look = Look { relief: 1.0, borders: false };
+const ERRORS: Look = Look { relief: 0.35, borders: false };
+const KINDS: Look = Look { relief: 0.6, borders: true };
+/// Radius of a ring around a vertex, in pictures.
+const RING: f64 = 0.032;
+/// What lies before a vertex by less than this does not hide it, in diagonals.
+const SLACK: f64 = 0.01;
+/// Clay.
+const CLAY: Colour = [0xd8, 0xcf, 0xc3];
+
+/// How a report's pictures are taken; what is not given is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// Pixels in a row of a picture.
+    pub width: usize,
+    /// What points up; by default what the examples say, else z if the character is
+    /// longest along z, else y.
+    pub up: Option<Axis>,
+    /// Azimuth and elevation in degrees, as in [`View`]; by default from before or behind, whichever
+    /// side shows more of the error.
+    pub from: Option<(f64, f64)>,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self { width: 620, up: None, from: None }
+    }
+}
+
+/// Takes a report's pictures.
+pub(super) struct Pictures<'a> {
+    comparison: &'a Comparison<'a>,
+    width: usize,
+    /// From where.
+    pub(super) view: View,
+    /// The frame with the model's largest RMS error: its place among those measured.
+    pub(super) worst: usize,
+}
+
+/// A shape of the character.
+pub(super) struct Shape {
+    /// What it is called.
+    pub(super) name: String,
+    /// E positions, of the engine's vertices.
+    pub(super) positions: Vec<[f64; 3]>,
+    /// E normals: as the runtime returns them of a model, by cofactors of a baseline, the true ones of the truth.
+    normals: Vec<[f64; 3]>,
+}
+
+/// What a vertex's colour stands for.
+pub(super) enum Paint<'a> {
+    /// Nothing.
+    Clay,
+    /// Errors in a unit.
+    Heat(&'a [f64], Scale, &'static str),
+    /// Kinds of vertices.
+    Kinds(&'a [Colour]),
+}
+
+impl<'a> Pictures<'a> {
+    /// Finds the worst frame and where to look from.
+    pub(super) fn new(comparison: &'a Comparison<'a>, options: &PictureOptions) -> Self {
+        let space = comparison.source.examples.space;
+        let up = options.up.or(space.up).unwrap_or_else(|| upright(comparison.source.examples));
+        let (azimuth, elevation) = options.from.unwrap_or_default();
+        let worst = comparison.model.measured.worst();
+        let width = options.width;
+        let view = View { up, handedness: space.handedness, azimuth, elevation };
+        let mut pictures = Self { comparison, width, view, worst };
+        if options.from.is_none() {
+            pictures.view = pictures.best_side();
+        }
+        pictures
+    }
+
+    /// Shapes one frame: the truth, then each of the series.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Frame`].
+    pub(super) fn frame(
+        &self,
+        frame: usize,
+        series: &[Series<'_>],
+    ) -> Result<Vec<Shape>, EvaluateError> {
+        let examples = self.comparison.source.examples;
+        let mut shapes = vec![self.truth(frame)];
+        for series in series {
+            let vertices = 0..examples.surface().engine_len();
+            let skinned: Vec<_> = match series.skin {
+                SeriesSkin::Baseline(baseline) => {
+                    vertices.map(|vertex| baseline.vertex(examples, frame, vertex)).collect()
+                }
+                SeriesSkin::Model(model) => {
+                    let skin = skin(&model.character, examples, frame)?;
+                    vertices.map(|vertex| skin.vertex(vertex)).collect()
+                }
+            };
+            let unit = |n: Vector3<f64>| n.try_normalize(0.0).unwrap_or_default();
+            let positions = skinned.iter().map(|(x, _)| (*x).into()).collect();
+            let normals = skinned.iter().map(|(_, n)| unit(*n).into()).collect();
+            shapes.push(Shape { name: series.name.to_owned(), positions, normals });
+        }
+        Ok(shapes)
+    }
+
+    /// The rest pose.
+    pub(super) fn rest(&self) -> Shape {
+        let examples = self.comparison.source.examples;
+        let surface = examples.surface();
+        let (positions, normals) = (surface.copied(&examples.rest), surface.normals());
+        Shape { name: "rest".to_owned(), positions, normals }
+    }
+
+    /// A camera that sees the whole of some shapes.
+    pub(super) fn whole(&self, shapes: &[&Shape]) -> Camera {
+        let all = shapes.iter().flat_map(|shape| &shape.positions);
+        Camera::fit(&self.following(shapes[0]), all, self.width)
+    }
+
+    /// A camera that sees the surroundings of a vertex from where most of its error is seen.
+    pub(super) fn near(&self, shape: &Shape, vertex: usize, errors: &[f64]) -> Camera {
+        let surface = self.comparison.source.examples.surface();
+        let centre = shape.positions[surface.first_copies()[vertex]];
+        let errors = surface.copied(errors);
+        let radius = NEAR * self.comparison.model.measured.diagonal;
+        let weights: Vec<f64> = shape
+            .positions
+            .iter()
+            .zip(&errors)
+            .map(|(p, error)| {
+                let squared = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>();
+                error * error / (1.0 + squared / (0.2 * radius).powi(2)).powi(2)
+            })
+            .collect();
+        let following = self.following(shape);
+        let turns =
+            (0..12).flat_map(|turn| [10.0, -25.0, 45.0].map(|e| (30.0 * f64::from(turn), e)));
+        let views: Vec<View> = turns
+            .map(|(azimuth, elevation)| View {
+                azimuth: following.azimuth + azimuth,
+                elevation,
+                ..following
+            })
+            .collect();
+        let side = |width| Resolution { width, height: width };
+        let seen = views.par_iter().map(|view| {
+            let camera = Camera::around(view, &centre, radius, side(TRIAL));
+            self.mesh(shape).seen(&weights, &camera)
+        });
+        let best = crate::evaluate::largest(&seen.collect::<Vec<_>>());
+        Camera::around(&views[best], &centre, radius, side(self.width))
+    }
+
+    /// Takes a picture, with a caption and, where a vertex is named, a ring around it, broken where
+    /// something hides it.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub(super) fn take(
+        &self,
+        shape: &Shape,
+        paint: &Paint<'_>,
+        camera: &Camera,
+        ring: Option<usize>,
+        caption: &str,
+    ) -> Result<String, EncodingError> {
+        let surface = self.comparison.source.examples.surface();
+        let picture = self.draw(shape, paint, camera);
+        let mut over = String::new();
+        if let Some(vertex) = ring.map(|vertex| surface.first_copies()[vertex]) {
+            let [x, y, _] = camera.project(&shape.positions[vertex]);
+            let Resolution { width, height } = camera.size;
+            let ring = RING * width as f64;
+            let slack = SLACK * self.comparison.model.measured.diagonal;
+            let class =
+                if self.mesh(shape).hides(vertex, slack, camera) { "hidden" } else { "seen" };
+            let _ = write!(
+                over,
+                "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
+                 class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{ring:.1}\"/><circle cx=\"{x:.1}\" \
+                 cy=\"{y:.1}\" r=\"{ring:.1}\"/></g></svg>"
+            );
+        }
+        let bar = match paint {
+            Paint::Heat(_, scale, unit) => colour_bar(scale, unit),
+            _ => String::new(),
+        };
+        let under = bar + &text(caption);
+        figure(&picture, caption, &over, &under)
+    }
+
+    /// Draws a shape.
+    pub(super) fn draw(&self, shape: &Shape, paint: &Paint<'_>, camera: &Camera) -> Picture {
+        let mesh = self.mesh(shape);
+        let surface = self.comparison.source.examples.surface();
+        match paint {
+            Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
+            Paint::Kinds(colours) => mesh.draw(&surface.copied(colours), KINDS, camera),
+            Paint::Heat(errors, scale, _) => {
+                let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
+                mesh.draw(&surface.copied(&colours), ERRORS, camera)
+            }
+        }
+    }
+
+    /// The mesh of a frame, with its true normals.
+    pub(super) fn truth(&self, frame: usize) -> Shape {
+        let examples = self.comparison.source.examples;
+        let positions = examples.surface().copied(examples.frame(frame));
+        let normals = TrueNormals::new(examples.surface()).posed(examples.frame(frame));
+        Shape { name: "truth".to_owned(), positions, normals }
+    }
+
+    fn mesh<'b>(&'b self, shape: &'b Shape) -> ShadedMesh<'b> {
+        let Shape { positions, normals, .. } = shape;
+        let triangles = self.comparison.source.examples.surface().engine_triangles();
+        ShadedMesh { positions, normals, triangles }
+    }
+
+    /// The view, turned as the character is.
+    fn following(&self, shape: &Shape) -> View {
+        let examples = self.comparison.source.examples;
+        self.view.following(&examples.surface().copied(&examples.rest), &shape.positions)
+    }
+
+    /// Tries both sides along the lesser extent, a little from the left and from the right.
+    fn best_side(&self) -> View {
+        let (examples, measured) =
+            (self.comparison.source.examples, &self.comparison.model.measured);
+        let level = View { elevation: 0.0, azimuth: 0.0, ..self.view };
+        let [width, depth] = [0, 2].map(|axis| {
+            let along = level.axes()[axis];
+            let places = examples.rest.iter().map(|p| along.dot(&Vector3::from(*p)));
+            places.clone().fold(f64::MIN, f64::max) - places.fold(f64::MAX, f64::min)
+        });
+        let front = if depth <= width { 0.0 } else { 90.0 };
+        let views: Vec<View> = [25.0, -25.0, 205.0, 155.0]
+            .map(|turn| View { azimuth: front + turn, elevation: 8.0, ..self.view })
+            .into();
+        let squares: Vec<f64> = measured.percent_in(self.worst).iter().map(|e| e * e).collect();
+        let squares = examples.surface().copied(&squares);
+        let shape = self.truth(measured.frames[self.worst].frame);
+        let rest = examples.surface().copied(&examples.rest);
+        let seen = views.par_iter().map(|view| {
+            let view = view.following(&rest, &shape.positions);
+            let camera = Camera::fit(&view, &shape.positions, TRIAL);
+            self.mesh(&shape).seen(&squares, &camera) / (camera.scale * camera.scale)
+        });
+        views[crate::evaluate::largest(&seen.collect::<Vec<_>>())]
+    }
+}
+
+/// Guesses what points up: z for what is longest along z, as y for all others.
+fn upright(examples: &Examples) -> Axis {
+    let [low, high] = examples.bounds();
+    let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    if extent[2] > extent[0] && extent[2] > extent[1] { Axis::Z } else { Axis::Y }
+}

@@ -1,0 +1,221 @@
+//! The page: its sections from top to bottom.
+
+use super::error::ReportError;
+use super::series::{ERRORS, errors};
+use super::{frames, histogram, joints, pictures, sizes};
+use crate::evaluate::{Frames, LBS, OWN_WEIGHTS};
+use crate::examples::Split;
+use crate::page::html::{self, grouped, paragraph, section, table, text};
+use crate::progress::Progress;
+use crate::report::comparison::{Comparison, Series};
+use crate::report::pictures::{PictureOptions, Pictures};
+use crate::report::sizes::Sizes;
+use crate::space::written;
+
+/// A report on what was measured.
+pub struct Page<'a> {
+    /// What was measured.
+    pub comparison: &'a Comparison<'a>,
+    /// How the pictures are taken.
+    pub options: PictureOptions,
+    /// Whether the model's predictor is trained again with more and with fewer proxies.
+    pub sizes: bool,
+}
+
+impl Page<'_> {
+    /// Writes the page: one HTML file that needs neither network nor script.
+    ///
+    /// The same comparison gives the same bytes for any number of threads, but for the seconds that the
+    /// trainings took, which it tells where there are any.
+    ///
+    /// # Errors
+    /// [`ReportError::Evaluate`] and [`ReportError::Picture`].
+    pub fn html(&self, progress: &dyn Progress) -> Result<String, ReportError> {
+        let Self { comparison, options, .. } = *self;
+        let sizes = self.sizes.then(|| Sizes::train(comparison, progress));
+        progress.part(1, 1);
+        progress.step("pictures", 1);
+        let pictures = Pictures::new(comparison, &options);
+        let near_rigid =
+            sizes.as_ref().and_then(|sizes| sizes.as_ref().ok()?.near_rigid.as_deref());
+        let worst = comparison.source.label(comparison.model.measured.frames[pictures.worst].frame);
+        let sections = [
+            header(comparison),
+            section("Accuracy", &accuracy(comparison)),
+            section(
+                &format!("The worst pose: {worst}"),
+                &pictures::worst_pose(&pictures, comparison)?,
+            ),
+            section(
+                "Where it errs, over all frames",
+                &pictures::all_frames(&pictures, comparison)?,
+            ),
+            section("Error by frame", &frames::errors(comparison)),
+            section("Error by joint", &joints::errors(comparison)),
+            section("How errors are distributed", &histogram::errors(comparison)),
+            section("Confidence", &frames::confidence(comparison)),
+            sizes.as_ref().map_or(String::new(), |sizes| {
+                section("More or fewer proxies", &sizes::errors(comparison, sizes))
+            }),
+            section(
+                "What moves each vertex",
+                &pictures::palette(&pictures, comparison, near_rigid)?,
+            ),
+        ];
+        let title = format!("{} on {}", comparison.model.file.name, comparison.source.name);
+        Ok(html::page(&title, &(sections.concat() + &footer(comparison))))
+    }
+}
+
+fn header(comparison: &Comparison<'_>) -> String {
+    let Comparison { source, model, baselines, .. } = comparison;
+    let examples = source.examples;
+    let (errors, lbs) = (model.measured.errors(), baselines.lbs.measured.errors());
+    let compared = comparison
+        .other
+        .as_ref()
+        .map_or(String::new(), |other| format!(", compared with {}", text(other.file.name)));
+    let own_weights = baselines.own_weights.as_ref().map(|own| own.measured.errors());
+    let normals = format!(
+        " Its normals are turned by <b>{:.2}°</b>, RMS over the area (linear blend skinning: {:.2}°{}).",
+        errors.normal_rms_degrees,
+        lbs.normal_rms_degrees,
+        own_weights.map_or(String::new(), |own| {
+            format!(", {OWN_WEIGHTS}: {:.2}°", own.normal_rms_degrees)
+        })
+    );
+    let mm = errors.millimetres.map(|of| format!(" (<b>{} mm</b>)", written(of.rms_mm)));
+    let share = errors.share_of(&lbs).map(|share| {
+        let lbs = comparison.length(lbs.rms_percent);
+        format!(": {:.1} % of the error of linear blend skinning, {lbs}", 100.0 * share)
+    });
+    let own_weights = own_weights.and_then(|own| {
+        let (share, own) = (errors.share_of(&own)?, comparison.length(own.rms_percent));
+        Some(format!("; {:.1} % of the error of {OWN_WEIGHTS}, {own}", 100.0 * share))
+    });
+    let verdict = format!(
+        "The model is off by <b>{:.4} %</b> of the diagonal{}, RMS{}{}.",
+        errors.rms_percent,
+        mm.unwrap_or_default(),
+        share.unwrap_or_default(),
+        own_weights.unwrap_or_default()
+    );
+    format!(
+        "<h1>{} on {}{compared}</h1>\n\
+         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}{}; {}{}</p>\n\
+         <p class=\"verdict\">{verdict}{normals}</p>\n",
+        text(model.file.name),
+        text(source.name),
+        grouped(examples.vertex_len()),
+        grouped(examples.triangles.len()),
+        grouped(examples.joint_len()),
+        examples.diagonal(),
+        model.measured.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm))),
+        measured_on(comparison),
+        read_by_other(comparison)
+    )
+}
+
+/// Says in words which frames are measured, and what to think of that.
+fn measured_on(comparison: &Comparison<'_>) -> String {
+    let examples = comparison.source.examples;
+    let frames = comparison.model.measured.frames.len();
+    let count = grouped(frames);
+    let better = "a fit is always better on what it has read than on what it will meet";
+    match (comparison.frames, comparison.model.read) {
+        (Frames::Of(Split::Extreme), None | Some(0)) => format!(
+            "measured on {count} extreme frames, beyond the range of motion of the training"
+        ),
+        (Frames::New, _) => format!("measured on {count} frames that the fit has not read"),
+        (Frames::Of(Split::HeldOut), None) => format!("measured on {count} held-out frames"),
+        (Frames::Of(Split::HeldOut), Some(0)) => {
+            format!("measured on {count} held-out frames, which the fit has not read")
+        }
+        (Frames::Of(Split::Train), None) => {
+            format!("measured on the {count} training frames: {better}")
+        }
+        (Frames::Of(Split::Train), Some(read)) if read == frames => {
+            format!("measured on the {count} frames that the fit has read: {better}")
+        }
+        (Frames::Of(split), Some(read)) => format!(
+            "measured on {count} {} frames, of which the fit has read {}: {better}",
+            split.name(),
+            grouped(read)
+        ),
+        (Frames::All, read) => {
+            let uses = || (0..examples.frame_len()).map(|frame| comparison.use_of(frame));
+            let of =
+                |split| format!("{} {}", uses().filter(|own| *own == split).count(), split.name());
+            let [train, held_out, extreme] = [Split::Train, Split::HeldOut, Split::Extreme].map(of);
+            let read = read.map_or(String::new(), |read| {
+                format!("; the fit has read {} of them", grouped(read))
+            });
+            format!("measured on all {count} frames: {train}, {held_out}, {extreme}{read}")
+        }
+    }
+}
+
+/// Says how much of what is measured the second model has read, where that is another share than the first has.
+fn read_by_other(comparison: &Comparison<'_>) -> String {
+    let Some(other) = &comparison.other else { return String::new() };
+    let read = other.read.unwrap_or(0);
+    if read == comparison.model.read.unwrap_or(0) {
+        return String::new();
+    }
+    let frames = comparison.model.measured.frames.len();
+    let of = if read == frames { "all".to_owned() } else { grouped(read) };
+    format!("; {} has read {of} of them in training", text(other.file.name))
+}
+
+fn accuracy(comparison: &Comparison<'_>) -> String {
+    let head = [&[""][..], &ERRORS, &["confidence", "palette", "file"]].concat();
+    let row = |series: &Series<'_>| {
+        let mut row = vec![text(series.name)];
+        row.extend(errors(&series.measured.errors()));
+        row.extend(match series.model() {
+            None => ["", "", ""].map(str::to_owned),
+            Some(model) => {
+                let (confidence, envelope) =
+                    (series.measured.confidence(), &model.character.envelope);
+                let proxies = match envelope.proxy_len() {
+                    0 => "joints alone".to_owned(),
+                    count => format!("{}, {count} proxies", envelope.predictor().name()),
+                };
+                let bytes = format!("{} B", grouped(model.file.bytes.len()));
+                [format!("{:.3}", confidence.mean), proxies, bytes]
+            }
+        });
+        row
+    };
+    let rows: Vec<_> = comparison.series().iter().map(row).collect();
+    let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
+    let own_weights = match comparison.baselines.own_weights {
+        Some(_) => format!(
+            " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning by all joint weights that come with the mesh; a \
+             vertex without weights takes its fitted ones."
+        ),
+        None => String::new(),
+    };
+    table(&head, &rows)
+        + &paragraph(&format!(
+            "Errors are distances of vertices from where the examples have them, in % of the diagonal \
+             of the rest pose's box; 99 % of them are below the figure under that head. Normals are \
+             compared by angle with the true ones, the area-weighted mean of the true mesh's triangles, \
+             and count by the area of the rest pose. \
+             \u{201c}{LBS}\u{201d} is linear blend skinning with 4 influences a vertex, fitted to the same \
+             training frames.{own_weights} Normals of linear blend skinning are by cofactors."
+        ))
+}
+
+fn footer(comparison: &Comparison<'_>) -> String {
+    let crc = |bytes: &[u8]| crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes);
+    let files = comparison
+        .models()
+        .map(|model| format!("{} (CRC-32 {:08x})", text(model.file.name), crc(model.file.bytes)));
+    let files: Vec<_> = files.collect();
+    format!(
+        "<footer>sinew {}; measured by the f32 runtime on the bytes of {}.</footer>\n",
+        env!("CARGO_PKG_VERSION"),
+        files.join(" and ")
+    )
+}

@@ -1,0 +1,201 @@
+//! The sections made of pictures.
+
+use super::error::ReportError;
+use crate::evaluate::{Errors, Measured, OWN_WEIGHTS};
+use crate::page::camera::Camera;
+use crate::page::colour::{Colour, Scale};
+use crate::page::html::{grouped, paragraph, side_by_side, text};
+use crate::report::comparison::{Comparison, Series};
+use crate::report::palette::{dominant_colours, follow_joints};
+use crate::report::pictures::{Paint, Pictures, Shape};
+use crate::space::written;
+
+const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
+                      shows the model once more on a scale of its own, all share one. The ring is the worst \
+                      vertex, broken where it is hidden.";
+/// What colours of distances and of angles stand for.
+const PERCENT: &str = "% of the diagonal";
+const DEGREES: &str = "degrees";
+/// A vertex that is near-rigid, and one that is not.
+const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
+
+/// The truth and every skin in the model's worst frame, with the errors under them; and both once
+/// more around the worst vertex.
+pub(super) fn worst_pose(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+) -> Result<String, ReportError> {
+    let series = comparison.series();
+    let frame = &comparison.model.measured.frames[pictures.worst];
+    let shapes = pictures.frame(frame.frame, &series)?;
+    let vertex = frame.worst_vertex();
+    let errors: Vec<_> = series.iter().map(|s| s.measured.percent_in(pictures.worst)).collect();
+    let rows = |camera: &Camera| -> Result<String, ReportError> {
+        let clay = shapes.iter().map(|s| pictures.take(s, &Paint::Clay, camera, None, &s.name));
+        let clay = clay.collect::<Result<Vec<_>, _>>()?;
+        let heat = heat(pictures, comparison, &errors, |place| {
+            (&shapes[place + 1], camera, Some(vertex))
+        })?;
+        // Each map stands under the skin that it is of, none under the truth.
+        let truth = std::iter::once("<div></div>\n".to_owned());
+        let under: Vec<String> = truth.chain(heat).collect();
+        Ok(side_by_side(under.len(), &clay) + &side_by_side(under.len(), &under))
+    };
+    let told = |s: &Series<'_>| {
+        let rms = s.measured.errors_in(pictures.worst).rms_percent;
+        format!("{}: {}", text(s.name), comparison.length(rms))
+    };
+    let told: Vec<String> = series.iter().map(told).collect();
+    let model = comparison.model_place();
+    let baselines = ["LBS", OWN_WEIGHTS].into_iter().zip(&errors[..model]);
+    let baselines =
+        baselines.map(|(name, errors)| format!("{name} by {}", comparison.length(errors[vertex])));
+    let baselines: Vec<String> = baselines.collect();
+    let camera = pictures.whole(&shapes.iter().collect::<Vec<_>>());
+    let angles: Vec<_> = series.iter().map(|s| s.measured.degrees_in(pictures.worst)).collect();
+    let most = steepest(&series, |measured| measured.errors_in(pictures.worst));
+    let angles = angle_maps(pictures, &series, &angles, most, |place| &shapes[place + 1], &camera)?;
+    Ok(paragraph(&format!(
+        "The frame with the model's largest RMS error. {}. {SCALES}",
+        told.join("; ")
+    )) + &rows(&camera)?
+        + &angles
+        + "<h3>Around the worst vertex</h3>\n"
+        + &paragraph(&format!(
+            "Vertex {vertex}, where the model is off by {}, {}.",
+            comparison.length(errors[model][vertex]),
+            baselines.join(", ")
+        ))
+        + &rows(&pictures.near(&shapes[0], vertex, &errors[model]))?)
+}
+
+/// The rest pose, and on it each vertex's error over all measured frames.
+pub(super) fn all_frames(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+) -> Result<String, ReportError> {
+    let (rest, series) = (pictures.rest(), comparison.series());
+    let camera = pictures.whole(&[&rest]);
+    let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
+    let mut row = heat(pictures, comparison, &errors, |_| (&rest, &camera, None))?;
+    row.insert(0, pictures.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
+    let angles: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_degrees()).collect();
+    let most = steepest(&series, Measured::errors);
+    let angles = angle_maps(pictures, &series, &angles, most, |_| &rest, &camera)?;
+    Ok(paragraph(&format!(
+        "Each vertex's RMS error over the {} measured frames, on the rest pose.",
+        grouped(comparison.model.measured.frames.len())
+    )) + &side_by_side(row.len(), &row)
+        + &worst_vertices(comparison, &errors[comparison.model_place()])
+        + &angles)
+}
+
+/// The errors of every series on one scale, then of the model alone on a scale of its own.
+fn heat<'b>(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+    errors: &[Vec<f64>],
+    shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
+) -> Result<Vec<String>, ReportError> {
+    let (series, model) = (comparison.series(), comparison.model_place());
+    let (own, common) = (Scale::of(&errors[model]), Scale::of(errors.iter().flatten()));
+    let all = (0..series.len()).map(|place| (place, common, "error, %"));
+    let all = all.chain([(model, own, "on a scale of its own, %")]);
+    let pictures = all.map(|(place, scale, what)| {
+        let (shape, camera, ring) = shot(place);
+        let caption = format!("{}: {what}", series[place].name);
+        let paint = Paint::Heat(&errors[place], scale, PERCENT);
+        pictures.take(shape, &paint, camera, ring, &caption)
+    });
+    Ok(pictures.collect::<Result<_, _>>()?)
+}
+
+/// The angles of every series' normals to the true ones, on one scale.
+fn angle_maps<'b>(
+    pictures: &Pictures<'_>,
+    series: &[Series<'_>],
+    degrees: &[Vec<f64>],
+    most: f64,
+    shape: impl Fn(usize) -> &'b Shape,
+    camera: &Camera,
+) -> Result<String, ReportError> {
+    let scale = Scale::of(&[most]);
+    let maps = series.iter().enumerate().map(|(place, series)| {
+        let caption = format!("{}: angle of the normals to the true ones, °", series.name);
+        let paint = Paint::Heat(&degrees[place], scale, DEGREES);
+        pictures.take(shape(place), &paint, camera, None, &caption)
+    });
+    let maps = maps.collect::<Result<Vec<_>, _>>()?;
+    Ok(paragraph(
+        "How far the normals are turned from the true ones, all on one scale; folds beyond it have its \
+         last colour.",
+    ) + &side_by_side(maps.len().max(3), &maps))
+}
+
+/// The largest of what 99 % of each series' normals stay below, in degrees.
+fn steepest(series: &[Series<'_>], errors: impl Fn(&Measured) -> Errors) -> f64 {
+    series.iter().map(|s| errors(s.measured).normal_p99_degrees).fold(0.0, f64::max)
+}
+
+fn worst_vertices(comparison: &Comparison<'_>, errors: &[f64]) -> String {
+    const MOST: usize = 5;
+    let mut order: Vec<usize> = (0..errors.len()).collect();
+    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+    let worst = order.iter().take(MOST).map(|&vertex| {
+        let frame = comparison.source.number(worst_frame(&comparison.model.measured, vertex));
+        let error = errors[vertex];
+        let mm = comparison.mm(error).map_or(String::new(), |mm| format!(", {} mm", written(mm)));
+        format!("{vertex} ({error:.4} %{mm}, worst in frame {frame})")
+    });
+    let worst: Vec<String> = worst.collect();
+    paragraph(&format!("The vertices with the largest: {}.", worst.join(", ")))
+}
+
+fn worst_frame(measured: &Measured, vertex: usize) -> usize {
+    let distances: Vec<f64> = measured.frames.iter().map(|f| f.distances[vertex]).collect();
+    measured.frames[crate::evaluate::largest(&distances)].frame
+}
+
+/// The palette: near-rigid vertices, and the map that each vertex follows most.
+pub(super) fn palette(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+    near_rigid: Option<&[bool]>,
+) -> Result<String, ReportError> {
+    let (rest, examples) = (pictures.rest(), comparison.source.examples);
+    let camera = pictures.whole(&[&rest]);
+    let mut row = Vec::new();
+    for (number, model) in comparison.models().enumerate() {
+        let (name, alone) =
+            (model.file.name, follow_joints(&model.character, comparison.source.examples));
+        let (rigid, what) = match (&alone, near_rigid.filter(|_| number == 0)) {
+            (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
+            (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),
+        };
+        // Of vertices that are all alike there is nothing to see.
+        if let Some(rigid) = rigid.filter(|rigid| rigid.contains(&true) && rigid.contains(&false)) {
+            let colours: Vec<Colour> =
+                rigid.iter().map(|&rigid| NEAR_RIGID[usize::from(!rigid)]).collect();
+            let paint = Paint::Kinds(&colours);
+            let count = rigid.iter().filter(|rigid| **rigid).count();
+            let share = 100.0 * count as f64 / rigid.len().max(1) as f64;
+            let caption = format!("{name}: {} vertices ({share:.0} %) {what}", grouped(count));
+            row.push(pictures.take(&rest, &paint, &camera, None, &caption)?);
+        }
+        let colours = dominant_colours(&model.character, examples);
+        let caption = format!(
+            "{name}: each vertex in the colour of the map that it follows most, of {}",
+            maps(&model.character.envelope)
+        );
+        row.push(pictures.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
+    }
+    Ok(side_by_side(row.len().max(3), &row))
+}
+
+fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {
+    let proxies = envelope.proxy_len();
+    match envelope.palette_len() - proxies {
+        0 => format!("{proxies} proxies"),
+        joints => format!("{joints} joints and {proxies} helpers"),
+    }
+}

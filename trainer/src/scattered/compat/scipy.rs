@@ -1,0 +1,387 @@
+//! SciPy's `RBFInterpolator` (1.17) by its own names and rules: a named mode, which warns where a fit of
+//! ours would be refused.
+//!
+//! Epsilon multiplies distances as they are, λ has the kernel's units, every monomial of a degree is
+//! taken, and nothing is merged, dropped or lowered. SciPy scales polynomials by the box of the sites;
+//! here they are scaled by epsilon, which makes the same function.
+
+use super::neighbours::nearest;
+use crate::numeric::columns::ends;
+use crate::regression::function::order;
+use crate::scattered::solver::error::KernelError;
+use crate::scattered::solver::invariance::is_scale_invariant;
+use crate::scattered::solver::polynomial::Space;
+use crate::scattered::solver::samples::check;
+use crate::scattered::solver::solve::solve;
+use crate::scattered::sum::{KernelSum, monomials};
+use faer::{ColRef, Mat};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sinew_runtime::kernel::Kernel;
+use std::cmp::Ordering;
+
+/// The kernels by SciPy's names.
+const KERNELS: [(&str, Kernel); 8] = [
+    ("linear", Kernel::Linear),
+    ("thin_plate_spline", Kernel::ThinPlate),
+    ("cubic", Kernel::Cubic),
+    ("quintic", Kernel::Quintic),
+    ("multiquadric", Kernel::Multiquadric),
+    ("inverse_multiquadric", Kernel::InverseMultiquadric),
+    ("inverse_quadratic", Kernel::InverseQuadratic),
+    ("gaussian", Kernel::Gaussian),
+];
+/// Reciprocal condition below which a fit is warned of: METHOD §2.7 promises agreement above it.
+const RCOND: f64 = 1e-10;
+
+/// SciPy's arguments; what is left out has its default.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ScipyOptions {
+    /// Name of the kernel, in any case.
+    pub kernel: String,
+    /// What distances are multiplied by; must be given where it matters.
+    pub epsilon: Option<f64>,
+    /// λ.
+    pub smoothing: Smoothing,
+    /// Degree of the polynomial, -1 without one; by default the kernel's least, at least 0.
+    pub degree: Option<i32>,
+    /// How many samples make the function at a query, the nearest ones; by default all.
+    pub neighbors: Option<usize>,
+}
+
+/// λ of all samples, or of each.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub enum Smoothing {
+    /// Of all.
+    All(f64),
+    /// Of each, n.
+    Each(Vec<f64>),
+}
+
+impl TryFrom<Value> for Smoothing {
+    type Error = String;
+
+    /// Reads a number or numbers.
+    fn try_from(value: Value) -> Result<Self, String> {
+        let numbers = |all: &[Value]| all.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+        let read = match &value {
+            Value::Array(all) => numbers(all).map(Self::Each),
+            one => one.as_f64().map(Self::All),
+        };
+        read.ok_or_else(|| {
+            format!(
+                "smoothing: expected a number or a list of numbers (one a sample), found {value}"
+            )
+        })
+    }
+}
+
+/// What SciPy raises as an error.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ScipyError {
+    /// The samples are no samples.
+    #[error(transparent)]
+    Samples(#[from] KernelError),
+    /// The kernel is none of SciPy's.
+    #[error(
+        "\"{}\" is no kernel of SciPy's: expected one of {}",
+        .0,
+        KERNELS.map(|(name, _)| name).join(", ")
+    )]
+    Kernel(String),
+    /// Epsilon is needed.
+    #[error("the kernel \"{}\" needs an epsilon", .0.name())]
+    Epsilon(Kernel),
+    /// A number that was given is out of its range.
+    #[error("{what} is {found}, expected {expected}")]
+    Option {
+        /// Which one.
+        what: &'static str,
+        /// What it is.
+        found: f64,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// λ are not as many as samples.
+    #[error("expected one smoothing or {samples}, found {found}")]
+    SmoothingLen {
+        /// Samples.
+        samples: usize,
+        /// λ found.
+        found: usize,
+    },
+    /// There are fewer samples than monomials.
+    #[error("degree {degree} in {inputs} inputs needs {needed} samples, found {found}")]
+    TooFew {
+        /// Degree.
+        degree: usize,
+        /// Inputs.
+        inputs: usize,
+        /// Monomials.
+        needed: usize,
+        /// Samples, or neighbours.
+        found: usize,
+    },
+    /// Samples do not determine the polynomial.
+    #[error("the system is singular: the samples tell {rank} of {terms} monomials apart")]
+    Rank {
+        /// Monomials that samples tell apart.
+        rank: usize,
+        /// Monomials.
+        terms: usize,
+    },
+    /// Two samples are at one place and neither is smoothed.
+    #[error("the system is singular: rows {first} and {second} have the same site")]
+    Repeated {
+        /// A row.
+        first: usize,
+        /// Another.
+        second: usize,
+    },
+    /// Elimination meets a zero.
+    #[error("the system is singular")]
+    Singular,
+    /// A query has another dimension than the sites.
+    #[error("expected a query of {expected} numbers, found {found}")]
+    Query {
+        /// Inputs.
+        expected: usize,
+        /// Numbers of the query.
+        found: usize,
+    },
+}
+
+/// What SciPy, or METHOD, warns of.
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+pub enum ScipyWarning {
+    /// The degree is below the kernel's least: the function may not be unique.
+    #[error(
+        "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
+    )]
+    Degree {
+        /// The degree.
+        degree: usize,
+        /// The least one.
+        least: usize,
+    },
+    /// Rounding may decide much.
+    #[error("the fit is ill-conditioned (reciprocal condition {rcond:.1e})")]
+    IllConditioned {
+        /// Reciprocal condition.
+        rcond: f64,
+    },
+}
+
+/// A function as SciPy makes it.
+#[derive(Clone, Debug)]
+pub struct RbfInterpolator {
+    problem: Problem,
+    /// The function of all samples and the reciprocal condition of its system; without one each query
+    /// has its own.
+    whole: Option<(KernelSum, f64)>,
+    /// How many neighbours make that.
+    neighbours: usize,
+    /// What was warned of.
+    pub warnings: Vec<ScipyWarning>,
+}
+
+impl Default for ScipyOptions {
+    fn default() -> Self {
+        Self {
+            kernel: "thin_plate_spline".into(),
+            epsilon: None,
+            smoothing: Smoothing::All(0.0),
+            degree: None,
+            neighbors: None,
+        }
+    }
+}
+
+impl RbfInterpolator {
+    /// Fits values (n x m) at sites (n x d).
+    ///
+    /// # Errors
+    /// If samples are none, not finite or not as many; the kernel has another name; epsilon, degree,
+    /// smoothing or neighbours are out of range; samples or neighbours are fewer than monomials or do
+    /// not tell them apart; the system is singular.
+    pub fn new(
+        sites: &Mat<f64>,
+        values: &Mat<f64>,
+        options: &ScipyOptions,
+    ) -> Result<Self, ScipyError> {
+        check(sites, values)?;
+        let (n, inputs) = sites.shape();
+        let name = options.kernel.to_lowercase();
+        let kernel = KERNELS.into_iter().find(|(own, _)| *own == name);
+        let kernel = kernel.ok_or_else(|| ScipyError::Kernel(options.kernel.clone()))?.1;
+        let smoothing = smoothing(&options.smoothing, n)?;
+        let epsilon = epsilon(kernel, options.epsilon)?;
+        let least = order(kernel).and_then(|order| order.checked_sub(1));
+        let degree = degree(options.degree, least)?;
+        let mut warnings = Vec::new();
+        if let (Some(degree), Some(least)) = (degree, least)
+            && degree < least
+        {
+            warnings.push(ScipyWarning::Degree { degree, least });
+        }
+        let used = options.neighbors.map_or(n, |k| k.min(n));
+        if used == 0 {
+            let (what, expected) = ("neighbors", "at least 1");
+            return Err(ScipyError::Option { what, found: 0.0, expected });
+        }
+        let needed = degree.map_or(0, |degree| monomials(inputs, degree).len());
+        if let Some(degree) = degree
+            && needed > used
+        {
+            return Err(ScipyError::TooFew { degree, inputs, needed, found: used });
+        }
+        let (sites, values) = (sites.clone(), values.clone());
+        let problem = Problem { sites, values, smoothing, kernel, epsilon, degree };
+        if options.neighbors.is_some() {
+            return Ok(Self { problem, whole: None, neighbours: used, warnings });
+        }
+        let (sum, rcond) = problem.solve(&(0..n).collect::<Vec<usize>>())?;
+        if rcond < RCOND {
+            warnings.push(ScipyWarning::IllConditioned { rcond });
+        }
+        Ok(Self { problem, whole: Some((sum, rcond)), neighbours: used, warnings })
+    }
+
+    /// Evaluates the function at d inputs: m values.
+    ///
+    /// # Errors
+    /// If the query has another length; if the system of its neighbours is singular.
+    pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, ScipyError> {
+        Ok(self.conditioned(x)?.0)
+    }
+
+    /// Evaluates the function at d inputs: m values, and the reciprocal condition of what was solved for
+    /// them.
+    ///
+    /// # Errors
+    /// Those of [`Self::evaluate`].
+    pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), ScipyError> {
+        let expected = self.problem.sites.ncols();
+        if x.len() != expected {
+            return Err(ScipyError::Query { expected, found: x.len() });
+        }
+        if let Some((sum, rcond)) = &self.whole {
+            return Ok((sum.evaluate(x), *rcond));
+        }
+        let (sum, rcond) = self.problem.solve(&nearest(&self.problem.sites, x, self.neighbours))?;
+        Ok((sum.evaluate(x), rcond))
+    }
+
+    /// Returns the function of all samples and the reciprocal condition of its system; none where each
+    /// query has one of its neighbours.
+    pub fn whole(&self) -> Option<&(KernelSum, f64)> {
+        self.whole.as_ref()
+    }
+}
+
+/// Samples, and what they are fitted with.
+#[derive(Clone, Debug)]
+struct Problem {
+    sites: Mat<f64>,
+    values: Mat<f64>,
+    smoothing: Vec<f64>,
+    kernel: Kernel,
+    epsilon: f64,
+    degree: Option<usize>,
+}
+
+impl Problem {
+    /// Makes the function of some samples, and returns the reciprocal condition.
+    fn solve(&self, some: &[usize]) -> Result<(KernelSum, f64), ScipyError> {
+        let rows = |m: &Mat<f64>| Mat::from_fn(some.len(), m.ncols(), |i, c| m[(some[i], c)]);
+        self.check_repeated(some)?;
+        let (sites, values) = (rows(&self.sites), rows(&self.values));
+        let smoothing: Vec<f64> = some.iter().map(|&i| self.smoothing[i]).collect();
+        let d = sites.ncols();
+        let shift: Vec<f64> = sites.col_iter().map(middle).collect();
+        let points = Mat::from_fn(some.len(), d, |i, c| (sites[(i, c)] - shift[c]) * self.epsilon);
+        let inputs: Vec<usize> = (0..d).collect();
+        // As numpy's matrix_rank.
+        let tolerance = f64::EPSILON * some.len().max(d + 1) as f64;
+        let space = Space { points: &points, inputs: &inputs, tolerance };
+        let polynomial = space.polynomial(self.degree);
+        let (rank, terms) = (polynomial.rank(), polynomial.terms.len());
+        if rank < terms {
+            return Err(ScipyError::Rank { rank, terms });
+        }
+        let solved = solve(self.kernel, &points, &smoothing, polynomial, &values);
+        let rcond = solved.system.rcond();
+        if !solved.missed.is_finite() {
+            return Err(ScipyError::Singular);
+        }
+        let sum = KernelSum {
+            kernel: self.kernel,
+            shift,
+            scale: vec![self.epsilon; d],
+            metric: None,
+            centres: points.transpose().to_owned(),
+            terms: solved.polynomial.terms,
+            coefficients: faer::concat![[solved.kernels.transpose(), solved.monomials.transpose()]],
+        };
+        Ok((sum, rcond))
+    }
+
+    /// Refuses samples of one site that are not smoothed: their equations are the same.
+    fn check_repeated(&self, some: &[usize]) -> Result<(), ScipyError> {
+        let exact = some.iter().copied().filter(|&i| self.smoothing[i] == 0.0);
+        let mut order: Vec<usize> = exact.collect();
+        let compare = |&a: &usize, &b: &usize| {
+            let columns = self.sites.col_iter().map(|c| c[a].total_cmp(&c[b]));
+            columns.fold(Ordering::Equal, Ordering::then)
+        };
+        order.sort_by(compare);
+        match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
+            Some(pair) => Err(ScipyError::Repeated { first: pair[0], second: pair[1] }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn smoothing(of: &Smoothing, samples: usize) -> Result<Vec<f64>, ScipyError> {
+    let all = match of {
+        Smoothing::All(lambda) => vec![*lambda; samples],
+        Smoothing::Each(all) => all.clone(),
+    };
+    if all.len() != samples {
+        return Err(ScipyError::SmoothingLen { samples, found: all.len() });
+    }
+    match all.iter().find(|lambda| !lambda.is_finite()) {
+        Some(&found) => {
+            let (what, expected) = ("a smoothing", "a finite number");
+            Err(ScipyError::Option { what, found, expected })
+        }
+        None => Ok(all),
+    }
+}
+
+fn epsilon(kernel: Kernel, given: Option<f64>) -> Result<f64, ScipyError> {
+    let default = is_scale_invariant(kernel).then_some(1.0);
+    let found = given.or(default).ok_or(ScipyError::Epsilon(kernel))?;
+    if found.is_finite() && found != 0.0 {
+        return Ok(found);
+    }
+    let (what, expected) = ("epsilon", "a finite number other than 0");
+    Err(ScipyError::Option { what, found, expected })
+}
+
+fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, ScipyError> {
+    let Some(degree) = given else { return Ok(Some(least.unwrap_or(0))) };
+    if degree < -1 {
+        let (what, expected) = ("degree", "-1 or more");
+        return Err(ScipyError::Option { what, found: degree.into(), expected });
+    }
+    Ok(usize::try_from(degree).ok())
+}
+
+/// Returns the middle of a column's box.
+fn middle(column: ColRef<'_, f64>) -> f64 {
+    let [least, most] = ends(column.iter());
+    0.5 * least + 0.5 * most
+}

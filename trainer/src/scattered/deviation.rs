@@ -1,0 +1,238 @@
+//! How far a baked function is from f64: measured by the runtime, at the samples and between them
+//! (METHOD §2.7).
+
+use super::bake::part;
+use super::model::{
+    EvaluationError, Figures, Input, InputKind, KernelModel, Output, OutputKind, features,
+    query_numbers,
+};
+use super::solver::error::{DeviationCause, KernelError};
+use super::sum::KernelSum;
+use crate::bake::bake;
+use crate::regression::fade::Fade;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
+use std::ops::Range;
+
+/// Default limit of a baked function's deviation, over the value's range.
+pub const F32_ERROR: f64 = 1e-3;
+/// Share of the limit that a width must stay within to be preferred: the deviation is measured at some queries and
+/// must hold at all.
+pub const ROOM: f64 = 0.1;
+/// Queries between the samples.
+const BETWEEN: usize = 1000;
+
+/// Queries of a function, for the runtime and for f64, and the deviation that is allowed there.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    /// Inputs, rotations as quaternions.
+    inputs: Vec<Input>,
+    /// Samples' numbers of the inputs, n rows.
+    sites: Vec<Vec<f64>>,
+    /// Samples, then queries between them.
+    queries: Vec<Query>,
+    /// Range of each value, m.
+    ranges: Vec<f64>,
+    /// Largest deviation that is allowed, over the range.
+    limit: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Query {
+    /// Numbers as the runtime takes them.
+    numbers: Vec<f32>,
+    /// Features in f64.
+    features: Vec<f64>,
+}
+
+impl Probe {
+    /// Makes queries: the sites of the samples, as given, and 1,000 between random pairs of them.
+    ///
+    /// - `ranges`: the range of each value of the function, m, above 0.
+    /// - `limit`: the largest deviation that is allowed, over the range.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] of a site.
+    pub fn new(
+        inputs: &[Input],
+        sites: &[Vec<f64>],
+        ranges: Vec<f64>,
+        limit: f64,
+    ) -> Result<Self, EvaluationError> {
+        let sites = sites.iter().map(|site| query_numbers(inputs, site));
+        let sites = sites.collect::<Result<Vec<_>, _>>()?;
+        let inputs: Vec<Input> = inputs.iter().map(of_quaternions).collect();
+        let query = |exact: &[f64]| -> Result<Query, EvaluationError> {
+            let numbers = exact.iter().map(|x| *x as f32).collect();
+            Ok(Query { numbers, features: features(&inputs, exact)? })
+        };
+        let mut queries = sites.iter().map(|site| query(site)).collect::<Result<Vec<_>, _>>()?;
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        for _ in 0..BETWEEN {
+            let [a, b] = [(); 2].map(|()| &sites[random.random_range(0..sites.len())]);
+            let between = between(&inputs, a, b, random.random());
+            // A quaternion halfway between opposite ones may be none.
+            queries.extend(query(&between).ok());
+        }
+        Ok(Self { inputs, sites, queries, ranges, limit })
+    }
+
+    /// Returns the largest deviation that is allowed, over the range.
+    pub fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// Measures how far a baked function is from f64: the largest deviation, over the value's range. Infinite if
+    /// the file holds a number that is not finite, or gives one.
+    ///
+    /// - `exact`: computes all values, m, of features, in f64.
+    pub fn deviation(&self, sum: &KernelSum, exact: impl Fn(&[f64]) -> Vec<f64> + Sync) -> f64 {
+        // The runtime refuses a file with numbers that are not finite in f32.
+        let bytes = part(&self.model(sum)).and_then(|part| bake(Space::default(), &[part]));
+        let Some(file) = bytes.ok().and_then(|bytes| Model::from_bytes(bytes).ok()) else {
+            return f64::INFINITY;
+        };
+        let of = |query: &Query| {
+            let Some(map) = file.kernel() else { return f64::INFINITY };
+            let mut found = vec![0.0; map.result_len()];
+            let mut scratch = vec![0.0; map.counts().scratch_len()];
+            if map.evaluate(&query.numbers, &mut scratch, &mut found).is_err() {
+                return f64::INFINITY;
+            }
+            let found: Vec<f64> = found.into_iter().map(f64::from).collect();
+            self.apart(&found, &exact(&query.features))
+        };
+        self.queries.par_iter().map(of).reduce(|| 0.0, f64::max)
+    }
+
+    /// Refuses a function whose deviation is above the limit; returns the deviation.
+    ///
+    /// # Errors
+    /// [`KernelError::Deviation`].
+    pub fn check(
+        &self,
+        sum: &KernelSum,
+        exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
+    ) -> Result<f64, KernelError> {
+        match self.deviation(sum, &exact) {
+            deviation if deviation <= self.limit => Ok(deviation),
+            deviation => Err(self.refusal(deviation, sum.kernel, exact)),
+        }
+    }
+
+    /// Refuses a function of a kernel whose deviation is above the limit, and finds the cause. An input or a value is
+    /// the cause if its rounding to f32 alone changes the exact function by more than the limit.
+    ///
+    /// - `exact`: computes all values, m, of features, in f64.
+    pub fn refusal(
+        &self,
+        deviation: f64,
+        kernel: Kernel,
+        exact: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> KernelError {
+        let mut first = 0;
+        let own = self.inputs.iter().map(|input| {
+            let own = first..first + input.kind.number_len();
+            first = own.end;
+            let moved = self.sites.iter().map(|site| self.moved(site, own.clone(), &exact));
+            let numbers = self.sites.iter().flat_map(|site| &site[own.clone()]);
+            (input, moved.fold(0.0, f64::max), largest(numbers))
+        });
+        let most = own.max_by(|a, b| a.1.total_cmp(&b.1));
+        let values: Vec<Vec<f64>> =
+            self.queries.iter().map(|query| exact(&query.features)).collect();
+        let of_value = |o: usize| {
+            let rounded = values.iter().map(|all| (f64::from(all[o] as f32) - all[o]).abs());
+            let share = rounded.fold(0.0, f64::max) / self.ranges[o];
+            (share, largest(values.iter().map(|all| &all[o])), self.ranges[o])
+        };
+        let value = (0..self.ranges.len()).map(of_value).max_by(|a, b| a.0.total_cmp(&b.0));
+        let cause = match (most, value) {
+            (Some((input, share, largest)), _) if share > self.limit => {
+                DeviationCause::Input { name: input.name.clone(), largest }
+            }
+            (_, Some((share, largest, range))) if share > self.limit => {
+                DeviationCause::Values { largest, range }
+            }
+            _ => DeviationCause::Kernel { kernel, other: None },
+        };
+        KernelError::Deviation { deviation, limit: self.limit, cause }
+    }
+
+    /// Measures by how much the exact function changes where f32 rounds some numbers of a site.
+    fn moved(
+        &self,
+        site: &[f64],
+        numbers: Range<usize>,
+        exact: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> f64 {
+        let mut rounded = site.to_vec();
+        rounded[numbers].iter_mut().for_each(|x| *x = f64::from(*x as f32));
+        let at = |numbers: &[f64]| Some(exact(&features(&self.inputs, numbers).ok()?));
+        let both = at(site).zip(at(&rounded));
+        both.map_or(f64::INFINITY, |(exact, moved)| self.apart(&moved, &exact))
+    }
+
+    /// Returns the largest difference of values, over the range; infinite where one is not a number.
+    fn apart(&self, found: &[f64], exact: &[f64]) -> f64 {
+        let share = |((found, exact), range): ((&f64, &f64), &f64)| {
+            let share = (found - exact).abs() / range;
+            // `max` would pass over it.
+            if share.is_nan() { f64::INFINITY } else { share }
+        };
+        found.iter().zip(exact).zip(&self.ranges).map(share).fold(0.0, f64::max)
+    }
+
+    /// Makes a function whose outputs are the values themselves, without bounds or a fade.
+    fn model(&self, sum: &KernelSum) -> KernelModel {
+        let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
+        let kind = OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 };
+        let value = |_| Output { name: String::new(), kind };
+        KernelModel {
+            name: String::new(),
+            inputs: self.inputs.clone(),
+            outputs: (0..sum.value_len()).map(value).collect(),
+            sum: sum.clone(),
+            ranges: vec![[low, high]; sum.shift.len()],
+            query: QueryRule::Free,
+            fade: Fade { start: 0.0, end: 0.0 },
+            normalise: Normalise::Never,
+            variance: None,
+            fit: Figures::default(),
+        }
+    }
+}
+
+/// Returns the largest magnitude of numbers.
+fn largest<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
+    numbers.fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// Returns an input that is given as the runtime takes it.
+fn of_quaternions(input: &Input) -> Input {
+    let kind = match input.kind {
+        InputKind::Rotation { feature, .. } => InputKind::Rotation { feature, order: None },
+        kind => kind,
+    };
+    Input { name: input.name.clone(), kind, weight: input.weight }
+}
+
+/// Returns numbers a share of the way from a to b, each a number of f32; rotations turn the shorter way.
+fn between(inputs: &[Input], a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
+    let (mut a, mut b, mut out) = (a, b, Vec::with_capacity(a.len()));
+    for Input { kind, .. } in inputs {
+        let (own, other);
+        (own, a) = a.split_at(kind.number_len());
+        (other, b) = b.split_at(kind.number_len());
+        let cosine: f64 = own.iter().zip(other).map(|(a, b)| a * b).sum();
+        let is_opposite = matches!(kind, InputKind::Rotation { .. }) && cosine < 0.0;
+        let sign = if is_opposite { -1.0 } else { 1.0 };
+        let number = |(a, b): (&f64, &f64)| f64::from((a + share * (sign * b - a)) as f32);
+        out.extend(own.iter().zip(other).map(number));
+    }
+    out
+}

@@ -1,0 +1,164 @@
+//! A problem as CSV: a line of names, then a sample a line.
+//!
+//! Columns `a.x, a.y, a.z` are one vector, `a.x, a.y, a.z, a.w` one quaternion, and `a.rx, a.ry, a.rz` one
+//! rotation by angles in degrees about x, then y, then z.
+
+use super::definition::Problem;
+use super::error::ProblemError;
+use super::kinds::free_scalar;
+use super::options::ProblemOptions;
+use crate::formats::csv;
+use crate::regression::rotations::Feature;
+use crate::scattered::model::{Input, InputKind, Output, OutputKind};
+use sinew_runtime::kernel::EulerOrder;
+
+/// A table of numbers with named columns.
+pub(super) struct Table {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+    /// Line of each row.
+    lines: Vec<u64>,
+}
+
+/// Columns that are one input or output.
+struct Group {
+    name: String,
+    parts: &'static [&'static str],
+    columns: Vec<usize>,
+}
+
+/// The endings of columns that belong together, the longest first.
+const PARTS: [&[&str]; 3] =
+    [&[".x", ".y", ".z", ".w"], &[".x", ".y", ".z"], &[".rx", ".ry", ".rz"]];
+
+impl Table {
+    /// Reads a table; columns without a name and without a cell are left out.
+    ///
+    /// # Errors
+    /// [`ProblemError::Format`] of a CSV, by line, and [`ProblemError::Unnamed`].
+    pub(super) fn parse(text: &[u8]) -> Result<Self, ProblemError> {
+        let table = csv::Table::parse(text)?;
+        let name = |column: usize| table.names[column].as_str();
+        let is_blank = |column| table.rows().iter().all(|row| table.cell(row, column).is_none());
+        let all = 0..table.names.len();
+        let columns: Vec<usize> =
+            all.filter(|&column| !(name(column).is_empty() && is_blank(column))).collect();
+        if let Some(column) = columns.iter().find(|column| name(**column).is_empty()) {
+            return Err(ProblemError::Unnamed { column: column + 1 });
+        }
+        let rows = table.numbers(&columns).collect::<Result<Vec<_>, _>>()?;
+        let (lines, rows) = rows.into_iter().unzip();
+        Ok(Self {
+            names: columns.iter().map(|&column| name(column).to_owned()).collect(),
+            rows,
+            lines,
+        })
+    }
+
+    /// Returns the columns of inputs, in their order.
+    ///
+    /// # Errors
+    /// [`ProblemError::Column`] where one is not there.
+    pub(super) fn columns(&self, names: &[String]) -> Result<Vec<Vec<f64>>, ProblemError> {
+        let place = |name: &String| {
+            let found =
+                || ProblemError::Column { name: name.clone(), found: self.names.join(", ") };
+            self.names.iter().position(|own| own == name).ok_or_else(found)
+        };
+        let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.rows.iter().map(|row| places.iter().map(|&at| row[at]).collect()).collect())
+    }
+
+    /// Groups columns that belong together.
+    fn groups(&self) -> Vec<Group> {
+        let mut groups = Vec::new();
+        let mut at = 0;
+        while at < self.names.len() {
+            let group = PARTS.into_iter().find_map(|parts| {
+                let stem = self.names[at].strip_suffix(parts[0])?;
+                let own = self.names.get(at..at + parts.len())?;
+                let fits =
+                    own.iter().zip(parts).all(|(own, part)| own.strip_suffix(part) == Some(stem));
+                fits.then(|| (stem.to_owned(), parts))
+            });
+            let (name, parts) = group.unwrap_or_else(|| (self.names[at].clone(), &[""]));
+            groups.push(Group { name, parts, columns: (at..at + parts.len()).collect() });
+            at += parts.len();
+        }
+        groups
+    }
+
+    /// Makes a problem of it: the outputs are those named, by default the last one, the inputs all others.
+    ///
+    /// # Errors
+    /// [`ProblemError::Column`], and those of rows.
+    pub(super) fn problem(&self, name: &str, outputs: &[String]) -> Result<Problem, ProblemError> {
+        let groups = self.groups();
+        if let Some(name) = outputs.iter().find(|name| groups.iter().all(|g| g.name != **name)) {
+            let found = groups.iter().map(|g| g.name.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(ProblemError::Column { name: name.clone(), found });
+        }
+        let last = groups.last().map(|group| group.name.clone());
+        let is_output = |group: &&Group| match outputs {
+            [] => Some(&group.name) == last.as_ref(),
+            named => named.contains(&group.name),
+        };
+        let (own, rest): (Vec<&Group>, Vec<&Group>) = groups.iter().partition(is_output);
+        let numbers = |groups: &[&Group]| -> Vec<Vec<f64>> {
+            let columns: Vec<usize> = groups.iter().flat_map(|g| g.columns.clone()).collect();
+            self.rows.iter().map(|row| columns.iter().map(|&at| row[at]).collect()).collect()
+        };
+        Problem {
+            name: name.to_owned(),
+            inputs: rest.iter().map(|group| group.input()).collect(),
+            outputs: own.iter().map(|group| group.output()).collect::<Result<_, _>>()?,
+            sites: numbers(&rest),
+            values: numbers(&own),
+            lines: self.lines.clone(),
+            options: ProblemOptions::default(),
+        }
+        .check()
+    }
+}
+
+impl Group {
+    fn input(&self) -> Input {
+        let kind = match self.parts {
+            [_, _, _, _] => InputKind::Rotation { feature: Feature::Matrix, order: None },
+            [".rx", ..] => {
+                InputKind::Rotation { feature: Feature::Matrix, order: Some(EulerOrder::Xyz) }
+            }
+            [_, _, _] => InputKind::Vector3,
+            _ => InputKind::Scalar,
+        };
+        Input { name: self.name.clone(), kind, weight: 1.0 }
+    }
+
+    fn output(&self) -> Result<Output, ProblemError> {
+        let kind = match self.parts {
+            [_, _, _, _] => OutputKind::Rotation { neutral: [0.0, 0.0, 0.0, 1.0] },
+            [".rx", ..] => {
+                return Err(ProblemError::Kind {
+                    what: "output",
+                    name: self.name.clone(),
+                    expected: "a number, .x .y .z or .x .y .z .w",
+                    found: "angles".to_owned(),
+                });
+            }
+            [_, _, _] => OutputKind::Vector3 { neutral: [0.0; 3] },
+            _ => free_scalar(),
+        };
+        Ok(Output { name: self.name.clone(), kind })
+    }
+}
+
+/// Names the columns in which an input is given.
+pub(super) fn column_names(input: &Input) -> Vec<String> {
+    let parts: &[&str] = match input.kind {
+        InputKind::Scalar => &[""],
+        InputKind::Vector3 => PARTS[1],
+        InputKind::Rotation { order: None, .. } => PARTS[0],
+        InputKind::Rotation { order: Some(_), .. } => PARTS[2],
+    };
+    parts.iter().map(|part| format!("{}{part}", input.name)).collect()
+}

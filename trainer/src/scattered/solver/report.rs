@@ -1,0 +1,137 @@
+//! What a fit reports of itself.
+
+use super::fewer::FewerFit;
+use super::fit::Fit;
+use super::leave_one_out::LeaveOneOut;
+use super::options::Options;
+use super::samples::{Merged, Samples};
+use crate::regression::function::by_name;
+use crate::scattered::bound::{largest, rounded};
+use crate::scattered::sum::KernelSum;
+use faer::Mat;
+use serde::Serialize;
+use sinew_runtime::kernel::Kernel;
+
+/// What a fit was made of, how well it holds, and what an f32 evaluation may add.
+#[derive(Clone, Debug, Serialize)]
+pub struct FitReport {
+    /// Samples, after merging.
+    pub samples: usize,
+    /// Columns of the sites.
+    pub inputs: usize,
+    /// Columns of the values.
+    pub values: usize,
+    /// Rows that became part of an earlier one.
+    pub merged: Vec<Merged>,
+    /// Columns of the sites that hardly change, or weigh nothing, and do not count.
+    pub dropped: Vec<usize>,
+    /// G.
+    #[serde(serialize_with = "by_name")]
+    pub kernel: Kernel,
+    /// What distances were multiplied by, of which the mean one is 1.
+    pub epsilon: f64,
+    /// λ of all samples; the largest where each has its own.
+    pub smoothing: f64,
+    /// Centres.
+    pub centres: usize,
+    /// The degree that was asked for.
+    pub degree_asked: Option<usize>,
+    /// The degree that was taken: lower where samples are too few.
+    pub degree: Option<usize>,
+    /// Monomials of it.
+    pub terms: usize,
+    /// Those that the samples tell apart.
+    pub rank: usize,
+    /// Reciprocal condition of what was solved, in the 1-norm.
+    pub rcond: f64,
+    /// Effective degrees of freedom.
+    pub freedom: f64,
+    /// RMS of what is left of the values at the samples.
+    pub residual_rms: f64,
+    /// The most that is left.
+    pub residual_max: f64,
+    /// RMS error of the samples that the others predict.
+    pub left_out_rms: Option<f64>,
+    /// The same by sample, RMS over its values; none where the others determine no fit.
+    pub left_out: Vec<Option<f64>>,
+    /// The most that f32 arithmetic may be off by, by value: E of METHOD §2.7 over samples and their box.
+    pub bounds: Vec<f64>,
+}
+
+impl FitReport {
+    /// Reports a fit with every sample a centre.
+    pub fn new(samples: &Samples, options: &Options, fit: &Fit) -> Self {
+        let solved = &fit.solved;
+        Self::of(
+            samples,
+            options,
+            Parts {
+                sum: &fit.sum,
+                residuals: &solved.residuals,
+                left_out: &fit.leave_one_out(),
+                degree: solved.polynomial.degree,
+                rank: solved.polynomial.rank(),
+                rcond: solved.system.rcond(),
+            },
+        )
+    }
+
+    /// Reports a fit of fewer centres.
+    pub fn of_fewer(samples: &Samples, options: &Options, fit: &FewerFit) -> Self {
+        Self::of(
+            samples,
+            options,
+            Parts {
+                sum: &fit.sum,
+                residuals: &fit.residuals,
+                left_out: &fit.leave_one_out(),
+                degree: fit.degree,
+                rank: fit.rank,
+                rcond: fit.rcond,
+            },
+        )
+    }
+
+    fn of(samples: &Samples, options: &Options, parts: Parts<'_>) -> Self {
+        let Parts { sum, residuals, left_out, degree, rank, rcond } = parts;
+        let each = left_out.each();
+        let squares: Option<Vec<f64>> = each.iter().map(|e| Some((*e)?.powi(2))).collect();
+        let bounds = largest(&rounded(sum), &samples.sites);
+        Self {
+            samples: samples.sample_len(),
+            inputs: samples.sites.ncols(),
+            values: samples.values.ncols(),
+            merged: samples.merged.clone(),
+            dropped: samples.scaling.dropped(),
+            kernel: sum.kernel,
+            epsilon: options.epsilon,
+            smoothing: options.smoothing + samples.smoothing.iter().copied().fold(0.0, f64::max),
+            centres: sum.centres.ncols(),
+            degree_asked: options.degree,
+            degree,
+            terms: sum.terms.len(),
+            rank,
+            rcond,
+            freedom: left_out.freedom,
+            residual_rms: rms(residuals),
+            residual_max: residuals.norm_max(),
+            left_out_rms: squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt()),
+            left_out: each,
+            bounds,
+        }
+    }
+}
+
+/// What fits have in common.
+struct Parts<'a> {
+    sum: &'a KernelSum,
+    residuals: &'a Mat<f64>,
+    left_out: &'a LeaveOneOut,
+    degree: Option<usize>,
+    rank: usize,
+    rcond: f64,
+}
+
+fn rms(of: &Mat<f64>) -> f64 {
+    (of.squared_norm_l2() / (of.nrows() * of.ncols()) as f64).sqrt()
+}

@@ -1,0 +1,203 @@
+//! A fit by METHOD §2: every sample a centre, or fewer.
+
+use super::error::TrainError;
+use super::fitted::Fitted;
+use super::report::Report;
+use crate::regression::function::order;
+use crate::scattered::deviation::Probe;
+use crate::scattered::model::Figures;
+use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
+use crate::scattered::solver::any::AnyFit;
+use crate::scattered::solver::choose::{Choice, Freedom};
+use crate::scattered::solver::error::{KernelError, same_site};
+use crate::scattered::solver::invariance::is_scale_invariant;
+use crate::scattered::solver::options::{Options, wendland};
+use crate::scattered::solver::report::FitReport;
+use crate::scattered::solver::samples::{Conflicts, Samples};
+use crate::scattered::solver::scaling::Block;
+use crate::scattered::solver::variance::Variance;
+use faer::Mat;
+use sinew_runtime::kernel::Kernel;
+
+/// Refuses what no file can hold.
+pub(super) const NEIGHBOURS: TrainError = TrainError::Options(
+    "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
+);
+
+/// Fits a problem; `probe` measures the files of the widths that are tried.
+pub(super) fn fit(
+    problem: &Problem,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+    probe: &Probe,
+    variance: bool,
+) -> Result<Fitted, TrainError> {
+    let own = &problem.options;
+    if own.neighbors.is_some() {
+        return Err(NEIGHBOURS);
+    }
+    let mut samples = samples(problem, features, values)?;
+    let asked = asked(own, samples.scaling.kept().len())?;
+    if let Some(Smoothing::Each(all)) = &own.smoothing {
+        if own.centres.is_some() {
+            return Err(TrainError::Options(
+                "a smoothing for each sample is for a fit with every sample a centre: leave out `centres`",
+            ));
+        }
+        samples.smoothing = each(all, &samples)?;
+    }
+    let freedom = Freedom {
+        epsilon: own.epsilon.is_none() && !is_scale_invariant(asked.kernel),
+        smoothing: matches!(own.smoothing, Some(Smoothing::Chosen)),
+    };
+    let (options, is_narrow) = if freedom.epsilon || freedom.smoothing {
+        let groups = groups(own, &samples)?;
+        let choice = Choice::new(&samples, &asked, freedom, &groups, Some(probe))?;
+        (choice.options, choice.is_narrow)
+    } else {
+        (asked, false)
+    };
+    let fit = AnyFit::new(&samples, &options)?;
+    let report = fit.report(&samples, &options);
+    let kept = match &fit {
+        AnyFit::Every(fit) if variance => Variance::new(fit, &samples.values),
+        _ => None,
+    };
+    let figures = Figures {
+        residual_rms: report.residual_rms,
+        left_out_rms: report.left_out_rms.unwrap_or(0.0),
+        bound: report.bounds.iter().copied().fold(0.0, f64::max),
+        rcond: report.rcond,
+    };
+    let warnings = warnings(problem, &report);
+    let (sum, report) = (fit.sum().clone(), Report::Fit(Box::new(report)));
+    Ok(Fitted { sum, variance: kept, figures, report, is_narrow, warnings })
+}
+
+/// Returns the smoothing of each sample by those of its rows: a sample of several rows has its first's.
+fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, TrainError> {
+    let rows = samples.sample_len() + samples.merged.len();
+    if all.len() != rows {
+        return Err(TrainError::Smoothings { samples: rows, found: all.len() });
+    }
+    match all.iter().position(|lambda| !(*lambda >= 0.0 && lambda.is_finite())) {
+        Some(row) => Err(TrainError::Smoothing { row, found: all[row] }),
+        None => Ok(samples.rows.iter().map(|&row| all[row]).collect()),
+    }
+}
+
+/// Takes samples, in blocks of one input each.
+pub(super) fn samples(
+    problem: &Problem,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+) -> Result<Samples, TrainError> {
+    let inputs = problem.inputs.iter();
+    let blocks: Vec<Block> =
+        inputs.map(|input| Block { len: input.kind.feature_len(), weight: input.weight }).collect();
+    let is_smoothed = match &problem.options.smoothing {
+        None => false,
+        Some(Smoothing::Given(smoothing)) => *smoothing > 0.0,
+        Some(Smoothing::Each(all)) => all.iter().any(|smoothing| *smoothing > 0.0),
+        Some(Smoothing::Chosen) => true,
+    };
+    let conflicts = match (problem.options.average, is_smoothed) {
+        (true, _) => Conflicts::Average,
+        (false, true) => Conflicts::Keep,
+        (false, false) => Conflicts::Refuse,
+    };
+    Samples::new(features, values, &blocks, conflicts).map_err(|error| match error {
+        KernelError::Conflict { first, second, distance } => {
+            TrainError::Conflict { rows: problem.rows(first, second), how: same_site(distance) }
+        }
+        error => error.into(),
+    })
+}
+
+fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
+    let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), inputs)?;
+    let mut out = Options::new(kernel);
+    if let Some(degree) = own.degree {
+        out.degree = degree_of(degree)?;
+    } else if order(kernel) == Some(0) {
+        out.degree = Some(0);
+    }
+    out.epsilon = own.epsilon.unwrap_or(out.epsilon);
+    if let Some(Smoothing::Given(smoothing)) = own.smoothing {
+        out.smoothing = smoothing;
+    }
+    out.centres = own.centres;
+    Ok(out)
+}
+
+/// Reads a degree, of which -1 is none.
+pub(super) fn degree_of(degree: i32) -> Result<Option<usize>, TrainError> {
+    if degree < -1 { Err(TrainError::Degree(degree)) } else { Ok(usize::try_from(degree).ok()) }
+}
+
+/// Finds a kernel by its name, in any case, with spaces, `_` or nothing between the words.
+pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
+    let plain = |text: &str| -> String {
+        let text = text.to_lowercase().replace('é', "e");
+        text.chars().filter(|c| c.is_alphanumeric()).collect()
+    };
+    let names = [("thinplatespline", Kernel::ThinPlate), ("exponential", Kernel::Matern12)];
+    let own = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
+    let known = own.map(|kernel| (plain(kernel.name()), kernel));
+    let mut all = known.chain(names.map(|(name, kernel)| (name.to_owned(), kernel)));
+    match all.find(|(known, _)| *known == plain(name)) {
+        Some((_, Kernel::Wendland { .. })) => {
+            wendland(inputs).ok_or(TrainError::Wendland { inputs })
+        }
+        Some((_, kernel)) => Ok(kernel),
+        None => {
+            let own = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
+            let expected = own.map(Kernel::name).collect::<Vec<_>>().join(", ");
+            Err(TrainError::KernelName { found: name.to_owned(), expected })
+        }
+    }
+}
+
+/// Lists the samples that are left out together: each alone, or by their rows' groups.
+fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, TrainError> {
+    let n = samples.sample_len();
+    let Some(of_rows) = &own.groups else {
+        return Ok((0..n).map(|sample| vec![sample]).collect());
+    };
+    let rows = n + samples.merged.len();
+    if of_rows.len() != rows {
+        return Err(TrainError::Groups { samples: rows, found: of_rows.len() });
+    }
+    let mut out = std::collections::BTreeMap::<usize, Vec<usize>>::new();
+    for (sample, &row) in samples.rows.iter().enumerate() {
+        out.entry(of_rows[row]).or_default().push(sample);
+    }
+    Ok(out.into_values().collect())
+}
+
+/// Tells what was merged, dropped or lowered.
+fn warnings(problem: &Problem, report: &FitReport) -> Vec<String> {
+    let mut out = Vec::new();
+    for merged in &report.merged {
+        let how = if merged.averaged { "averaged with" } else { "the same sample as" };
+        let [row, into] = [merged.row, merged.into].map(|row| problem.row(row));
+        out.push(format!("{row} is {how} {into}"));
+    }
+    let mut first = 0;
+    for input in &problem.inputs {
+        let own = first..first + input.kind.feature_len();
+        first = own.end;
+        if own.clone().all(|feature| report.dropped.contains(&feature)) {
+            out.push(format!(
+                "input \"{}\" is the same in all samples and does not count",
+                input.name
+            ));
+        }
+    }
+    if report.degree != report.degree_asked {
+        let degree = |degree: Option<usize>| degree.map_or("none".to_owned(), |d| d.to_string());
+        let (asked, taken) = (degree(report.degree_asked), degree(report.degree));
+        out.push(format!("too few samples for a polynomial of degree {asked}: taken is {taken}"));
+    }
+    out
+}
