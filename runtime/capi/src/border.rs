@@ -1,8 +1,7 @@
 //! The border: pointers of the caller are checked here, and become references only here.
 
 use crate::argument::sinew_argument;
-use crate::error::sinew_error;
-use crate::status::sinew_status;
+use crate::error::{sinew_error, sinew_status};
 use core::cell::Cell;
 use core::mem::{align_of, size_of};
 use core::ptr;

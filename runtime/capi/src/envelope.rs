@@ -2,15 +2,13 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
+use core::mem::{align_of, offset_of, size_of};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
-use sinew_runtime::{Envelope, LocalTransform};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
 
 /// Elements of a `uintptr_t` array that holds an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
@@ -27,6 +25,38 @@ part::part! {
     sinew_envelope: EnvelopeLayout to Envelope, of Model::envelopes,
     tag b"SnwE", argument Envelope, within SINEW_ENVELOPE_WORDS
 }
+
+/// A rigid or affine transform, as three rows of four: `y[r] = rows[r][0..2] . x + rows[r][3]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_matrix {
+    /// The rows.
+    pub rows: [[f32; 4]; 3],
+}
+
+const _: () = {
+    assert!(size_of::<sinew_matrix>() == size_of::<Matrix3x4>());
+    assert!(align_of::<sinew_matrix>() == align_of::<Matrix3x4>());
+};
+
+/// A joint's frame in its parent's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_local_transform {
+    /// Quaternion x, y, z, w; it is normalised by the call.
+    pub rotation: [f32; 4],
+    /// Origin in the parent's frame, in the units of the model.
+    pub translation: [f32; 3],
+}
+
+const _: () = {
+    assert!(size_of::<sinew_local_transform>() == size_of::<LocalTransform>());
+    assert!(align_of::<sinew_local_transform>() == align_of::<LocalTransform>());
+    assert!(
+        offset_of!(sinew_local_transform, translation) == offset_of!(LocalTransform, translation)
+            && offset_of!(LocalTransform, rotation) == 0
+    );
+};
 
 /// How an envelope predicts its palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,11 +163,9 @@ pub unsafe extern "C" fn sinew_envelope_open(
     out_envelope: *mut *const sinew_envelope,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_envelope) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_envelope, out_error) }
 }
 
 /// Says what an envelope is made of.
@@ -149,18 +177,8 @@ pub unsafe extern "C" fn sinew_envelope_describe(
     out_info: *mut sinew_envelope_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { part::view(envelope) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = info(&envelope);
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
-    };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(envelope, out_info, out_error, |envelope| Ok(info(envelope))) }
 }
 
 /// Describes a joint.
@@ -173,21 +191,12 @@ pub unsafe extern "C" fn sinew_envelope_joint(
     out_joint: *mut sinew_joint,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { part::view(envelope) }?;
-        let out = Array::one(out_joint, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let found = describe(&envelope, joint).ok_or(
-            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Joint)
-                .values(envelope.joint_len().saturating_sub(1), joint),
-        )?;
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(found) };
-        Ok(())
+    let answer = |envelope: &Envelope<'_>| {
+        let beyond = sinew_error::beyond(sinew_argument::Joint, joint, envelope.joint_len());
+        joint_info(envelope, joint).ok_or(beyond)
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(envelope, out_joint, out_error, answer) }
 }
 
 /// Copies the J joints' numbers in an order in which each comes after its parent.
@@ -247,7 +256,7 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
     }
 }
 
-fn describe(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
+fn joint_info(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
     let name = envelope.joint_name(joint)?;
     let LocalTransform { rotation, translation } = envelope.rest_local(joint)?;
     Some(sinew_joint {

@@ -2,10 +2,9 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::Filter;
@@ -85,11 +84,9 @@ pub unsafe extern "C" fn sinew_filter_open(
     out_filter: *mut *const sinew_filter,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_filter) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_filter, out_error) }
 }
 
 /// Says what a filter is made of.
@@ -101,13 +98,9 @@ pub unsafe extern "C" fn sinew_filter_describe(
     out_info: *mut sinew_filter_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (filter, reads) = unsafe { part::view(filter) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |filter: &Filter<'_>| {
         let fit = filter.fit();
-        let info = sinew_filter_info {
+        Ok(sinew_filter_info {
             name: filter.name().as_ptr().cast(),
             name_len: filter.name().len(),
             part: filter.part() as u32,
@@ -116,13 +109,10 @@ pub unsafe extern "C" fn sinew_filter_describe(
             step: fit.step,
             left_out_rms: fit.left_out_rms,
             linear_rms: fit.linear_rms,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(filter, out_info, out_error, answer) }
 }
 
 /// Makes samples `sinew_filter_info.factor` times as fine. Two calls make an image finer, one along its columns and one

@@ -1,15 +1,14 @@
 //! A kernel, what the file says of it, and its evaluation.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::border::{Array, Loaded};
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Evaluation, Opened, Opening, Slices};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use sinew_runtime::KernelMap;
 use sinew_runtime::kernel::KernelLayout;
-use sinew_runtime::{CallError, KernelMap};
 
 /// Elements of a `uintptr_t` array that holds a kernel on every target:
 /// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
@@ -111,11 +110,9 @@ pub unsafe extern "C" fn sinew_kernel_open(
     out_kernel: *mut *const sinew_kernel,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_kernel) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_kernel, out_error) }
 }
 
 /// Says what a kernel is made of.
@@ -127,18 +124,8 @@ pub unsafe extern "C" fn sinew_kernel_describe(
     out_info: *mut sinew_kernel_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (kernel, reads) = unsafe { part::view(kernel) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = info(&kernel);
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
-    };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_info, out_error, |kernel| Ok(info(kernel))) }
 }
 
 /// Describes an input, in the order of a query.
@@ -151,17 +138,15 @@ pub unsafe extern "C" fn sinew_kernel_input(
     out_input: *mut sinew_quantity,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let row = |kernel: &KernelMap<'static>| {
-            let row = kernel.inputs().nth(input)?;
-            Some((kernel.input_name(input)?, row.kind.number(), row.kind.number_len()))
-        };
-        let len = |kernel: &KernelMap<'static>| kernel.counts().input_len;
-        // SAFETY: the caller's promise is passed on.
-        unsafe { quantity(kernel, (sinew_argument::Input, input), out_input, row, len) }
+    let answer = |kernel: &KernelMap<'_>| {
+        let len = kernel.counts().input_len as usize;
+        let beyond = sinew_error::beyond(sinew_argument::Input, input, len);
+        let found = kernel.input_name(input).zip(kernel.inputs().nth(input));
+        let (name, row) = found.ok_or(beyond)?;
+        Ok(quantity(name, row.kind.number(), row.kind.number_len()))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_input, out_error, answer) }
 }
 
 /// Describes an output, in the order in which they are given.
@@ -174,17 +159,15 @@ pub unsafe extern "C" fn sinew_kernel_output(
     out_output: *mut sinew_quantity,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let row = |kernel: &KernelMap<'static>| {
-            let row = kernel.outputs().nth(output)?;
-            Some((kernel.output_name(output)?, row.kind.number(), row.kind.number_len()))
-        };
-        let len = |kernel: &KernelMap<'static>| kernel.counts().output_len;
-        // SAFETY: the caller's promise is passed on.
-        unsafe { quantity(kernel, (sinew_argument::Output, output), out_output, row, len) }
+    let answer = |kernel: &KernelMap<'_>| {
+        let len = kernel.counts().output_len as usize;
+        let beyond = sinew_error::beyond(sinew_argument::Output, output, len);
+        let found = kernel.output_name(output).zip(kernel.outputs().nth(output));
+        let (name, row) = found.ok_or(beyond)?;
+        Ok(quantity(name, row.kind.number(), row.kind.number_len()))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_output, out_error, answer) }
 }
 
 /// Computes the outputs of a query and the confidence in them.
@@ -212,23 +195,22 @@ pub unsafe extern "C" fn sinew_kernel_evaluate(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_numbers, out_len, sinew_argument::Outputs);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, confidence, |kernel, arrays| {
-                let Arrays { query, scratch, out, confidence } = arrays;
-                let found = kernel.evaluate(query, scratch, out)?;
-                confidence.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_numbers, out_len, sinew_argument::Outputs),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            kernel,
+            out_error,
+            |kernel, Slices { input, scratch, output, confidences }| {
+                kernel.evaluate(input, scratch, output).map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
 /// Computes the derivatives of the m values by the R numbers of a query: before the fade, ranges and sums of
@@ -251,20 +233,18 @@ pub unsafe extern "C" fn sinew_kernel_jacobian(
     jacobian_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, nothing, |kernel, arrays| {
-                kernel.jacobian(arrays.query, arrays.scratch, arrays.out)
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian),
+        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+            kernel.jacobian(input, scratch, output)
+        })
+    }
 }
 
 /// Computes the variance of each of the m values, before the fade, ranges and sums of outputs.
@@ -286,92 +266,28 @@ pub unsafe extern "C" fn sinew_kernel_variance(
     variances_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_variances, variances_len, sinew_argument::Variances);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, nothing, |kernel, arrays| {
-                kernel.variance(arrays.query, arrays.scratch, arrays.out)
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_variances, variances_len, sinew_argument::Variances),
+        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+            kernel.variance(input, scratch, output)
+        })
+    }
 }
 
-/// Stores the description of an input or of an output: its name, its kind, and how many numbers it has.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a kernel; what is stored is the caller's to be written.
-unsafe fn quantity(
-    kernel: *const sinew_kernel,
-    (argument, number): (sinew_argument, usize),
-    out: *mut sinew_quantity,
-    row: impl Fn(&KernelMap<'static>) -> Option<(&'static str, u8, usize)>,
-    len: impl Fn(&KernelMap<'static>) -> u32,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (kernel, reads) = unsafe { part::view(kernel) }?;
-    let out = Array::one(out, sinew_argument::Result)?;
-    border::apart(&[out.span()], &reads)?;
-    let most = (len(&kernel) as usize).saturating_sub(1);
-    let beyond = sinew_error::new(sinew_status::OutOfRange, argument).values(most, number);
-    let (name, kind, number_len) = row(&kernel).ok_or(beyond)?;
-    let found = sinew_quantity {
+/// Describes an input or an output.
+fn quantity(name: &str, kind: u8, number_len: usize) -> sinew_quantity {
+    sinew_quantity {
         name: name.as_ptr().cast(),
         name_len: name.len(),
         kind: kind.into(),
         number_len,
-    };
-    // SAFETY: one element, which the caller lets be written.
-    unsafe { out.store(found) };
-    Ok(())
-}
-
-/// An array, or what is wrong with it, which is told after what is wrong with the kernel.
-type Checked = Result<Array<f32>, sinew_error>;
-
-/// What is computed of and into; a confidence goes where there is room for it.
-struct Arrays<'a> {
-    query: &'a [f32],
-    scratch: &'a mut [f32],
-    out: &'a mut [f32],
-    confidence: &'a mut [f32],
-}
-
-/// Evaluates a kernel by one of the runtime's ways.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a kernel; the arrays are the caller's to read and
-/// to write.
-unsafe fn evaluate(
-    kernel: *const sinew_kernel,
-    query: Checked,
-    scratch: Checked,
-    out: Checked,
-    confidence: Checked,
-    way: impl FnOnce(&KernelMap<'_>, Arrays<'_>) -> Result<(), CallError>,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (kernel, [own, model, file]) = unsafe { part::view(kernel) }?;
-    let (query, scratch, out, confidence) = (query?, scratch?, out?, confidence?);
-    border::apart(
-        &[scratch.span(), out.span(), confidence.span()],
-        &[own, model, file, query.span()],
-    )?;
-    // SAFETY: lent by the caller; what is written is apart from all else.
-    let arrays = unsafe {
-        Arrays {
-            query: query.read(),
-            scratch: scratch.write(),
-            out: out.write(),
-            confidence: confidence.write(),
-        }
-    };
-    Ok(way(&kernel, arrays)?)
+    }
 }
 
 fn info(kernel: &KernelMap<'_>) -> sinew_kernel_info {

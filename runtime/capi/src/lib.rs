@@ -13,13 +13,9 @@ mod border;
 mod part;
 
 // The header's functions come in the order of these groups.
-mod version;
-
 mod argument;
 mod error;
-mod status;
 
-mod matrix;
 mod model;
 
 mod envelope;
@@ -30,12 +26,8 @@ mod kernel;
 
 mod skin;
 
-mod mesh;
-
 mod filter;
 mod job;
-
-mod shapes;
 
 mod prior;
 
@@ -47,17 +39,39 @@ pub use error::*;
 pub use filter::*;
 pub use job::*;
 pub use kernel::*;
-pub use matrix::*;
-pub use mesh::*;
 pub use model::*;
 pub use palette::*;
 pub use pose::*;
 pub use prior::*;
-pub use shapes::*;
 pub use skin::*;
-pub use status::*;
-pub use version::*;
 pub use views::*;
+
+use core::ffi::c_char;
+
+/// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
+///
+/// It grows when a function, a structure or the meaning of a number changes.
+pub const SINEW_ABI_VERSION: u32 = 9;
+
+/// Returns the version of the ABI, to be compared with `SINEW_ABI_VERSION` where the library is
+/// loaded at run time.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_abi_version() -> u32 {
+    SINEW_ABI_VERSION
+}
+
+/// Returns the version of the library, as text that ends in a zero.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_version() -> *const c_char {
+    const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    VERSION.as_ptr().cast()
+}
+
+/// Returns the version of the file format that the library reads.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_format_version() -> u32 {
+    u32::from(sinew_runtime::format::VERSION)
+}
 
 /// Stops: nothing here panics, but a bare target's linker asks for it.
 #[cfg(target_os = "none")]

@@ -2,8 +2,7 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Object, Span};
-use crate::error::sinew_error;
-use crate::status::sinew_status;
+use crate::error::{sinew_error, sinew_status};
 use core::ffi::c_void;
 use core::mem::{align_of, size_of};
 use sinew_runtime::format::{Axis, Handedness};

@@ -2,13 +2,11 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array};
-use crate::envelope::sinew_envelope;
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
-use crate::part;
-use crate::status::sinew_status;
+use crate::envelope::{sinew_envelope, sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
+use crate::part::{self, Evaluation, Slices};
 use sinew_runtime::envelope::Level;
-use sinew_runtime::{CallError, Envelope, LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::{LocalTransform, Matrix3x4, model_space_pose};
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that
 /// has skinning matrices (rest to posed, model space) does not need this.
@@ -65,23 +63,22 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.palette(pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope.palette(input, scratch, output).map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
 /// How much of an envelope is evaluated.
@@ -114,26 +111,30 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let found = Level::ALL.into_iter().find(|known| *known as u32 == level);
-        let wrong = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
-        let found = found.ok_or(wrong.values(Level::Full as usize, level as usize))?;
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
+    let Some(known) = Level::ALL.into_iter().find(|known| *known as u32 == level) else {
+        let unknown = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
+        let unknown = unknown.values(Level::Full as usize, level as usize);
         // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.palette_at(found, pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+        return unsafe { border::call(out_error, || Err(unknown)) };
+    };
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope
+                    .palette_at(known, input, scratch, output)
+                    .map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
 /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which part of
@@ -156,21 +157,22 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
     confidences_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Palette);
-        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, nothing, confidences, |envelope, arrays| {
-                let Arrays { pose, scratch, confidences, .. } = arrays;
-                envelope.joint_confidences(pose, scratch, confidences)
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::optional(core::ptr::null(), sinew_argument::Palette),
+        confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, confidences, .. }| {
+                envelope.joint_confidences(input, scratch, confidences)
+            },
+        )
+    }
 }
 
 /// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
@@ -195,21 +197,22 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
     confidences_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let poses = Array::new(poses.cast(), poses_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette);
-        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, poses, scratch, out, confidences, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                envelope.palettes(pose, scratch, palette, confidences)
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(poses.cast(), poses_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette),
+        confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope.palettes(input, scratch, output, confidences)
+            },
+        )
+    }
 }
 
 /// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational envelope
@@ -230,65 +233,22 @@ pub unsafe extern "C" fn sinew_envelope_rotational_palette(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.rotational_palette(pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
-}
-
-/// An array, or what is wrong with it, which is told after what is wrong with the envelope.
-type Checked<T> = Result<Array<T>, sinew_error>;
-
-/// What a palette is computed of and into: of one pose, whose confidence goes where there is room for
-/// it, or of several.
-struct Arrays<'a> {
-    pose: &'a [Matrix3x4],
-    scratch: &'a mut [f32],
-    palette: &'a mut [Matrix3x4],
-    confidences: &'a mut [f32],
-}
-
-/// Computes palettes by one of the runtime's ways.
-///
-/// # Safety
-/// The handle is null or points to memory as large as an envelope; the arrays are the caller's to
-/// read and to write.
-unsafe fn evaluate(
-    envelope: *const sinew_envelope,
-    pose: Checked<Matrix3x4>,
-    scratch: Checked<f32>,
-    palette: Checked<Matrix3x4>,
-    confidences: Checked<f32>,
-    way: impl FnOnce(&Envelope<'_>, Arrays<'_>) -> Result<(), CallError>,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
-    let (pose, scratch, palette, confidences) = (pose?, scratch?, palette?, confidences?);
-    border::apart(
-        &[scratch.span(), palette.span(), confidences.span()],
-        &[own, model, file, pose.span()],
-    )?;
-    // SAFETY: lent by the caller; what is written is apart from all else.
-    let arrays = unsafe {
-        Arrays {
-            pose: pose.read(),
-            scratch: scratch.write(),
-            palette: palette.write(),
-            confidences: confidences.write(),
-        }
-    };
-    Ok(way(&envelope, arrays)?)
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope
+                    .rotational_palette(input, scratch, output)
+                    .map(|found| confidences.fill(found))
+            },
+        )
+    }
 }

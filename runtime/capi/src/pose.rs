@@ -2,11 +2,9 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
-use crate::envelope::{SINEW_NO_JOINT, sinew_envelope};
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
+use crate::envelope::{SINEW_NO_JOINT, sinew_envelope, sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
 use crate::part;
-use crate::status::sinew_status;
 use core::ffi::{CStr, c_char};
 use sinew_runtime::envelope::{FOLDED, PoseFault, PoseFaultKind};
 use sinew_runtime::{LocalTransform, Matrix3x4, gather_pose, scale_palette, take_scale};

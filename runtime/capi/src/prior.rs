@@ -2,12 +2,11 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Span};
-use crate::error::sinew_error;
-use crate::matrix::sinew_matrix;
+use crate::envelope::sinew_matrix;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
+use crate::part::{self, Opened, Opening};
 use crate::skin::sinew_skin;
-use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::prior::{Anchor, PriorLayout, Temporal};
@@ -158,11 +157,9 @@ pub unsafe extern "C" fn sinew_prior_open(
     out_prior: *mut *const sinew_prior,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_prior) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_prior, out_error) }
 }
 
 /// Says what a prior is made of.
@@ -174,13 +171,9 @@ pub unsafe extern "C" fn sinew_prior_describe(
     out_info: *mut sinew_prior_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (prior, reads) = unsafe { part::view(prior) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |prior: &Prior<'_>| {
         let (counts, fit) = (prior.counts(), prior.fit());
-        let info = sinew_prior_info {
+        Ok(sinew_prior_info {
             name: prior.name().as_ptr().cast(),
             name_len: prior.name().len(),
             part: prior.part() as u32,
@@ -194,13 +187,10 @@ pub unsafe extern "C" fn sinew_prior_describe(
             frames: fit.frames,
             error: fit.error,
             slider_error: fit.slider_error,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(prior, out_info, out_error, answer) }
 }
 
 /// Computes where a vertex is with weights and a palette: as a target it makes a pin hold the vertex there.
@@ -234,8 +224,8 @@ pub unsafe extern "C" fn sinew_skin_place(
             let error = sinew_error::new(sinew_status::Length, sinew_argument::Palette);
             return Err(error.values(skin.palette_len(), palette_len));
         }
-        let beyond = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Vertices)
-            .values(skin.vertex_len().saturating_sub(1), vertex as usize);
+        let (at, len) = (vertex as usize, skin.vertex_len());
+        let beyond = sinew_error::beyond(sinew_argument::Vertices, at, len);
         // SAFETY: lent by the caller.
         let place = unsafe { skin.place(vertex, palette.read(), weights.read()) }.ok_or(beyond)?;
         // SAFETY: one element, which the caller lets be written.

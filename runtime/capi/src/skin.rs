@@ -2,12 +2,12 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::{SINEW_NO_PART, sinew_error};
+use crate::error::{SINEW_NO_PART, sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use core::ops::Range;
 use sinew_runtime::Skin;
 use sinew_runtime::skin::SkinLayout;
 
@@ -93,11 +93,9 @@ pub unsafe extern "C" fn sinew_skin_open(
     out_skin: *mut *const sinew_skin,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_skin) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_skin, out_error) }
 }
 
 /// Says what a skin is made of.
@@ -109,12 +107,8 @@ pub unsafe extern "C" fn sinew_skin_describe(
     out_info: *mut sinew_skin_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (skin, reads) = unsafe { part::view(skin) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = sinew_skin_info {
+    let answer = |skin: &Skin<'_>| {
+        Ok(sinew_skin_info {
             name: skin.name().as_ptr().cast(),
             name_len: skin.name().len(),
             part: skin.part() as u32,
@@ -126,13 +120,10 @@ pub unsafe extern "C" fn sinew_skin_describe(
             shape_len: skin.shape_len(),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(skin, out_info, out_error, answer) }
 }
 
 /// Describes a named range of vertices.
@@ -145,25 +136,203 @@ pub unsafe extern "C" fn sinew_skin_range(
     out_range: *mut sinew_range,
     out_error: *mut sinew_error,
 ) -> sinew_status {
+    let answer = |skin: &Skin<'_>| {
+        let len = skin.counts().range_len as usize;
+        let beyond = sinew_error::beyond(sinew_argument::Range, range, len);
+        let (name, Range { start, end }) = skin.ranges().nth(range).ok_or(beyond)?;
+        Ok(sinew_range { name: name.as_ptr().cast(), name_len: name.len(), start, end })
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(skin, out_range, out_error, answer) }
+}
+
+/// Copies the rest positions of the vertices from `start` to before `end`: 3 floats each, packed.
+///
+/// - `out_positions`, `out_len`: room for `3 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_positions(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_positions: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let out = Array::new(out_positions, out_len, sinew_argument::Positions);
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_position)) }
+}
+
+/// Copies the rest normals of the vertices from `start` to before `end`: 3 floats each, packed.
+///
+/// - `out_normals`, `out_len`: room for `3 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_normals(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_normals: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let out = Array::new(out_normals, out_len, sinew_argument::Normals);
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_normal)) }
+}
+
+/// Copies the rest tangents of the vertices from `start` to before `end`: 4 floats each, packed,
+/// the last the handedness.
+///
+/// - `out_tangents`, `out_len`: room for `4 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `OUT_OF_RANGE`, `TOO_SHORT`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_tangents(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_tangents: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        if !unsafe { part::view(skin) }?.0.has_tangents() {
+            return Err(sinew_error::new(sinew_status::NoAttribute, sinew_argument::Tangents));
+        }
+        let out = Array::new(out_tangents, out_len, sinew_argument::Tangents);
+        // SAFETY: the caller's promise is passed on.
+        unsafe { copy(skin, start..end, out, Skin::rest_tangent) }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Copies the K influences of each vertex from `start` to before `end`: with a palette, all that a
+/// skinning shader needs. Unused ones weigh 0; those of a vertex sum to 1.
+///
+/// - `out_indices`, `indices_len`: room for `K * (end - start)` indices into the palette.
+/// - `out_weights`, `weights_len`: room for as many weights.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_influences(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_indices: *mut u16,
+    indices_len: usize,
+    out_weights: *mut f32,
+    weights_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
         let (skin, reads) = unsafe { part::view(skin) }?;
-        let out = Array::one(out_range, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let (name, vertices) = skin.ranges().nth(range).ok_or(
-            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Range)
-                .values((skin.counts().range_len as usize).saturating_sub(1), range),
-        )?;
-        let found = sinew_range {
-            name: name.as_ptr().cast(),
-            name_len: name.len(),
-            start: vertices.start,
-            end: vertices.end,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(found) };
+        let indices = Array::new(out_indices, indices_len, sinew_argument::Indices)?;
+        let weights = Array::new(out_weights, weights_len, sinew_argument::Weights)?;
+        let vertices = start..end;
+        check_vertices(&skin, &vertices)?;
+        let least = vertices.len().saturating_mul(skin.influence_len());
+        indices.check_least(least)?;
+        weights.check_least(least)?;
+        border::apart(&[indices.span(), weights.span()], &reads)?;
+        // SAFETY: apart from each other and from all that the call reads; lent by the caller.
+        let (indices, weights) = unsafe { (indices.write(), weights.write()) };
+        let influences = vertices.flat_map(|vertex| skin.influences(vertex));
+        for ((out_index, out_weight), (index, weight)) in
+            indices.iter_mut().zip(weights).zip(influences)
+        {
+            *out_index = index as u16;
+            *out_weight = weight;
+        }
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
+}
+
+/// Computes the hash of a skin's rest positions: which mesh it is, and in which order.
+///
+/// - `out_hash`: receives what `sinew_mesh_hash` gives of them.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_mesh_hash(
+    skin: *const sinew_skin,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(skin, out_hash, out_error, |skin| Ok(skin.mesh_hash())) }
+}
+
+/// Computes the hash of a mesh's rest positions, to compare with `sinew_skin_mesh_hash`.
+///
+/// - `positions`, `vertex_len`: 3 floats a vertex, packed, in the file's order.
+/// - `out_hash`: receives the hash.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_mesh_hash(
+    positions: *const f32,
+    vertex_len: usize,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let at = positions.cast::<[f32; 3]>();
+        let positions = Array::new(at, vertex_len, sinew_argument::RestPositions)?;
+        let out = Array::one(out_hash, sinew_argument::Result)?;
+        border::apart(&[out.span()], &[positions.span()])?;
+        // SAFETY: lent by the caller, and apart from what is written.
+        let hash = sinew_runtime::mesh_hash_of(unsafe { positions.read() });
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(hash) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Copies an attribute of N floats.
+///
+/// # Safety
+/// The handle is null or points to memory as large as a skin; the array is the caller's to write.
+unsafe fn copy<'a, const N: usize>(
+    skin: *const sinew_skin,
+    vertices: Range<usize>,
+    out: Result<Array<f32>, sinew_error>,
+    attribute: impl Fn(&Skin<'a>, usize) -> Option<[f32; N]>,
+) -> Result<(), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (skin, reads) = unsafe { part::view(skin) }?;
+    let out = out?;
+    check_vertices(&skin, &vertices)?;
+    out.check_least(vertices.len().saturating_mul(N))?;
+    border::apart(&[out.span()], &reads)?;
+    // SAFETY: apart from all that the call reads; lent by the caller.
+    let (out, _) = unsafe { out.write() }.as_chunks_mut::<N>();
+    for (out, vertex) in out.iter_mut().zip(vertices) {
+        *out = attribute(&skin, vertex).unwrap_or(*out);
+    }
+    Ok(())
+}
+
+/// Checks that vertices are in the mesh.
+fn check_vertices(skin: &Skin<'_>, vertices: &Range<usize>) -> Result<(), sinew_error> {
+    let (Range { start, end }, vertex_len) = (vertices, skin.vertex_len());
+    if start <= end && *end <= vertex_len {
+        return Ok(());
+    }
+    let error = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Vertices);
+    Err(error.at(*start).values(vertex_len, *end))
 }

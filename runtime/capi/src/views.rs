@@ -2,10 +2,9 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::views::{RenderScratch, ViewsLayout};
@@ -216,11 +215,9 @@ pub unsafe extern "C" fn sinew_views_open(
     out_views: *mut *const sinew_views,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_views) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_views, out_error) }
 }
 
 /// Says what views are made of.
@@ -232,13 +229,9 @@ pub unsafe extern "C" fn sinew_views_describe(
     out_info: *mut sinew_views_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (views, reads) = unsafe { part::view(views) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |views: &Views<'_>| {
         let (fit, [width, height]) = (views.fit(), views.size());
-        let info = sinew_views_info {
+        Ok(sinew_views_info {
             name: views.name().as_ptr().cast(),
             name_len: views.name().len(),
             part: views.part() as u32,
@@ -259,13 +252,10 @@ pub unsafe extern "C" fn sinew_views_describe(
             rms_error: fit.rms_error,
             left_out_rms: fit.left_out_rms,
             visibility: fit.visibility,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(views, out_info, out_error, answer) }
 }
 
 /// Describes a map.
@@ -406,7 +396,6 @@ fn map_of<'a>(
     views: &Views<'_>,
     map: usize,
 ) -> Result<KernelMap<'a>, sinew_error> {
-    let most = (views.counts().map_len as usize).saturating_sub(1);
-    let beyond = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Map).values(most, map);
+    let beyond = sinew_error::beyond(sinew_argument::Map, map, views.counts().map_len as usize);
     model.map_of(views, map).ok_or(beyond)
 }
