@@ -1,31 +1,32 @@
-//! What went wrong, in numbers: no text is formatted, so that none need fit into small flash.
+//! Statuses and errors. They are numbers without formatted text, so that they fit into small flash.
 
 use crate::argument::sinew_argument;
 use core::ffi::{CStr, c_char};
 use sinew_runtime::{CallError, CallErrorKind, FileError, FileErrorKind};
 
-/// Stands for no part.
+/// Sentinel for "no part".
 pub const SINEW_NO_PART: u32 = u32::MAX;
 
-/// What went wrong; written only when a call returns another status than `SINEW_STATUS_OK`.
+/// Why a call failed, in numbers. A call writes the error only if its status is not `SINEW_STATUS_OK`.
 ///
-/// Each status says which of the last three fields it fills; the others are 0.
+/// The comment of each status lists which of the last three fields the status fills; the other fields are
+/// 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_error {
-    /// What the call returned.
+    /// Status that the call returned.
     pub status: sinew_status,
-    /// The argument that it is about.
+    /// Argument that the error is about.
     pub argument: sinew_argument,
-    /// The part of the file, or `SINEW_NO_PART`.
+    /// Part of the file, or `SINEW_NO_PART`.
     pub part: u32,
-    /// The section's number in FORMAT.md; 0 if it is about none.
+    /// Number of the section in FORMAT.md; 0 if the error is not about a section.
     pub section: u32,
-    /// Which element.
+    /// Index of the element.
     pub index: usize,
-    /// What should have been there: an exact value, the least or the most, as the status says.
+    /// Expected value: the exact value, the minimum or the maximum, as the status says.
     pub expected: usize,
-    /// What was there.
+    /// Value that was found.
     pub found: usize,
 }
 
@@ -36,7 +37,7 @@ impl sinew_error {
     }
 
     /// Makes the error of an index that must be below `len`.
-    pub(crate) const fn beyond(argument: sinew_argument, index: usize, len: usize) -> Self {
+    pub(crate) const fn out_of_range(argument: sinew_argument, index: usize, len: usize) -> Self {
         Self::new(sinew_status::OutOfRange, argument).values(len.saturating_sub(1), index)
     }
 
@@ -69,168 +70,175 @@ impl From<FileError> for sinew_error {
     }
 }
 
-/// What a call came to. 1 to 99: the call is wrong, from 50 on in what only C can get wrong. From 100
-/// on: the file is.
+/// Result of a call. From 1 to 49 the call is wrong, from 50 to 99 its pointers or handles are, from 100 on
+/// the file is.
 ///
-/// `sinew_error` tells more: what an entry names as index, expected and found.
+/// The comments list the fields of `sinew_error` that each status fills: index, expected and found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(i32)]
 pub enum sinew_status {
-    /// Done.
+    /// Success.
     Ok = 0,
 
-    /// An array whose length must be exact has another. Expected, found: lengths in its own elements.
+    /// An array does not have the exact length that is required. Expected, found: lengths in the array's
+    /// elements.
     Length = 1,
-    /// An array is too short. Expected: the least length; found: its length.
+    /// An array is too short. Expected: the minimum length; found: the array's length.
     TooShort = 2,
-    /// A joint's transform, or a number of a query, is not finite. Index: the joint, of several poses counted
-    /// through all; or the number. Of outputs, derivatives and variances: one would not be finite, for the
-    /// query is too far out.
+    /// A transform of a joint or a number of a query is not finite. Index: the joint, counted through all
+    /// poses of a batch, or the number. For outputs, derivatives and variances: the result would not be
+    /// finite, because the query is too far from the centres.
     NonFinite = 3,
-    /// A quaternion has no direction: it is zero, or too small or too large to square. Index: the joint, or
-    /// the input.
+    /// A quaternion has no direction: it is zero, or its square underflows or overflows. Index: the joint
+    /// or the input.
     ZeroRotation = 4,
-    /// A joint, a vertex, a range of vertices, an input, an output or a distance is none that there may be.
-    /// Index: which element, of a range its start; expected: the most; found: what it is, of a range its
-    /// end.
+    /// An index, a range of vertices or a distance is out of range. Index: the element, or the start of the
+    /// range; expected: the maximum; found: the value, or the end of the range.
     OutOfRange = 5,
     /// A stride is shorter than its attribute. Expected: floats of the attribute; found: the stride.
     Stride = 6,
-    /// The skin has no such attribute, or the kernel no variance.
+    /// The skin does not have the attribute, or the kernel has no variance.
     NoAttribute = 7,
-    /// The envelope's predictor has no such stage. Found: the predictor.
+    /// The envelope's predictor does not have the stage. Found: the predictor.
     NoStage = 8,
-    /// A job has nothing to write to.
+    /// A job has no output to write.
     NoOutput = 9,
-    /// The skeleton lacks the root, which can follow no other joint. Index: the root.
+    /// The skeleton lacks the root, which has no parent to follow. Index: the root.
     NoRoot = 10,
-    /// The skeleton has a joint under a name of another prefix, case or separators. Index: the joint; found: the place
-    /// of the skeleton's name.
+    /// A joint's name has another prefix, case or separators in the skeleton. Index: the joint; found: the
+    /// index of the skeleton's name.
     OtherName = 11,
-    /// The skeleton has the root alone of several joints. Expected, found: joints.
+    /// The skeleton has only the root of several joints. Expected, found: numbers of joints.
     NoJoints = 12,
 
     /// A pointer is null.
     Null = 50,
-    /// A pointer is not aligned for what it points to. Expected: bytes of alignment; found: bytes
-    /// beyond the last multiple of it.
+    /// A pointer is not aligned for its type. Expected: the alignment in bytes; found: the remainder in
+    /// bytes.
     Misaligned = 51,
-    /// An array would reach beyond the address space. Found: its length.
+    /// An array would reach outside the address space. Found: its length.
     TooLong = 52,
-    /// Memory to be written, which the argument names, overlaps other memory of the call, or an object
-    /// or the file that the call reads.
+    /// Output memory, named by the argument, overlaps other memory of the call: another array, an object,
+    /// or the file.
     Overlap = 53,
-    /// A handle points to no loaded object of its kind; of an envelope, a skin or a kernel also: its model
-    /// is loaded no more, and then the argument is the model.
+    /// A handle points to no loaded object of its kind. If a part's model was cleared, the argument is the
+    /// model.
     NotLoaded = 54,
-    /// The model of an envelope, a skin or a kernel has been loaded again, with another file: open it anew.
+    /// The part's model has loaded another file: open the part again.
     Stale = 55,
-    /// The file holds no such envelope, skin, kernel or section. Of a section part and section tell which.
+    /// The file has no part with this name and index, or no such section. For a section, the error names
+    /// its part and kind.
     NotFound = 56,
-    /// The skin has no vertices, and so no bounds.
+    /// The skin has no vertices, and therefore no bounds.
     NoVertices = 57,
 
-    /// Not a model: expected and found are the first four bytes, the first the least significant.
+    /// The file is not a model. Expected, found: the first four bytes, as a little-endian number.
     FileNotAModel = 100,
-    /// Written in a version of the format that this library does not know. Expected, found.
+    /// The file has a version of the format that this library does not know. Expected, found: versions.
     FileVersion = 101,
-    /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
-    /// found are bytes of a row and of the table; 3: they are the alignment of the blob, which follows zeros, and its place; 4: they are bytes of the file.
+    /// The file contradicts itself. Index 1 or 2: the part table or the section table does not consist of
+    /// whole rows; expected: bytes of a row; found: bytes of the table. Index 3: the blob is not aligned or
+    /// does not follow zeros; expected: the alignment; found: the blob's offset. Index 4: the file does not
+    /// end with the blob; expected, found: bytes of the file.
     FileMalformed = 102,
-    /// The file was changed after it was written. Expected, found: its CRC-32.
+    /// The file was changed after it was written. Expected, found: CRC-32.
     FileChecksum = 103,
-    /// More of something than the limits or the format allow. Without a section index 0 is bytes of the
-    /// file, 1 parts, 2 sections; else it is a count of the section. Expected: the most; found.
+    /// A count exceeds the limits or the format. Without a section, index 0 is bytes of the file, 1 parts,
+    /// 2 sections; with a section, the index is the count's position in the section. Expected: the maximum;
+    /// found: the count.
     FileLimit = 104,
-    /// Something that this library does not know: feature bits; flags or the kind of a part or of a
-    /// section; an element type, a predictor, a kernel, a reserved number that is not 0. Found: the
-    /// number.
+    /// This library does not know a feature bit, a flag, a kind of part or section, an element type, a
+    /// predictor or a kernel, or a reserved number is not 0. Found: the number.
     FileUnsupported = 105,
-    /// A section names a part that is not there. Index: its row; expected: how many there are; found:
-    /// the part.
+    /// A section names a part that does not exist. Index: the section's row; expected: the number of parts;
+    /// found: the named part.
     FilePartIndex = 106,
-    /// A section does not start on the alignment. Index: its row; expected: the alignment; found: its offset.
+    /// A section is not aligned. Index: its row; expected: the alignment; found: its offset.
     FileAlignment = 107,
-    /// A section starts before the one listed before it ends. Index: its row; expected: that end; found: its offset.
+    /// A section starts before the end of the section listed before it. Index: its row; expected: that end;
+    /// found: its offset.
     FileOverlap = 108,
-    /// A section reaches beyond the blob. Index: its row; expected: bytes of the blob; found: its end.
+    /// A section ends outside the blob. Index: its row; expected: bytes of the blob; found: its end.
     FileBounds = 109,
-    /// A part has two sections of one kind. Index: the second's row.
+    /// A part has two sections of one kind. Index: the row of the second section.
     FileDuplicate = 110,
     /// A part lacks the section.
     FileMissing = 111,
-    /// A section that the part, as its counts describe it, does not have.
+    /// The part has a section that its counts do not allow.
     FileUnexpected = 112,
-    /// A section's length does not follow from the part's counts. Expected, found: bytes.
+    /// A section's length does not match the part's counts. Expected, found: bytes.
     FileLength = 113,
-    /// There is none of what there must be at least one. Index: the count, or the group.
+    /// A count that must be at least 1 is 0. Index: the count or the group.
     FileEmpty = 114,
-    /// A float is out of its range or not finite. Index: which of the section.
+    /// A float is out of range or not finite. Index: its position in the section.
     FileFloat = 115,
-    /// An index points beyond its target. Index: its place; expected: what it must be below; found.
+    /// An index points outside its target. Index: its position; expected: the bound that it must be below;
+    /// found: the index.
     FileIndex = 116,
-    /// A number does not follow from the rest of the file. Index: its place; expected, found.
+    /// A number does not match the rest of the file. Index: its position; expected, found: numbers.
     FileMismatch = 117,
-    /// An element breaks a rule of its section, which FORMAT.md states. Index: the element.
+    /// An element breaks a rule of its section in FORMAT.md. Index: the element.
     FileInvalid = 118,
-    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the file, and
-    /// index is the place of its end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
+    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the
+    /// file, and the index names where it ends: 0 the head, 1 the part table, 2 the section table, 3 the
+    /// padding, 4 the blob.
     FileTruncated = 119,
-    /// A byte of the space is one that no space has. Index: which; found: the byte.
+    /// A byte of the space (axes, handedness, unit) is not valid. Index: the byte's position; found: the
+    /// byte.
     FileSpace = 120,
 }
 
-/// What each status means, in a few words.
+/// Text of each status.
 const TEXTS: [(sinew_status, &CStr); 42] = {
     use sinew_status as S;
     [
         (S::Ok, c"done"),
-        (S::Length, c"an array has another length than it must have"),
+        (S::Length, c"an array has the wrong length"),
         (S::TooShort, c"an array is too short"),
         (S::NonFinite, c"a transform or a number is not finite"),
         (S::ZeroRotation, c"a quaternion has no direction"),
-        (S::OutOfRange, c"a number that counts, or a distance, is out of range"),
+        (S::OutOfRange, c"an index, a range or a distance is out of range"),
         (S::Stride, c"a stride, in floats, is shorter than its attribute"),
         (S::NoAttribute, c"the part has no such attribute"),
         (S::NoStage, c"the envelope's predictor has no such stage"),
-        (S::NoOutput, c"there is nothing to write to"),
+        (S::NoOutput, c"the job has no output"),
         (S::NoRoot, c"the skeleton lacks the root"),
         (S::OtherName, c"a joint's name has another prefix, case or separators in the skeleton"),
         (S::NoJoints, c"the skeleton has no joint but the root"),
         (S::Null, c"a pointer is null"),
         (S::Misaligned, c"a pointer is not aligned"),
-        (S::TooLong, c"an array reaches beyond the address space"),
-        (S::Overlap, c"memory to be written overlaps other memory of the call"),
+        (S::TooLong, c"an array reaches outside the address space"),
+        (S::Overlap, c"output memory overlaps other memory of the call"),
         (S::NotLoaded, c"a handle points to no loaded object of its kind"),
-        (S::Stale, c"the model holds another file than when this was opened"),
+        (S::Stale, c"the model has loaded another file since the part was opened"),
         (S::NotFound, c"the file holds no such part or section"),
         (S::NoVertices, c"the skin has no vertices"),
         (S::FileNotAModel, c"not a model"),
         (S::FileVersion, c"unknown version of the format"),
-        (S::FileMalformed, c"the file states something impossible"),
-        (S::FileChecksum, c"damaged file"),
-        (S::FileLimit, c"more than the limits or the format allow"),
+        (S::FileMalformed, c"the file contradicts itself"),
+        (S::FileChecksum, c"the file is damaged"),
+        (S::FileLimit, c"a count exceeds the limits or the format"),
         (S::FileUnsupported, c"the file needs something that this library does not know"),
-        (S::FilePartIndex, c"a section belongs to a part that is not there"),
+        (S::FilePartIndex, c"a section belongs to a part that does not exist"),
         (S::FileAlignment, c"a section is not aligned"),
         (S::FileOverlap, c"a section starts inside another"),
-        (S::FileBounds, c"a section reaches beyond the blob"),
+        (S::FileBounds, c"a section ends outside the blob"),
         (S::FileDuplicate, c"a part has two sections of one kind"),
         (S::FileMissing, c"a section is missing"),
-        (S::FileUnexpected, c"a section is not one of its part's"),
-        (S::FileLength, c"a section has another length than the counts give"),
-        (S::FileEmpty, c"there is none of what there must be at least one"),
+        (S::FileUnexpected, c"the part may not have this section"),
+        (S::FileLength, c"a section's length does not match the counts"),
+        (S::FileEmpty, c"a count that must be at least 1 is 0"),
         (S::FileFloat, c"a float is out of range"),
         (S::FileIndex, c"an index is out of range"),
-        (S::FileMismatch, c"a number does not follow from the rest of the file"),
+        (S::FileMismatch, c"a number does not match the rest of the file"),
         (S::FileInvalid, c"an element breaks a rule of its section"),
         (S::FileTruncated, c"the file ends early"),
-        (S::FileSpace, c"the file's space is none"),
+        (S::FileSpace, c"the file's axes, handedness or unit are not valid"),
     ]
 };
 
-/// Returns what a status means, in a few words that end in a zero; of any other number, that it is
-/// unknown. Never null, valid for ever.
+/// Returns the meaning of a status as zero-terminated text. Other numbers give "unknown status". The
+/// pointer is never null and stays valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_status_text(status: i32) -> *const c_char {
     let found = TEXTS.iter().find(|(known, _)| *known as i32 == status);

@@ -1,4 +1,4 @@
-//! Skinning on the CPU, and the box that a posed skin stays within.
+//! Jobs of a skin: skinning, shapes, and the bounds of the posed skin.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
@@ -10,21 +10,22 @@ use core::ffi::c_char;
 use sinew_runtime::skin::{Bounds, Output, Rest};
 use sinew_runtime::{Matrix3x4, ShapesJob, Skin, SkinJob};
 
-/// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
-/// Zeros mean that it is not wanted; a stride without floats is `NULL`.
+/// Destination of an attribute. The i-th vertex *of the range* is written at `floats[i * stride]`. An
+/// output of zeros is left out; a stride without floats gives `NULL`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_output {
-    /// Where the range's first vertex goes. Attributes may share a buffer, each from its own first
-    /// float on: so a vertex can be interleaved.
+    /// Address for the range's first vertex. Attributes may share a buffer, each from another first float,
+    /// so that vertices are interleaved.
     pub floats: *mut f32,
-    /// Floats from there on: `(n - 1) * stride` and the attribute's own, at least, for n vertices.
+    /// Number of floats from `floats` on: for n vertices at least `(n - 1) * stride` plus the floats of the
+    /// attribute.
     pub len: usize,
-    /// Floats from one vertex to the next; at least the attribute's own, 3 or 4.
+    /// Floats from one vertex to the next: at least the 3 or 4 floats of the attribute.
     pub stride: usize,
 }
 
-/// Skins a range of vertices. Floats between attributes are left alone; where attributes overlap, the
+/// Skins a range of vertices. Floats between attributes are left unchanged. If attributes overlap, the
 /// later field of this structure wins.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -33,49 +34,49 @@ pub struct sinew_skin_job {
     pub skin: *const sinew_skin,
     /// `sinew_skin_info.palette_len` transforms, rest to posed.
     pub palette: *const sinew_matrix,
-    /// Their number.
+    /// Length of `palette`.
     pub palette_len: usize,
-    /// First vertex: of the remap where there is one, else of the skin.
+    /// First vertex: an index into the remap if there is one, otherwise into the skin.
     pub start: usize,
     /// One more than the last vertex.
     pub end: usize,
-    /// Null, or for each vertex of the engine's the skin's that it is a copy of: so that vertices which
-    /// were split along seams, or put into another order, need no second pass.
+    /// Null, or the skin vertex that each engine vertex copies. Vertices that were split along seams or
+    /// reordered then need no second pass.
     pub remap: *const u32,
-    /// Their number.
+    /// Length of `remap`.
     pub remap_len: usize,
-    /// Null, or what stands for the file's rest positions: 3 floats for each of the skin's V vertices,
-    /// of another face or body of the same topology.
+    /// Null, or rest positions that replace the file's: 3 floats for each of the skin's V vertices, of
+    /// another face or body with the same topology.
     pub rest_positions: *const f32,
-    /// Null, or what stands for the file's rest normals: 3 floats of length 1 each.
+    /// Null, or rest normals that replace the file's: 3 floats of length 1 each.
     pub rest_normals: *const f32,
-    /// Null, or what stands for the file's rest tangents: 3 floats of length 1, and the handedness.
+    /// Null, or rest tangents that replace the file's: 3 floats of length 1, and the handedness.
     pub rest_tangents: *const f32,
-    /// V, vertices of each of these three arrays that is not null.
+    /// V, the number of vertices of each of these three arrays that is not null.
     pub rest_len: usize,
-    /// Where to put positions: 3 floats, model space.
+    /// Output positions: 3 floats in model space.
     pub positions: sinew_output,
-    /// Where to put normals: 3 floats of length 1, outward also where the palette mirrors; where the
-    /// palette leaves one no direction, the rest normal, turned by the strongest influence if the skin
-    /// has tangent coefficients.
+    /// Output normals: 3 floats of length 1, outward even if the palette mirrors. If the palette gives a
+    /// normal no direction, the job writes the rest normal; with tangent coefficients, turned by the
+    /// strongest influence.
     pub normals: sinew_output,
-    /// Where to put tangents: 3 floats of length 1 (the rest tangent where the palette leaves one no
-    /// direction), then the handedness.
+    /// Output tangents: 3 floats of length 1, then the handedness. If the palette gives a tangent no
+    /// direction, the job writes the rest tangent.
     pub tangents: sinew_output,
 }
 
-/// A box along the axes, in model space.
+/// An axis-aligned box in model space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_bounds {
-    /// Least coordinates.
+    /// Smallest coordinates.
     pub min: [f32; 3],
-    /// Greatest coordinates.
+    /// Largest coordinates.
     pub max: [f32; 3],
 }
 
-/// Runs a skin job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
-/// same time, on any threads, if no output of one overlaps an output of another.
+/// Runs a skin job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `OUT_OF_RANGE`,
 /// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
@@ -101,15 +102,15 @@ pub unsafe extern "C" fn sinew_skin_run(
             file,
             job_span,
             palette.span(),
-            remap.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_positions.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_normals.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_tangents.as_ref().map_or(Span::NOWHERE, Array::span),
+            remap.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_positions.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_normals.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_tangents.as_ref().map_or(Span::EMPTY, Array::span),
         ];
         let wanted = [job.positions, job.normals, job.tangents];
         // SAFETY: lent by the caller for this call.
         let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
-        // SAFETY: lent by the caller; what is written is apart from all of this.
+        // SAFETY: lent by the caller; written memory overlaps none of it.
         let (palette, remap, rest) = unsafe {
             let rest = Rest {
                 positions: rest_positions.map(|array| array.read()),
@@ -134,11 +135,11 @@ pub unsafe extern "C" fn sinew_skin_run(
     unsafe { border::call(out_error, body) }
 }
 
-/// Computes a box that holds every vertex of the posed skin, from the palette alone.
+/// Computes a box that contains every vertex of the posed skin, from the palette alone.
 ///
 /// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
-/// - `rest_offset`: how far a rest mesh of the caller's has any position from the file's, along each
-///   axis at most; 0 for the file's own.
+/// - `rest_offset`: largest distance along an axis between a position of the caller's rest mesh and the
+///   file's; 0 for the file's own mesh.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_VERTICES`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -157,10 +158,10 @@ pub unsafe extern "C" fn sinew_skin_bounds(
         let palette =
             Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
         let out = Array::one(out_bounds, sinew_argument::Result)?;
-        border::apart(&[out.span()], &[own, model, file, palette.span()])?;
+        border::check_disjoint(&[out.span()], &[own, model, file, palette.span()])?;
         // SAFETY: lent by the caller.
         let bounds = skin.bounds(unsafe { palette.read() }, rest_offset)?;
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(checked_bounds(bounds)?) };
         Ok(())
     };
@@ -172,15 +173,15 @@ pub unsafe extern "C" fn sinew_skin_bounds(
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_shape {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// The box of how far it moves any vertex at a weight of 1, 0 among it.
+    /// Box of the offsets of all vertices at weight 1; the box contains 0.
     pub bounds: sinew_bounds,
 }
 
-/// Shapes vertices at rest: what it writes a `sinew_skin_job` takes as its rest mesh.
+/// Applies shapes to vertices at rest. A `sinew_skin_job` takes the result as its rest mesh.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct sinew_shapes_job {
@@ -188,17 +189,19 @@ pub struct sinew_shapes_job {
     pub skin: *const sinew_skin,
     /// `sinew_skin_info.shape_len` weights.
     pub weights: *const f32,
-    /// Their number.
+    /// Length of `weights`.
     pub weights_len: usize,
-    /// First vertex. Of ranges that start at multiples of 64 no sum is computed twice.
+    /// First vertex. Ranges that start at multiples of 64 compute no sum twice.
     pub start: usize,
     /// One more than the last vertex.
     pub end: usize,
-    /// Where to put positions: 3 floats, model space.
+    /// Output positions: 3 floats in model space.
     pub positions: sinew_output,
-    /// Where to put normals: 3 floats of length 1; where the shapes leave one no direction, the file's.
+    /// Output normals: 3 floats of length 1. If the shapes give a normal no direction, the job writes the
+    /// file's.
     pub normals: sinew_output,
-    /// Where to put tangents: 3 floats of length 1, likewise, then the handedness.
+    /// Output tangents: 3 floats of length 1, then the handedness. If the shapes give a tangent no
+    /// direction, the job writes the file's.
     pub tangents: sinew_output,
 }
 
@@ -213,9 +216,9 @@ pub unsafe extern "C" fn sinew_skin_shape(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let answer = |skin: &Skin<'_>| {
-        let beyond = sinew_error::beyond(sinew_argument::Shape, shape, skin.shape_len());
+        let outside = sinew_error::out_of_range(sinew_argument::Shape, shape, skin.shape_len());
         let found = skin.shape_name(shape).zip(skin.shape_box(shape));
-        let (name, Bounds { min, max }) = found.ok_or(beyond)?;
+        let (name, Bounds { min, max }) = found.ok_or(outside)?;
         let bounds = sinew_bounds { min, max };
         Ok(sinew_shape { name: name.as_ptr().cast(), name_len: name.len(), bounds })
     };
@@ -223,11 +226,11 @@ pub unsafe extern "C" fn sinew_skin_shape(
     unsafe { part::describe(skin, out_shape, out_error, answer) }
 }
 
-/// Runs a shapes job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
-/// same time, on any threads, if no output of one overlaps an output of another.
+/// Runs a shapes job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// the same time on any threads if no output of one overlaps an output of another.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`, `OUT_OF_RANGE`,
-/// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`,
+/// `OUT_OF_RANGE`, `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_shapes_run(
     job: *const sinew_shapes_job,
@@ -245,7 +248,7 @@ pub unsafe extern "C" fn sinew_shapes_run(
         let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
         let job = ShapesJob {
             skin,
-            // SAFETY: lent by the caller; what is written is apart from it.
+            // SAFETY: lent by the caller; written memory does not overlap it.
             weights: unsafe { weights.read() },
             vertices: job.start..job.end,
             positions,
@@ -258,7 +261,7 @@ pub unsafe extern "C" fn sinew_shapes_run(
     unsafe { border::call(out_error, body) }
 }
 
-/// Computes a box that holds every vertex of the shaped and posed skin, from weights and palette alone.
+/// Computes a box that contains every vertex of the shaped and posed skin, from weights and palette alone.
 ///
 /// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
 /// - `weights`, `weights_len`: `sinew_skin_info.shape_len` weights.
@@ -282,10 +285,10 @@ pub unsafe extern "C" fn sinew_shapes_bounds(
             Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
         let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights)?;
         let out = Array::one(out_bounds, sinew_argument::Result)?;
-        border::apart(&[out.span()], &[own, model, file, palette.span(), weights.span()])?;
+        border::check_disjoint(&[out.span()], &[own, model, file, palette.span(), weights.span()])?;
         // SAFETY: lent by the caller.
         let bounds = skin.shaped_bounds(unsafe { palette.read() }, unsafe { weights.read() })?;
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(checked_bounds(bounds)?) };
         Ok(())
     };
@@ -323,7 +326,7 @@ unsafe fn outputs<'a>(
         *found = array.map(|array| (array, stride));
     }
     for (array, _) in found.iter().flatten() {
-        border::apart(&[array.span()], reads)?;
+        border::check_disjoint(&[array.span()], reads)?;
     }
     // SAFETY: lent by the caller, apart from all memory that is read, and used through cells only.
     let output =

@@ -1,18 +1,18 @@
-//! C ABI of `sinew-runtime`; `include/sinew.h` is made of these sources and says the same.
+//! C ABI of `sinew-runtime`. cbindgen generates `include/sinew.h` from these sources and their doc comments.
 //!
-//! Objects lie in memory of the caller, nothing is allocated, nothing has to be freed. Each
-//! function checks what can be checked of its arguments and returns a [`sinew_status`].
+//! Objects are in the caller's memory. Nothing is allocated and nothing has to be freed. Each function checks its
+//! arguments where possible and returns a [`sinew_status`].
 #![cfg_attr(target_os = "none", no_std)]
-#![allow(non_camel_case_types, reason = "types have the names that they have in C")]
+#![allow(non_camel_case_types, reason = "types have their C names")]
 #![allow(
     clippy::missing_safety_doc,
-    reason = "what every pointer must be is stated once, at the head of the header"
+    reason = "the head of the header states the requirements of all pointers once"
 )]
 
 mod border;
 mod part;
 
-// The header's functions come in the order of these groups.
+// The header lists the functions in the order of these modules.
 mod argument;
 mod error;
 
@@ -48,19 +48,19 @@ pub use views::*;
 
 use core::ffi::c_char;
 
-/// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
+/// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
 ///
-/// It grows when a function, a structure or the meaning of a number changes.
+/// The version grows when a function, a structure or the meaning of a number changes.
 pub const SINEW_ABI_VERSION: u32 = 9;
 
-/// Returns the version of the ABI, to be compared with `SINEW_ABI_VERSION` where the library is
-/// loaded at run time.
+/// Returns the version of the library's ABI. A program that loads the library at run time compares the
+/// version with `SINEW_ABI_VERSION`.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_abi_version() -> u32 {
     SINEW_ABI_VERSION
 }
 
-/// Returns the version of the library, as text that ends in a zero.
+/// Returns the version of the library as zero-terminated text.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
@@ -73,7 +73,7 @@ pub extern "C" fn sinew_format_version() -> u32 {
     u32::from(sinew_runtime::format::VERSION)
 }
 
-/// Stops: nothing here panics, but a bare target's linker asks for it.
+/// Stops. No code of this crate panics, but the linker of a bare target requires a handler.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

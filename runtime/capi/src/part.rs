@@ -110,7 +110,7 @@ impl Opening {
             let text = Array::new(name.cast::<u8>(), name_len, sinew_argument::Name)?;
             let place = border::place::<T>(memory, memory_bytes)?;
             let out = Array::one(out_part, sinew_argument::Result)?;
-            border::apart(&[place.span(), out.span()], &[handle, file, text.span()])?;
+            border::check_disjoint(&[place.span(), out.span()], &[handle, file, text.span()])?;
             let layout = if name.is_null() {
                 T::find(loaded, None, index)
             } else {
@@ -122,7 +122,7 @@ impl Opening {
             let object = T::wrap(Loaded::new::<T>(Opened { layout, model }));
             // SAFETY: the memory is large enough, aligned, lent by the caller, and overlaps nothing that is read.
             unsafe { place.store(object) };
-            // SAFETY: one element, which the caller lets be written.
+            // SAFETY: one element, which the caller allows to be written.
             unsafe { out.store(memory.cast_const().cast()) };
             Ok(())
         };
@@ -177,9 +177,9 @@ pub(crate) unsafe fn describe<'a, T: Part + 'a, V>(
         // SAFETY: the caller's promise is passed on.
         let (view, reads) = unsafe { view(at) }?;
         let out = Array::one(out, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+        border::check_disjoint(&[out.span()], &reads)?;
         let value = answer(&view)?;
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(value) };
         Ok(())
     };
@@ -223,7 +223,7 @@ impl<I, O> Evaluation<I, O> {
             let (input, scratch) = (self.input?, self.scratch?);
             let (output, confidences) = (self.output?, self.confidences?);
             let written = [scratch.span(), output.span(), confidences.span()];
-            border::apart(&written, &[own, model, file, input.span()])?;
+            border::check_disjoint(&written, &[own, model, file, input.span()])?;
             // SAFETY: lent by the caller; written memory overlaps nothing else.
             let slices = unsafe {
                 Slices {

@@ -2,8 +2,8 @@
 #![allow(missing_docs, unreachable_pub, reason = "a module of a test")]
 
 use sinew_capi::*;
-use sinew_runtime::{LocalTransform, Matrix3x4};
-use std::ffi::c_char;
+use sinew_runtime::{FileErrorKind, LocalTransform, Matrix3x4};
+use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
@@ -31,31 +31,35 @@ pub fn memory(words: usize) -> Memory {
     vec![MaybeUninit::uninit(); words]
 }
 
-/// A loaded model, with the memory that it lies in; the tests keep its file.
+/// A loaded model and its memory. Tests keep the file.
 pub struct Loaded {
     memory: Memory,
     pub handle: *const sinew_model,
 }
 
-/// An envelope of a model.
-pub struct Envelope {
+/// An open part of a model and its memory.
+pub struct Part<T> {
     memory: Memory,
-    pub handle: *const sinew_envelope,
+    pub handle: *const T,
 }
 
-/// A skin of a model.
-pub struct Skin {
-    memory: Memory,
-    pub handle: *const sinew_skin,
-}
+pub type Envelope = Part<sinew_envelope>;
+pub type Skin = Part<sinew_skin>;
+pub type Kernel = Part<sinew_kernel>;
 
-/// A kernel of a model.
-pub struct Kernel {
-    memory: Memory,
-    pub handle: *const sinew_kernel,
-}
+/// A function that opens a part.
+type Open<T> = unsafe extern "C" fn(
+    *const sinew_model,
+    *const c_char,
+    usize,
+    usize,
+    *mut c_void,
+    usize,
+    *mut *const T,
+    *mut sinew_error,
+) -> sinew_status;
 
-// SAFETY: the library promises that loaded objects may be shared, and the tests that the file stays.
+// SAFETY: the library promises that threads may share loaded objects, and tests keep the file.
 unsafe impl Sync for Skin {}
 
 impl Loaded {
@@ -81,57 +85,49 @@ impl Loaded {
     }
 
     pub fn envelope(&self, name: Option<&str>, index: usize) -> Result<Envelope, sinew_status> {
-        let mut envelope = Envelope { memory: memory(SINEW_ENVELOPE_WORDS), handle: null() };
-        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (envelope.memory.as_mut_ptr().cast(), size_of_val(&*envelope.memory));
-        let out = &raw mut envelope.handle;
-        // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_envelope_open(self.handle, at, len, index, place, bytes, out, NONE) } {
-            sinew_status::Ok => {
-                assert_eq!(envelope.handle.addr(), envelope.memory.as_ptr().addr());
-                Ok(envelope)
-            }
-            status => Err(status),
-        }
+        self.open(sinew_envelope_open, SINEW_ENVELOPE_WORDS, name, index)
     }
 
     pub fn skin(&self, name: Option<&str>, index: usize) -> Result<Skin, sinew_status> {
-        let mut skin = Skin { memory: memory(SINEW_SKIN_WORDS), handle: null() };
+        self.open(sinew_skin_open, SINEW_SKIN_WORDS, name, index)
+    }
+
+    pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
+        self.open(sinew_kernel_open, SINEW_KERNEL_WORDS, name, index)
+    }
+
+    /// Opens the `index`-th part with this name, or the `index`-th of all, in memory of `words` words.
+    pub fn open<T>(
+        &self,
+        open: Open<T>,
+        words: usize,
+        name: Option<&str>,
+        index: usize,
+    ) -> Result<Part<T>, sinew_status> {
+        let mut part = Part { memory: memory(words), handle: null() };
         let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (skin.memory.as_mut_ptr().cast(), size_of_val(&*skin.memory));
-        let out = &raw mut skin.handle;
+        let (place, bytes) = (part.memory.as_mut_ptr().cast(), size_of_val(&*part.memory));
+        let out = &raw mut part.handle;
         // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_skin_open(self.handle, at, len, index, place, bytes, out, NONE) } {
+        match unsafe { open(self.handle, at, len, index, place, bytes, out, NONE) } {
             sinew_status::Ok => {
-                assert_eq!(skin.handle.addr(), skin.memory.as_ptr().addr());
-                Ok(skin)
+                assert_eq!(part.handle.addr(), part.memory.as_ptr().addr());
+                Ok(part)
             }
             status => Err(status),
         }
     }
 }
 
-impl Loaded {
-    pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
-        let mut kernel = Kernel { memory: memory(SINEW_KERNEL_WORDS), handle: null() };
-        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (kernel.memory.as_mut_ptr().cast(), size_of_val(&*kernel.memory));
-        let out = &raw mut kernel.handle;
-        // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_kernel_open(self.handle, at, len, index, place, bytes, out, NONE) } {
-            sinew_status::Ok => Ok(kernel),
-            status => Err(status),
-        }
-    }
-}
-
-impl Kernel {
-    /// Copies the object's memory elsewhere.
+impl<T> Part<T> {
+    /// Copies the object to other memory.
     pub fn moved(&self) -> Self {
         let memory = self.memory.clone();
         Self { handle: memory.as_ptr().cast(), memory }
     }
+}
 
+impl Kernel {
     pub fn info(&self) -> sinew_kernel_info {
         // SAFETY: an open kernel and one structure to be written.
         get(|out| unsafe { sinew_kernel_describe(self.handle, out, NONE) })
@@ -139,12 +135,6 @@ impl Kernel {
 }
 
 impl Envelope {
-    /// Copies the object's memory elsewhere.
-    pub fn moved(&self) -> Self {
-        let memory = self.memory.clone();
-        Self { handle: memory.as_ptr().cast(), memory }
-    }
-
     pub fn info(&self) -> sinew_envelope_info {
         // SAFETY: an open envelope and one structure to be written.
         get(|out| unsafe { sinew_envelope_describe(self.handle, out, NONE) })
@@ -192,12 +182,6 @@ impl Envelope {
 }
 
 impl Skin {
-    /// Copies the object's memory elsewhere.
-    pub fn moved(&self) -> Self {
-        let memory = self.memory.clone();
-        Self { handle: memory.as_ptr().cast(), memory }
-    }
-
     pub fn info(&self) -> sinew_skin_info {
         // SAFETY: an open skin and one structure to be written.
         get(|out| unsafe { sinew_skin_describe(self.handle, out, NONE) })
@@ -287,6 +271,11 @@ pub fn output(floats: &mut [f32], stride: usize) -> sinew_output {
 
 pub fn matrices(transforms: &[Matrix3x4]) -> *const sinew_matrix {
     transforms.as_ptr().cast()
+}
+
+/// Returns an error of a file, which is not what a refused call writes.
+pub fn unwritten() -> sinew_error {
+    crate::common::file_error(FileErrorKind::Index).into()
 }
 
 pub fn done(status: sinew_status) {

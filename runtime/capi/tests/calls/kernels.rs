@@ -1,6 +1,6 @@
 //! Kernels: what they say of themselves, the runtime's bits, and calls that are refused.
 
-use crate::handles::{Kernel, Loaded, NONE, done, get, name};
+use crate::handles::{Kernel, Loaded, NONE, done, get, name, unwritten};
 use models::{KernelContent, Pieces, Rng};
 use sinew_capi::*;
 use sinew_runtime::{KernelMap, Model};
@@ -35,8 +35,7 @@ fn by(
     len: usize,
 ) -> Result<Vec<f32>, sinew_error> {
     let (mut scratch, mut out) = (vec![f32::NAN; scratch_len], vec![f32::NAN; len]);
-    let mut error =
-        sinew_error::from(crate::common::file_error(sinew_runtime::FileErrorKind::Index));
+    let mut error = unwritten();
     let (at, room, told) = (scratch.as_mut_ptr(), out.as_mut_ptr(), &raw mut error);
     let (k, q) = (kernel.handle, query.as_ptr());
     // SAFETY: an open kernel and three arrays with their lengths, and a structure to be written.

@@ -10,7 +10,6 @@ mod handles;
 mod kernels;
 mod posed;
 mod priors;
-mod refused;
 mod views;
 
 use handles::Loaded;

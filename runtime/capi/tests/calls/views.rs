@@ -1,6 +1,6 @@
 //! Views: what they say of themselves, the runtime's bits, and calls that are refused.
 
-use crate::handles::{Loaded, NONE, done, name};
+use crate::handles::{Loaded, NONE, done, get, name, unwritten};
 use models::{KernelContent, Pieces, Rng, ViewsContent};
 use sinew_capi::*;
 use sinew_runtime::views::{Layer, RenderScratch};
@@ -10,22 +10,9 @@ use std::ptr::{null, null_mut};
 /// Pixels of a picture, in rows of 48.
 const PIXELS: usize = 48 * 40;
 
-fn opened(loaded: &Loaded, memory: &mut [usize]) -> *const sinew_views {
-    let mut views = null();
-    let bytes = size_of_val(memory);
-    let at = memory.as_mut_ptr().cast();
-    // SAFETY: a loaded model, no name, memory with its length, and a handle to be written.
-    done(unsafe { sinew_views_open(loaded.handle, null(), 0, 0, at, bytes, &raw mut views, NONE) });
-    views
-}
-
 fn described(views: *const sinew_views) -> sinew_views_info {
-    let mut info = std::mem::MaybeUninit::<sinew_views_info>::uninit();
     // SAFETY: open views and a structure to be written.
-    unsafe {
-        done(sinew_views_describe(views, info.as_mut_ptr(), NONE));
-        info.assume_init()
-    }
+    get(|out| unsafe { sinew_views_describe(views, out, NONE) })
 }
 
 #[test]
@@ -33,15 +20,11 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
     let [file, _] = Pieces::viewed().map(|pieces| pieces.bytes());
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
     let expected = model.views().unwrap();
-    let mut memory = [0; SINEW_VIEWS_WORDS];
-    let views = opened(&loaded, &mut memory);
+    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let views = opened.handle;
     let info = described(views);
-    let mut map = std::mem::MaybeUninit::<sinew_map_info>::uninit();
     // SAFETY: open views and a structure to be written.
-    let map = unsafe {
-        done(sinew_views_map(views, 1, map.as_mut_ptr(), NONE));
-        map.assume_init()
-    };
+    let map = get(|out| unsafe { sinew_views_map(views, 1, out, NONE) });
     assert_eq!(name(info.name, info.name_len), "object");
     assert_eq!((info.part, info.is_transferred, info.map_len), (2, 0, 2));
     assert_eq!((info.has_depth, info.has_groups, info.has_clips), (0, 1, 1));
@@ -112,15 +95,14 @@ fn layers_of_depth_are_drawn_with_the_bits_of_the_runtime() {
     let file = pieces.bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
     let views = model.views().unwrap();
-    let mut memory = [0; SINEW_VIEWS_WORDS];
-    let handle = opened(&loaded, &mut memory);
-    let info = described(handle);
+    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let info = described(opened.handle);
     assert_eq!((info.has_depth, info.has_groups, info.has_clips), (1, 1, 1));
     let mut frame = Given::default();
     let map = model.map_of(&views, 0).unwrap();
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
     FrameJob { views, map, parameters: &[0.25; 2] }.run(&mut scratch, frame.frame()).unwrap();
-    drawn(handle, &views, &frame);
+    drawn(opened.handle, &views, &frame);
 }
 
 /// What a frame gives.
@@ -208,16 +190,7 @@ fn refused(job: &sinew_render_job, views: &Views<'_>) {
     let refused = |edit: &dyn Fn(&mut sinew_render_job)| {
         let mut other = *job;
         edit(&mut other);
-        let (ok, call) = (sinew_status::Ok, sinew_argument::Call);
-        let mut error = sinew_error {
-            status: ok,
-            argument: call,
-            part: 0,
-            section: 0,
-            index: 0,
-            expected: 0,
-            found: 0,
-        };
+        let mut error = unwritten();
         // SAFETY: as the job, but for what the call refuses.
         let status = unsafe { sinew_views_render(&raw const other, null_mut(), &raw mut error) };
         (status, error.argument)

@@ -1,8 +1,7 @@
 //! The C example on a Cortex-M4F: cross-compiled, linked with the M4F library, run in QEMU.
 
-use crate::common::{
-    GOLDEN_NAMES, STRICT, bare_library, golden_path, output, package, printed, readme, scratch,
-};
+use crate::{STRICT, bare_library, output, package, printed, readme, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use sinew_runtime::Model;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,8 +1,7 @@
 //! The examples and what sinew.hpp promises, by this machine's C and C++ compilers.
 
-use crate::common::{
-    GOLDEN_NAMES, STRICT, golden_path, libraries, output, package, printed, readme, scratch,
-};
+use crate::{STRICT, libraries, output, package, printed, readme, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -1,7 +1,8 @@
 //! What the README says of linking: a CMake project, the shared library's name, the C++ example.
 
-use crate::common::{GOLDEN_NAMES, golden_path, libraries, output, package, scratch};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
+use crate::{libraries, output, package, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use sinew_runtime::{LocalTransform, Matrix3x4, Model, model_space_pose};
 use std::fmt::Write;
 use std::process::Command;

@@ -1,8 +1,8 @@
 //! What sinew.hpp has of shapes, priors, pins, views and filters, against the runtime.
 
-use crate::common::{golden_path, output};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
-use models::{FACE_NAME, VIEWED_NAMES};
+use crate::output;
+use models::{FACE_NAME, VIEWED_NAMES, golden_path};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output, cells};
 use sinew_runtime::views::RenderScratch;
