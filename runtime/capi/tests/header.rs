@@ -1,15 +1,15 @@
-//! The committed header is what cbindgen makes of the sources; it and the README list every status.
-#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+//! The committed header matches the output of cbindgen. Header and README list every status.
+#![allow(clippy::unwrap_used, reason = "a helper's failure is a failure of its test")]
 
 use sinew_capi::{sinew_argument_text, sinew_status_text};
 use std::ffi::{CStr, c_char};
 use std::{env, fs, path::Path};
 
-/// Set to write the header instead of comparing it; `cargo xtask header` does.
+/// Environment variable that makes the test write the header; `cargo xtask header` sets it.
 const WRITE: &str = "SINEW_WRITE_HEADER";
 
 #[test]
-fn the_header_is_that_of_the_sources() {
+fn the_header_is_up_to_date() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(package.join("cbindgen.toml")).unwrap();
     let mut made = Vec::new();
@@ -29,7 +29,7 @@ fn the_header_is_that_of_the_sources() {
 fn every_number_has_a_text_and_no_other_has() {
     let statuses = listed("SINEW_STATUS_");
     let arguments = listed("SINEW_ARGUMENT_");
-    // Of the runtime's kinds none is missing: `calls/errors.rs` counts 12 for calls and 21 for files.
+    // `calls/errors.rs` lists the runtime's kinds: 12 for calls and 21 for files.
     let within = |range: std::ops::Range<i64>| {
         statuses.iter().filter(|(_, number)| range.contains(number)).count()
     };
@@ -56,11 +56,11 @@ fn the_readme_has_every_status() {
 }
 
 fn text(text: *const c_char) -> &'static str {
-    // SAFETY: the library's texts end in a zero and are valid for ever.
+    // SAFETY: the library's texts end in a zero and stay valid.
     unsafe { CStr::from_ptr(text) }.to_str().unwrap()
 }
 
-/// Lists what a header's enumeration names, with its numbers.
+/// Lists the names and numbers of an enumeration of the header.
 fn listed(prefix: &str) -> Vec<(String, i64)> {
     let header = concat!(env!("CARGO_MANIFEST_DIR"), "/include/sinew.h");
     let header = fs::read_to_string(header).unwrap();

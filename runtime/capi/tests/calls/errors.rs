@@ -1,4 +1,4 @@
-//! Calls that are refused, what the error says, and how the runtime's errors become those of C.
+//! Refused calls, the fields of their errors, and the conversion of the runtime's errors to C.
 
 use crate::handles::{self, Loaded, NONE, done, get, matrices, output, unwritten};
 use crate::{Both, EMPTY, common, with};
@@ -11,8 +11,7 @@ use std::ffi::CStr;
 use std::fmt::Debug;
 use std::ptr::{null, null_mut};
 
-/// What was opened of a file is refused once its model holds another, and nothing of the file that is
-/// gone is read: under Miri that would be an error.
+/// Calls refuse a part after its model has loaded another file. They do not read the old file, which Miri would report.
 #[test]
 fn a_stale_part_is_refused() {
     let file = Pieces::small(Predictor::Kernel).bytes();
@@ -59,7 +58,7 @@ fn a_stale_part_is_refused() {
     assert_eq!(envelope.palette(&pose).0, palette);
 }
 
-/// A name of some bytes that is nowhere is none at all, and no name but null and 0 stands for any.
+/// A null name with a length is refused. Only a null name of length 0 matches every part.
 #[test]
 fn a_null_name_of_some_length_is_refused() {
     let file = Pieces::small(Predictor::Rotational).bytes();
@@ -69,10 +68,10 @@ fn a_null_name_of_some_length_is_refused() {
     macro_rules! opened {
         ($open:ident, $len:expr) => {{
             let mut error = unwritten();
-            let (mut out, told) = (null(), &raw mut error);
+            let (mut out, out_error) = (null(), &raw mut error);
             // SAFETY: a loaded model, memory with its length, and two values to be written; the name is null.
             let status =
-                unsafe { $open(model.handle, null(), $len, 0, at, bytes, &raw mut out, told) };
+                unsafe { $open(model.handle, null(), $len, 0, at, bytes, &raw mut out, out_error) };
             assert_eq!(out.is_null(), status != sinew_status::Ok);
             (status, error.argument)
         }};
@@ -104,7 +103,7 @@ fn a_mesh_without_vertices_has_no_bounds() {
             let status = unsafe { sinew_skin_bounds(skin.handle, at, len, 0.0, out, NONE) };
             assert_eq!(status, sinew_status::NoVertices);
             assert_eq!(bounds, sinew_bounds { min: [7.0; 3], max: [7.0; 3] });
-            // Outputs of no length are outputs; without any there is nothing to do.
+            // An output of length 0 counts as an output; a job without outputs is refused.
             let mut none: [f32; 0] = [];
             let mut job = skin.job(&palette, 0..0);
             // SAFETY: every pointer of the job comes with its length.
@@ -145,7 +144,7 @@ fn errors_say_what_was_expected_and_found() {
             let status = unsafe { sinew_model_section(model.handle, part, kind, out, at) };
             assert_eq!((status, error), (sinew_status::NotFound, not_found(part, kind)));
         }
-        // A limit names the count of its section.
+        // The error about a limit names the section and the index of the count.
         // SAFETY: one structure to be written.
         let mut limits = get(|out| unsafe { sinew_limits_default(out, NONE) });
         limits.vertices = 1;
@@ -153,9 +152,9 @@ fn errors_say_what_was_expected_and_found() {
         let mut place = handles::memory(SINEW_MODEL_WORDS);
         let (at, bytes, mut out) = (place.as_mut_ptr().cast(), size_of_val(&*place), null());
         let (file, len, limits) = (file.as_ptr(), file.len(), &raw const limits);
-        let (out, told) = (&raw mut out, &raw mut error);
+        let (out, out_error) = (&raw mut out, &raw mut error);
         // SAFETY: memory and a file with their lengths, limits, and two values to be written.
-        let status = unsafe { sinew_model_load(at, bytes, file, len, limits, out, told) };
+        let status = unsafe { sinew_model_load(at, bytes, file, len, limits, out, out_error) };
         let too_many = sinew_error {
             status: sinew_status::FileLimit,
             argument: sinew_argument::File,
@@ -169,7 +168,7 @@ fn errors_say_what_was_expected_and_found() {
     });
 }
 
-/// Each output is compared with all that is read, and with nothing else.
+/// Each output is compared with all memory that the job reads, and with no other memory.
 #[test]
 fn an_output_over_an_input_is_refused() {
     let file = Pieces::small(Predictor::Rotational).bytes();
@@ -180,7 +179,7 @@ fn an_output_over_an_input_is_refused() {
         let mut rest = vec![[0.0f32; 4]; 3 * v];
         let (mut remap, mut out) = (vec![0u32; v], vec![f32::NAN; 4 * v]);
         let place = palette.as_mut_ptr();
-        // SAFETY: the palette, by the pointer that outputs are drawn from too.
+        // SAFETY: the palette, through the pointer that outputs are derived from.
         let transforms: &[Matrix3x4] = unsafe { std::slice::from_raw_parts(place, palette.len()) };
         let mut job = skin.job(transforms, 0..v);
         let [positions, normals, tangents] =
@@ -210,7 +209,7 @@ fn an_output_over_an_input_is_refused() {
             [sinew_argument::Positions, sinew_argument::Normals, sinew_argument::Tangents];
         let run = |wanted: sinew_skin_job| {
             let mut error = unwritten();
-            // SAFETY: the job's own memory; every pointer of it comes with its length.
+            // SAFETY: memory for a job, of which every pointer comes with its length.
             let status = unsafe {
                 job_at.write(wanted);
                 sinew_skin_run(job_at, &raw mut error)
@@ -228,7 +227,7 @@ fn an_output_over_an_input_is_refused() {
     });
 }
 
-/// Every kind; `header/statuses.rs` counts the header's statuses against them.
+/// Every kind; `header.rs` compares the number of the header's statuses with them.
 const CALL_KINDS: [CallErrorKind; 12] = {
     use CallErrorKind::*;
     [
@@ -317,7 +316,7 @@ fn kinds_and_arguments_keep_their_names_and_order() {
     for (argument, number) in ARGUMENTS.into_iter().zip(0..) {
         let same = sinew_argument::from(argument);
         assert_eq!((name(same), same as u32), (name(argument), number));
-        // SAFETY: the library's texts end in a zero and are valid for ever.
+        // SAFETY: the library's texts end in a zero and stay valid.
         let text = unsafe { CStr::from_ptr(sinew_argument_text(same as u32)) };
         assert_eq!(text.to_str(), Ok(argument.name()));
     }

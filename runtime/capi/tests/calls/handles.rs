@@ -1,4 +1,4 @@
-//! Handles to the parts of a file, and calls in Rust's types.
+//! Handles to a model and its parts, and the C calls with Rust's types.
 #![allow(missing_docs, unreachable_pub, reason = "a module of a test")]
 
 use sinew_capi::*;
@@ -8,10 +8,10 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
 
-/// No interest in the error.
+/// Null: the test does not need the error.
 pub const NONE: *mut sinew_error = null_mut();
 
-/// What computes a palette.
+/// A function that computes a palette.
 pub type PaletteCall = unsafe extern "C" fn(
     *const sinew_envelope,
     *const sinew_matrix,
@@ -24,7 +24,7 @@ pub type PaletteCall = unsafe extern "C" fn(
     *mut sinew_error,
 ) -> sinew_status;
 
-/// Memory of an object. A vector's may be pointed to while the vector is moved.
+/// Memory of an object. A vector keeps its memory in place when the vector moves.
 pub type Memory = Vec<MaybeUninit<usize>>;
 
 pub fn memory(words: usize) -> Memory {
@@ -63,7 +63,7 @@ type Open<T> = unsafe extern "C" fn(
 unsafe impl Sync for Skin {}
 
 impl Loaded {
-    /// Loads a file, which must outlive what is done with it.
+    /// Loads a file, which must outlive the model and its parts.
     pub fn new(file: &[u8]) -> Self {
         let mut loaded = Self { memory: memory(SINEW_MODEL_WORDS), handle: null() };
         done(loaded.load(file));
@@ -164,7 +164,7 @@ impl Envelope {
         (palette, confidence)
     }
 
-    /// Computes the palettes of several poses, one after the other.
+    /// Computes the palettes of several poses in one call.
     pub fn palettes(&self, poses: &[Matrix3x4], pose_len: usize) -> (Vec<Matrix3x4>, Vec<f32>) {
         let info = self.info();
         let mut scratch = vec![f32::NAN; info.scratch_len];
@@ -209,7 +209,7 @@ impl Skin {
         get(|out| unsafe { sinew_shapes_bounds(self.handle, at, len, w, weights.len(), out, NONE) })
     }
 
-    /// Makes a job of shapes that writes nothing yet.
+    /// Makes a shapes job without outputs.
     pub fn shapes_job(&self, weights: &[f32], vertices: Range<usize>) -> sinew_shapes_job {
         let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
         sinew_shapes_job {
@@ -224,7 +224,7 @@ impl Skin {
         }
     }
 
-    /// Makes a job that writes nothing yet.
+    /// Makes a skin job without outputs.
     pub fn job(&self, palette: &[Matrix3x4], vertices: Range<usize>) -> sinew_skin_job {
         let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
         sinew_skin_job {
@@ -245,8 +245,8 @@ impl Skin {
         }
     }
 
-    /// Runs a job with positions, normals (3 each) and tangents (4), each in a run of its own; without
-    /// tangents where the skin has none.
+    /// Runs a job with packed outputs and returns them in this order: positions (3 floats), normals (3) and tangents (4),
+    /// which are missing if the skin has none.
     pub fn run(&self, job: sinew_skin_job) -> Vec<f32> {
         let n = job.end - job.start;
         let mut out = [vec![f32::NAN; 3 * n], vec![f32::NAN; 3 * n], vec![f32::NAN; 4 * n]];
@@ -264,7 +264,7 @@ impl Skin {
     }
 }
 
-/// Puts an attribute into floats of its own.
+/// Makes an output that fills all of `floats`.
 pub fn output(floats: &mut [f32], stride: usize) -> sinew_output {
     sinew_output { floats: floats.as_mut_ptr(), len: floats.len(), stride }
 }
@@ -273,7 +273,7 @@ pub fn matrices(transforms: &[Matrix3x4]) -> *const sinew_matrix {
     transforms.as_ptr().cast()
 }
 
-/// Returns an error of a file, which is not what a refused call writes.
+/// Returns an error that no refused call writes: an error about a file.
 pub fn unwritten() -> sinew_error {
     crate::common::file_error(FileErrorKind::Index).into()
 }
@@ -282,7 +282,7 @@ pub fn done(status: sinew_status) {
     assert_eq!(status, sinew_status::Ok);
 }
 
-/// Gets a value that a function writes.
+/// Returns the value that a successful call writes.
 pub fn get<T>(call: impl FnOnce(*mut T) -> sinew_status) -> T {
     let mut out = MaybeUninit::uninit();
     done(call(out.as_mut_ptr()));
@@ -292,6 +292,6 @@ pub fn get<T>(call: impl FnOnce(*mut T) -> sinew_status) -> T {
 
 /// Reads a name that a call has returned.
 pub fn name<'a>(at: *const c_char, len: usize) -> &'a str {
-    // SAFETY: a name lies in the file, which the test keeps.
+    // SAFETY: the name is in the file, which the test keeps.
     str::from_utf8(unsafe { std::slice::from_raw_parts(at.cast(), len) }).unwrap()
 }

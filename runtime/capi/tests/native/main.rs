@@ -1,5 +1,5 @@
-//! The examples, compiled and run: by this machine's compilers, and on a Cortex-M4F.
-#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+//! Compiles and runs the examples: with this machine's compilers, and on a Cortex-M4F.
+#![allow(clippy::unwrap_used, reason = "a helper's failure is a failure of its test")]
 
 mod cortex;
 mod host;
@@ -18,21 +18,21 @@ fn package() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns a block of C from the README, counted from 0.
-fn readme(block: usize) -> String {
+/// Returns the `block`-th block of a language in the README, counted from 0.
+fn readme(language: &str, block: usize) -> String {
     let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
-    let code = readme.split("```c\n").nth(1 + block).unwrap();
+    let code = readme.split(&format!("```{language}\n")).nth(1 + block).unwrap();
     code.split_once("```").unwrap().0.to_owned()
 }
 
-/// A folder of this package's own under the target folder.
+/// Creates this package's folder under the target folder.
 fn scratch() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi");
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Runs a command to its end and returns what it prints.
+/// Runs a command to its end and returns its standard output.
 fn output(command: &mut Command, install: &str) -> String {
     let program = command.get_program().to_string_lossy().into_owned();
     let done = command.output();
@@ -42,7 +42,7 @@ fn output(command: &mut Command, install: &str) -> String {
     out.into_owned()
 }
 
-/// Builds the static and the shared library for this machine, and returns their folder.
+/// Builds the static and the shared library for this machine and returns their folder.
 fn libraries() -> PathBuf {
     cargo(&["rustc", "--crate-type", "staticlib,cdylib"]).join("embed")
 }
@@ -54,7 +54,7 @@ fn bare_library(target: &str) -> PathBuf {
         .join("embed/libsinew_capi.a")
 }
 
-/// Runs cargo in a target folder of its own: that of the tests is locked while they run.
+/// Runs cargo in a separate target folder, because the folder of the tests is locked while they run.
 fn cargo(arguments: &[&str]) -> PathBuf {
     let folder = scratch().join("target");
     let mut cargo = Command::new(env!("CARGO"));
@@ -65,7 +65,7 @@ fn cargo(arguments: &[&str]) -> PathBuf {
     folder
 }
 
-/// Computes what the examples print, with the runtime itself; their poses are drawn the same way.
+/// Computes the output of the examples with the runtime; random numbers are those of the examples.
 fn printed(file: &[u8], poses: usize) -> String {
     let model = Model::from_bytes(file).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
