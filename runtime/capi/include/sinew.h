@@ -593,7 +593,7 @@ typedef struct sinew_certificate {
     float same_clips_rms;
     /// RMS error of linear blend skinning over vertices and training frames.
     float lbs_training_rms;
-    /// Largest distance by which rounding of the correction may move a vertex; 0 without a correction.
+    /// Largest displacement of a vertex by rounding of the correction; 0 without a correction.
     float correction_error;
     /// RMS error of `SINEW_LEVEL_JOINTS` over vertices and training frames.
     float base_training_rms;
@@ -696,7 +696,8 @@ typedef struct sinew_pose_fault {
 typedef struct sinew_kernel_fit {
     /// RMS residual over the samples.
     float rms_residual;
-    /// RMS error when each sample is left out of its own fit; 0 if not computed.
+    /// Left-out RMS error: the prediction of each sample comes from a fit without the sample; 0 if not
+    /// computed.
     float left_out_rms;
     /// Largest bound found on rounding errors in single precision.
     float rounding_error;
@@ -933,7 +934,7 @@ typedef struct sinew_prior_info {
     size_t scratch_len;
     /// Doubles of scratch for each scalar of the pins; a pin has at most three scalars.
     size_t scratch_len_each;
-    /// Square of the distance by which a pin of stiffness 1 may miss its target.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target.
     float beta;
     /// Number of frames that the prior was learned from; 0 if it was not learned.
     float frames;
@@ -977,8 +978,8 @@ typedef struct sinew_pin_job {
     uint32_t is_bounded;
     /// 1 to hold the smaller weight of each mutually exclusive pair at 0, otherwise 0.
     uint32_t cancels;
-    /// Square of the distance by which a pin of stiffness 1 may miss its target: `sinew_prior_info.beta` or
-    /// another value.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target: `sinew_prior_info.beta`
+    /// or another value.
     float beta;
     /// Weight of the symmetry term: 0 leaves the term out, 1 uses the prior's stiffness.
     float symmetry;
@@ -1051,7 +1052,8 @@ typedef struct sinew_views_info {
     size_t height;
     /// RMS distance to the examples over points and examples.
     float rms_error;
-    /// RMS distance when each example is left out of its own fit; 0 if not measured.
+    /// Left-out RMS distance: the prediction of each example comes from a fit without the example; 0 if not
+    /// measured.
     float left_out_rms;
     /// Share of points with the visibility of the examples.
     float visibility;

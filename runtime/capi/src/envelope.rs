@@ -82,7 +82,7 @@ pub struct sinew_certificate {
     pub same_clips_rms: f32,
     /// RMS error of linear blend skinning over vertices and training frames.
     pub lbs_training_rms: f32,
-    /// Largest distance by which rounding of the correction may move a vertex; 0 without a correction.
+    /// Largest displacement of a vertex by rounding of the correction; 0 without a correction.
     pub correction_error: f32,
     /// RMS error of `SINEW_LEVEL_JOINTS` over vertices and training frames.
     pub base_training_rms: f32,

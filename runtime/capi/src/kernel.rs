@@ -31,7 +31,8 @@ part::part! {
 pub struct sinew_kernel_fit {
     /// RMS residual over the samples.
     pub rms_residual: f32,
-    /// RMS error when each sample is left out of its own fit; 0 if not computed.
+    /// Left-out RMS error: the prediction of each sample comes from a fit without the sample; 0 if not
+    /// computed.
     pub left_out_rms: f32,
     /// Largest bound found on rounding errors in single precision.
     pub rounding_error: f32,

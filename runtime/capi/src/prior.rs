@@ -52,7 +52,7 @@ pub struct sinew_prior_info {
     pub scratch_len: usize,
     /// Doubles of scratch for each scalar of the pins; a pin has at most three scalars.
     pub scratch_len_each: usize,
-    /// Square of the distance by which a pin of stiffness 1 may miss its target.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target.
     pub beta: f32,
     /// Number of frames that the prior was learned from; 0 if it was not learned.
     pub frames: f32,
@@ -100,8 +100,8 @@ pub struct sinew_pin_job {
     pub is_bounded: u32,
     /// 1 to hold the smaller weight of each mutually exclusive pair at 0, otherwise 0.
     pub cancels: u32,
-    /// Square of the distance by which a pin of stiffness 1 may miss its target: `sinew_prior_info.beta` or
-    /// another value.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target: `sinew_prior_info.beta`
+    /// or another value.
     pub beta: f32,
     /// Weight of the symmetry term: 0 leaves the term out, 1 uses the prior's stiffness.
     pub symmetry: f32,

@@ -66,7 +66,8 @@ pub struct sinew_views_info {
     pub height: usize,
     /// RMS distance to the examples over points and examples.
     pub rms_error: f32,
-    /// RMS distance when each example is left out of its own fit; 0 if not measured.
+    /// Left-out RMS distance: the prediction of each example comes from a fit without the example; 0 if not
+    /// measured.
     pub left_out_rms: f32,
     /// Share of points with the visibility of the examples.
     pub visibility: f32,

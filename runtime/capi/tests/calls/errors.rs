@@ -209,7 +209,7 @@ fn an_output_over_an_input_is_refused() {
             [sinew_argument::Positions, sinew_argument::Normals, sinew_argument::Tangents];
         let run = |wanted: sinew_skin_job| {
             let mut error = unwritten();
-            // SAFETY: memory for a job, of which every pointer comes with its length.
+            // SAFETY: memory for a job; each pointer of the job comes with its length.
             let status = unsafe {
                 job_at.write(wanted);
                 sinew_skin_run(job_at, &raw mut error)
