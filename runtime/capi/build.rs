@@ -1,4 +1,4 @@
-//! Names the shared library, so that a program looks for that name and not for the path that it was linked by.
+//! Sets the name of the shared library. Programs then search for this name, not for the path at link time.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,5 +1,5 @@
-// Skinning beside ozz-animation's SkinningJob: one process, one core, one mesh, the same influences; poses taken in
-// turn, medians of 301 runs each. trainer/COMPARE.md has the figures.
+// Compares skinning with ozz-animation's SkinningJob in one process on one core. Both skin one mesh with equal
+// influences. The runs alternate; the program prints the medians of 301 runs. trainer/COMPARE.md has the figures.
 //
 //     git clone https://github.com/guillaumeblanc/ozz-animation ozz
 //     S="ozz/src/geometry/runtime/skinning_job.cc ozz/src/base/maths/simd_math.cc
@@ -7,7 +7,8 @@
 //     g++ -std=c++17 -O3 -DNDEBUG -Iozz/include -Iozz/src -Iruntime/capi/include runtime/capi/benches/ozz.cpp $S
 //         target/embed/libsinew_capi.a -o bench && ./bench MODEL
 //
-// with the library of capi/README.md, both with -march=x86-64-v3 or RUSTFLAGS="-C target-cpu=x86-64-v3", or neither.
+// Build the library as in capi/README.md. Use -march=x86-64-v3 and RUSTFLAGS="-C target-cpu=x86-64-v3" together, or
+// neither.
 #include <sinew.hpp>
 
 #include <ozz/base/maths/simd_math.h>
@@ -24,7 +25,7 @@ namespace {
 
 constexpr int RUNS = 301;
 
-/// Returns the nanoseconds of a call.
+/// Returns the time of a call in nanoseconds.
 template <class Call> double timed(Call call)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -42,7 +43,7 @@ double median(std::vector<double> all)
     return all[all.size() / 2];
 }
 
-/// A pose: each joint turned about an axis of its own, by as much as the run says.
+/// Makes a pose: rotates each joint about z, by an angle that depends on joint and run.
 void turn(std::vector<sinew_matrix> &pose, int run)
 {
     for (std::size_t joint = 0; joint < pose.size(); joint++) {

@@ -1,5 +1,5 @@
-/* Loads a model, poses it again and again, skins it, and prints bounds, confidence and a hash of
- * every bit that came out: the hash is the same on every CPU.
+/* Loads a model, poses it repeatedly, skins it, and prints bounds, confidence and a hash of all
+ * output bits. The hash is the same on every CPU.
  *
  *     skin MODEL [POSES]
  */
@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* What a character needs from frame to frame. Model, envelope and skin are shared by all characters
- * of this shape; the rest is one character's own. */
+/* State of one character. All characters of this shape share model, envelope and skin; each has its
+ * own arrays. */
 typedef struct {
     const sinew_envelope *envelope;
     const sinew_skin *skin;
@@ -35,7 +35,7 @@ static void *allocate(size_t count, size_t size)
     return memory;
 }
 
-/* Stops with what went wrong. An engine would show its placeholder instead. */
+/* Prints the error and stops. An engine would show its placeholder instead. */
 static void check(sinew_status status, const sinew_error *error)
 {
     if (status == SINEW_STATUS_OK) {
@@ -70,7 +70,7 @@ static uint8_t *read_file(const char *path, size_t *bytes)
     return content;
 }
 
-/* SplitMix64, and a number in [-1, 1) of its upper bits. */
+/* SplitMix64; returns a number in [-1, 1) from its upper bits. */
 static float next(uint64_t *state)
 {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
@@ -79,7 +79,7 @@ static float next(uint64_t *state)
     return (float)((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/* Stands for an animation system: from the rest pose slight, usual and wild turns. */
+/* Replaces an animation system: applies slight, usual and wild rotations to the rest pose. */
 static void animate(character *c, unsigned frame, uint64_t *state)
 {
     static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
@@ -93,7 +93,7 @@ static void animate(character *c, unsigned frame, uint64_t *state)
     }
 }
 
-/* A frame: local transforms in, vertices, bounds and confidence out. */
+/* Computes a frame: vertices, bounds and confidence from local transforms. */
 static void frame(character *c, sinew_bounds *bounds, float *confidence)
 {
     sinew_error error;

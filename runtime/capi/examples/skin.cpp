@@ -1,4 +1,4 @@
-// The same as skin.c, with sinew.hpp.
+// skin.c with the C++ wrapper sinew.hpp.
 //
 //     skin MODEL [POSES]
 #include <sinew.hpp>
@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Stops with what went wrong. An engine would show its placeholder instead.
+/// Prints the error and stops. An engine would show its placeholder instead.
 void check(const sinew::Failure &failure)
 {
     if (failure) {
@@ -21,7 +21,7 @@ void check(const sinew::Failure &failure)
     }
 }
 
-/// SplitMix64, and a number in [-1, 1) of its upper bits.
+/// SplitMix64; returns a number in [-1, 1) from its upper bits.
 float next(std::uint64_t &state)
 {
     std::uint64_t z = state += 0x9e3779b97f4a7c15;
@@ -30,7 +30,7 @@ float next(std::uint64_t &state)
     return float((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/// Stands for an animation system: from the rest pose slight, usual and wild turns.
+/// Replaces an animation system: applies slight, usual and wild rotations to the rest pose.
 std::vector<sinew_local_transform> animate(std::vector<sinew_local_transform> rest,
                                            unsigned long frame, std::uint64_t &state)
 {

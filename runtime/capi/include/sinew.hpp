@@ -1,5 +1,5 @@
-/// Sinew in C++17: who owns what, and results without exceptions. Everything else is in sinew.h,
-/// whose functions take what `get()` returns.
+/// C++17 wrapper of sinew.h: owns objects, and returns failures without exceptions. For all other functions of
+/// sinew.h, `get()` returns the handle.
 #ifndef SINEW_HPP
 #define SINEW_HPP
 
@@ -15,7 +15,7 @@
 
 namespace sinew {
 
-/// What a call came to: `if (auto failed = model.load(file)) { report(failed.text()); }`.
+/// Result of a call: `if (auto failed = model.load(file)) { report(failed.text()); }`.
 struct [[nodiscard]] Failure {
     sinew_error error{SINEW_STATUS_OK, SINEW_ARGUMENT_CALL, SINEW_NO_PART, 0, 0, 0, 0};
     sinew_status status = SINEW_STATUS_OK;
@@ -25,7 +25,7 @@ struct [[nodiscard]] Failure {
     const char *argument() const { return sinew_argument_text(error.argument); }
 };
 
-/// A pointer and a length; made of anything that has `data()` and `size()`.
+/// A pointer and a length; converts from any container with `data()` and `size()`.
 template <class T> struct Span {
     T *data = nullptr;
     std::size_t len = 0;
@@ -36,15 +36,15 @@ template <class T> struct Span {
     Span(C &&container) : data(container.data()), len(container.size()) {}
 };
 
-/// A loaded file. It keeps the file's bytes, or points to bytes that stay (flash, a mapped file).
+/// A loaded file. The model owns the file's bytes, or points to bytes that stay (flash, a mapped file).
 ///
-/// Its parts point to it, and must not outlive it. Whatever replaces what it holds, a load,
-/// an assignment, a move from it, makes them stale: every call refuses them until they are opened
-/// again, which is all that a hot reload takes. Nobody may use a model while it is replaced.
+/// Parts point to their model and must not outlive it. A load, an assignment, or a move from the model makes its parts
+/// stale: every call refuses them until they are opened again. A hot reload takes nothing else. No thread may use a
+/// model while its content is replaced.
 class Model {
   public:
     Model() = default;
-    /// Moves; the other is as if never loaded.
+    /// Moves; the other model is then not loaded.
     Model(Model &&other) noexcept
         : memory_(std::exchange(other.memory_, {})), file_(std::move(other.file_)) {}
     Model &operator=(Model &&other) noexcept {
@@ -55,7 +55,7 @@ class Model {
         return *this;
     }
 
-    /// Takes a file and loads it; on failure the model is what it was.
+    /// Loads a file and owns its bytes. On failure the model is unchanged.
     Failure load(std::vector<std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure = borrow(file, limits);
         if (!failure) {
@@ -64,7 +64,7 @@ class Model {
         return failure;
     }
 
-    /// Loads a file that outlives the model, unchanged: no temporary one.
+    /// Loads a file without owning it: the bytes must outlive the model unchanged. A temporary does not compile.
     Failure borrow(std::vector<std::uint8_t> &&, const sinew_limits * = nullptr) = delete;
     Failure borrow(Span<const std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure;
@@ -74,14 +74,14 @@ class Model {
         return failure;
     }
 
-    /// Says what the file holds, and in which space.
+    /// Describes the contents of the file and its space.
     Failure describe(sinew_model_info &out) const {
         Failure failure;
         failure.status = sinew_model_describe(get(), &out, &failure.error);
         return failure;
     }
 
-    /// The handle; one that is not loaded is refused by every call.
+    /// Returns the handle. Every call refuses the handle of a model that is not loaded.
     const sinew_model *get() const {
         return reinterpret_cast<const sinew_model *>(memory_.data());
     }
@@ -91,8 +91,8 @@ class Model {
     std::vector<std::uint8_t> file_;
 };
 
-/// What the parts of a model have in common: memory, a name and what `describe` says. Its name is a copy,
-/// and `info()` has none, so that neither points into a file that is gone.
+/// Base of the parts of a model: memory, name and description. `name()` is a copy and `info()` has no name, so that
+/// neither points into a file that was replaced.
 template <class Handle, class Info, std::size_t Words> class Part {
   public:
     const Handle *get() const { return reinterpret_cast<const Handle *>(memory_.data()); }
@@ -127,13 +127,13 @@ template <class Handle, class Info, std::size_t Words> class Part {
 /// Predicts palettes from poses. Points to its model.
 class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE_WORDS> {
   public:
-    /// Opens the `index`-th envelope of a name, or of any; on failure it is what it was.
+    /// Opens the `index`-th envelope with this name, or the `index`-th of all. On failure the envelope is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_envelope_open, sinew_envelope_describe, model, name, index);
     }
 
-    /// Gives the joints' rest frames, each in its parent's: what an animation changes.
+    /// Copies the joints' rest frames, each relative to its parent. An animation starts from these frames.
     Failure rest_locals(std::vector<sinew_local_transform> &out) const {
         Failure failure;
         out.resize(info().joint_len);
@@ -142,7 +142,7 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
-    /// Finds the file's joints among the names of a skeleton's; `out_bound` says how many it found.
+    /// Finds the file's joints in a skeleton by name; `out_bound` receives how many were found.
     Failure bind(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map,
                  sinew_bound_joints &out_bound) const {
         Failure failure;
@@ -152,7 +152,7 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
-    /// Gathers the skinning matrices of a pose from the frames of a skeleton; `root` may be null.
+    /// Gathers the skinning matrices of a pose from a skeleton's frames; `root` may be null.
     Failure gather(Span<const std::uint32_t> map, Span<const sinew_matrix> world,
                    const sinew_matrix *root, std::vector<sinew_matrix> &out_pose) const {
         Failure failure;
@@ -163,7 +163,7 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
-    /// Checks that a pose is one of the skeleton's; what is likely wrong with it is no failure.
+    /// Checks that a pose fits the skeleton. `out` receives the likely mistake, which is not a failure.
     Failure check_pose(Span<const sinew_matrix> pose, sinew_pose_fault &out) const {
         Failure failure;
         failure.status =
@@ -175,13 +175,13 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
 /// A mesh that follows a palette. Points to its model.
 class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
   public:
-    /// Opens the `index`-th skin of a name, or of any; on failure it is what it was.
+    /// Opens the `index`-th skin with this name, or the `index`-th of all. On failure the skin is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_skin_open, sinew_skin_describe, model, name, index);
     }
 
-    /// Runs a job; the skin and the palette are filled in here.
+    /// Runs a job; this call fills in the skin and the palette.
     Failure run(sinew_skin_job job, Span<const sinew_matrix> palette) const {
         Failure failure;
         job.skin = get();
@@ -191,14 +191,14 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Describes a shape. Its name lies in the model's file.
+    /// Describes a shape. Its name is in the model's file.
     Failure shape(std::size_t index, sinew_shape &out) const {
         Failure failure;
         failure.status = sinew_skin_shape(get(), index, &out, &failure.error);
         return failure;
     }
 
-    /// Runs a job of shapes; the skin and the weights are filled in here.
+    /// Runs a shapes job; this call fills in the skin and the weights.
     Failure run_shapes(sinew_shapes_job job, Span<const float> weights) const {
         Failure failure;
         job.skin = get();
@@ -208,7 +208,7 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Computes a box that holds the shaped and posed skin.
+    /// Computes a box that contains the shaped and posed skin.
     Failure shaped_bounds(Span<const sinew_matrix> palette, Span<const float> weights,
                           sinew_bounds &out) const {
         Failure failure;
@@ -217,7 +217,8 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Computes where a vertex of the shaped and posed skin is: as a target it makes a pin hold the vertex there.
+    /// Computes the position of a vertex of the shaped and posed skin. A pin with this target holds the vertex in
+    /// place.
     Failure place(std::uint32_t vertex, Span<const sinew_matrix> palette, Span<const float> weights,
                   std::array<float, 3> &out) const {
         Failure failure;
@@ -230,7 +231,8 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Computes a box that holds the posed skin, of a rest mesh as far from the file's as that.
+    /// Computes a box that contains the posed skin. `rest_offset` is the rest mesh's largest distance from the file's
+    /// along an axis.
     Failure bounds(Span<const sinew_matrix> palette, sinew_bounds &out,
                    float rest_offset = 0.0f) const {
         Failure failure;
@@ -243,7 +245,7 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
 /// A function from named inputs to named outputs. Points to its model.
 class Kernel : public Part<sinew_kernel, sinew_kernel_info, SINEW_KERNEL_WORDS> {
   public:
-    /// Opens the `index`-th kernel of a name, or of any; on failure it is what it was.
+    /// Opens the `index`-th kernel with this name, or the `index`-th of all. On failure the kernel is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_kernel_open, sinew_kernel_describe, model, name, index);
@@ -260,17 +262,17 @@ class Kernel : public Part<sinew_kernel, sinew_kernel_info, SINEW_KERNEL_WORDS> 
     }
 };
 
-/// How the weights of a skin's shapes belong together. Points to its model.
+/// Covariance of the weights of a skin's shapes. Points to its model.
 class Prior : public Part<sinew_prior, sinew_prior_info, SINEW_PRIOR_WORDS> {
   public:
-    /// Opens the `index`-th prior of a name, or of any; on failure it is what it was.
+    /// Opens the `index`-th prior with this name, or the `index`-th of all. On failure the prior is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_prior_open, sinew_prior_describe, model, name, index);
     }
 };
 
-/// Makes a pin of a whole position in model space.
+/// Makes a pin with a target position in model space.
 inline sinew_pin pin(std::uint32_t vertex, const std::array<float, 3> &target,
                      float stiffness = 1.0f) {
     return {vertex,
@@ -279,7 +281,7 @@ inline sinew_pin pin(std::uint32_t vertex, const std::array<float, 3> &target,
             stiffness};
 }
 
-/// Makes a pin of a place on a screen, of a projection from a position to the screen, which divides by nothing.
+/// Makes a pin with a target on a screen. `projection` maps positions to the screen without a division.
 inline sinew_pin pin_on_screen(std::uint32_t vertex,
                                const std::array<std::array<float, 4>, 2> &projection,
                                const std::array<float, 2> &target, float stiffness = 1.0f) {
@@ -290,16 +292,16 @@ inline sinew_pin pin_on_screen(std::uint32_t vertex,
             stiffness};
 }
 
-/// Weights that make a signal finer. Points to its model.
+/// Weights that upsample a signal. Points to its model.
 class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> {
   public:
-    /// Opens the `index`-th filter of a name, or of any; on failure it is what it was.
+    /// Opens the `index`-th filter with this name, or the `index`-th of all. On failure the filter is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_filter_open, sinew_filter_describe, model, name, index);
     }
 
-    /// Makes samples `info().factor` times as fine; `out` has as many times their numbers.
+    /// Upsamples by `info().factor`; `out` has `info().factor` times the length of `samples`.
     Failure apply(const sinew_samples &shape, Span<const float> samples, Span<float> out) const {
         Failure failure;
         failure.status = sinew_filter_apply(get(), &shape, samples.data, samples.len, out.data,
@@ -311,13 +313,13 @@ class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> 
 /// Views of a drawn object. Points to its model.
 class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
   public:
-    /// Opens the `index`-th views of a name, or of any; on failure they are what they were.
+    /// Opens the `index`-th views with this name, or the `index`-th of all. On failure the views are unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_views_open, sinew_views_describe, model, name, index);
     }
 
-    /// Describes a map. Its name lies in the model's file.
+    /// Describes a map. Its name is in the model's file.
     Failure map(std::size_t index, sinew_map_info &out) const {
         Failure failure;
         failure.status = sinew_views_map(get(), index, &out, &failure.error);
@@ -325,8 +327,8 @@ class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
     }
 };
 
-/// One character: its scratch, its palette and the confidence in it. For one thread at a time. Points
-/// to the envelope, which must stay where it is; once that was opened anew, so must this be made.
+/// One character: scratch, palette and confidence. For one thread at a time. Points to the envelope, which must stay in
+/// place. After the envelope is opened again, make a new character.
 class Character {
   public:
     explicit Character(const Envelope &&) = delete;
@@ -351,7 +353,7 @@ class Character {
         return failure;
     }
 
-    /// Computes the palette of a pose with a scale that all its joints share, as that of a scaled actor.
+    /// Computes the palette of a pose whose joints share one scale, for example that of a scaled actor.
     Failure pose_scaled(Span<const sinew_matrix> pose, sinew_level level = SINEW_LEVEL_FULL) {
         Failure failure;
         float scale;
@@ -368,7 +370,8 @@ class Character {
         return failure;
     }
 
-    /// Computes how confident each joint is of a pose of skinning matrices: the maps of its skin, and its trained range.
+    /// Computes the confidence of each joint in a pose of skinning matrices, from the maps of its skin and its trained
+    /// range.
     Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out) {
         Failure failure;
         out.resize(envelope_->info().joint_len);
@@ -388,9 +391,8 @@ class Character {
     float confidence_ = 0.0f;
 };
 
-/// One face: the weights of its skin's shapes, and the scratch of their solve, which a drag uses again. For one
-/// thread at a time. Points to the prior and the skin, which must stay where they are; once they were opened anew, so
-/// must this be made.
+/// One face: the weights of its shapes, and the scratch of their solve, which a drag reuses. For one thread at a time.
+/// Points to the prior and the skin, which must stay in place. After either is opened again, make a new face.
 class Face {
   public:
     explicit Face(const Prior &&, const Skin &) = delete;
@@ -398,7 +400,8 @@ class Face {
     explicit Face(const Prior &prior, const Skin &skin)
         : prior_(&prior), skin_(&skin), weights_(prior.info().shape_len) {}
 
-    /// Makes the job of an artist's edit: from the weights now, between the bounds, without the terms of trackers.
+    /// Makes the job of an artist's edit: from the current weights, within the bounds, without symmetry and temporal
+    /// terms.
     sinew_pin_job job() const {
         sinew_pin_job job{};
         job.is_bounded = 1;
@@ -406,7 +409,7 @@ class Face {
         return job;
     }
 
-    /// Runs a job; the prior, the skin, the palette, the pins, scratch and weights are filled in here.
+    /// Runs a job; this call fills in the prior, the skin, the palette, the pins, scratch and weights.
     Failure run(sinew_pin_job job, Span<const sinew_pin> pins,
                 Span<const sinew_matrix> palette = {}, sinew_edit *edit = nullptr) {
         Failure failure;
@@ -439,8 +442,8 @@ class Face {
     std::vector<float> weights_;
 };
 
-/// One drawn object: its points, their visibility, the scores of its key views, what its layers do. For one thread at a
-/// time. Points to the views, which must stay where they are; once they were opened anew, so must this be made.
+/// One drawn object: points, visibilities, scores of key views, and layers. For one thread at a time. Points to the
+/// views, which must stay in place. After the views are opened again, make a new figure.
 class Figure {
   public:
     explicit Figure(const Views &&) = delete;
@@ -479,8 +482,8 @@ class Figure {
         return failure;
     }
 
-    /// Draws the last frame over RGBA8 pixels, each times its alpha. A larger picture than before allocates scratch,
-    /// if the object needs any by the pixel.
+    /// Draws the last frame over RGBA8 pixels, premultiplied by alpha. A larger picture than before allocates scratch,
+    /// if the object needs scratch per pixel.
     Failure render(Span<std::uint8_t> pixels, std::size_t width, sinew_drawn *drawn = nullptr) {
         Failure failure;
         const std::size_t pixel_len = pixels.len / 4;
@@ -520,11 +523,11 @@ class Figure {
         return failure;
     }
 
-    /// Three numbers a point: x to the right and y down, in pixels, and depth.
+    /// Three numbers per point: x to the right and y down, in pixels, and depth.
     const std::vector<float> &points() const { return points_; }
     const std::vector<float> &visibility() const { return visibility_; }
     const std::vector<float> &scores() const { return scores_; }
-    /// Two numbers a layer: opacity and order.
+    /// Two numbers per layer: opacity and order.
     const std::vector<float> &layers() const { return layers_; }
     const sinew_found &found() const { return found_; }
 

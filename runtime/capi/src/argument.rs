@@ -1,47 +1,47 @@
-//! Arguments that an error can be about.
+//! Arguments that an error can name.
 
 use core::ffi::{CStr, c_char};
 use sinew_runtime::Argument;
 
-/// The argument that an error is about; from 50 on those that only C has.
+/// The argument that an error is about. Numbers from 50 on are arguments that only C has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u32)]
 pub enum sinew_argument {
-    /// No single one.
+    /// No single argument.
     Call = 0,
     /// Skinning matrices of the joints.
     Pose = 1,
     /// Local transforms of the joints.
     Local = 2,
-    /// Scratch; lengths in floats.
+    /// Scratch; lengths are in floats.
     Scratch = 3,
-    /// The palette; lengths in transforms.
+    /// The palette; lengths are in transforms.
     Palette = 4,
     /// Confidences.
     Confidences = 5,
-    /// A stage's columns of the joints' transforms; no function of this library takes it.
+    /// Intermediate result: columns of the joints' transforms. No function of this library takes it.
     Relative = 6,
-    /// A stage's rotation vectors; no function of this library takes it.
+    /// Intermediate result: rotation vectors. No function of this library takes it.
     Rotations = 7,
-    /// A stage's columns of gradients; no function of this library takes it.
+    /// Intermediate result: columns of gradients. No function of this library takes it.
     Gradients = 8,
-    /// A stage's pose features; no function of this library takes it.
+    /// Intermediate result: pose features. No function of this library takes it.
     Features = 9,
-    /// The range of vertices, or their places.
+    /// The range of vertices, a vertex, or the scratch for their positions.
     Vertices = 10,
-    /// The vertices that stand for others.
+    /// The map from engine vertices to skin vertices.
     Remap = 11,
-    /// The caller's rest positions, or how far they are from the file's.
+    /// The caller's rest positions, or their distance from the file's.
     RestPositions = 12,
     /// The caller's rest normals.
     RestNormals = 13,
     /// The caller's rest tangents.
     RestTangents = 14,
-    /// Positions written; lengths in floats.
+    /// Output positions; lengths are in floats.
     Positions = 15,
-    /// Normals written; lengths in floats.
+    /// Output normals; lengths are in floats.
     Normals = 16,
-    /// Tangents written; lengths in floats.
+    /// Output tangents; lengths are in floats.
     Tangents = 17,
     /// Numbers of a kernel's query.
     Query = 18,
@@ -53,7 +53,7 @@ pub enum sinew_argument {
     Variances = 21,
     /// Weights of shapes.
     ShapeWeights = 22,
-    /// A prior, or a number that says how much a term counts beside it.
+    /// A prior, or the weight of a term of a pin job.
     Prior = 23,
     /// Pins.
     Pins = 24,
@@ -71,22 +71,22 @@ pub enum sinew_argument {
     Samples = 30,
     /// Names of the joints of the caller's skeleton.
     Names = 31,
-    /// Which joint of the caller's skeleton moves each joint, or the joints' parents.
+    /// Map from the file's joints to those of the caller's skeleton, or the joints' parents.
     Joints = 32,
     /// Frames of the joints of the caller's skeleton.
     World = 33,
-    /// The matrix of the root.
+    /// The root matrix.
     Root = 34,
     /// Opacities and orders of layers.
     Layers = 35,
-    /// What layers that clip leave of pixels.
+    /// Scratch for the clipping of layers, in bytes.
     Clips = 36,
-    /// Pixels of a layer that is drawn by itself.
+    /// Scratch for layers that are drawn separately, in pixels.
     Group = 37,
 
-    /// Memory for an object; lengths in bytes.
+    /// Memory for an object; lengths are in bytes.
     Memory = 50,
-    /// The file; lengths in bytes.
+    /// The file; lengths are in bytes.
     File = 51,
     /// Limits.
     Limits = 52,
@@ -96,15 +96,15 @@ pub enum sinew_argument {
     Envelope = 54,
     /// A skin.
     Skin = 55,
-    /// A name; lengths in bytes.
+    /// A name; lengths are in bytes.
     Name = 56,
-    /// The number of a joint.
+    /// Index of a joint.
     Joint = 57,
-    /// The number of a named range.
+    /// Index of a named range.
     Range = 58,
-    /// The part and kind of a section.
+    /// Part and kind of a section.
     Section = 59,
-    /// A skin job.
+    /// A job.
     Job = 60,
     /// Palette indices of influences.
     Indices = 61,
@@ -112,21 +112,21 @@ pub enum sinew_argument {
     Weights = 62,
     /// Evaluation order of the joints.
     Order = 63,
-    /// Where a result goes.
+    /// Memory for a result.
     Result = 64,
-    /// Where a second result goes.
+    /// Memory for a second result.
     SecondResult = 65,
     /// A kernel.
     Kernel = 66,
-    /// The number of a kernel's input.
+    /// Index of a kernel's input.
     Input = 67,
-    /// The number of a kernel's output.
+    /// Index of a kernel's output.
     Output = 68,
-    /// The number of a shape; how samples lie.
+    /// Index of a shape, or the layout of samples.
     Shape = 69,
     /// Views.
     Views = 70,
-    /// The number of a map.
+    /// Index of a map.
     Map = 71,
     /// A filter.
     Filter = 72,
@@ -134,7 +134,7 @@ pub enum sinew_argument {
     Level = 73,
 }
 
-/// The name of each argument.
+/// Name of each argument.
 const NAMES: [(sinew_argument, &CStr); 62] = {
     use sinew_argument as A;
     [
@@ -203,8 +203,8 @@ const NAMES: [(sinew_argument, &CStr); 62] = {
     ]
 };
 
-/// Returns the name of an argument, ended by a zero; of any other number, that it is unknown. Never
-/// null, valid for ever.
+/// Returns the name of an argument as zero-terminated text. Other numbers give "unknown argument". The
+/// pointer is never null and stays valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_argument_text(argument: u32) -> *const c_char {
     let found = NAMES.iter().find(|(known, _)| *known as u32 == argument);

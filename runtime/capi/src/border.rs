@@ -1,16 +1,15 @@
-//! The border: pointers of the caller are checked here, and become references only here.
+//! Checks the pointers of callers and turns them into references; no other module does.
 
 use crate::argument::sinew_argument;
-use crate::error::sinew_error;
-use crate::status::sinew_status;
+use crate::error::{sinew_error, sinew_status};
 use core::cell::Cell;
 use core::mem::{align_of, size_of};
 use core::ptr;
 
-/// Runs a call; on an error writes the error, if the caller wants it, and nothing else.
+/// Runs a call. On failure stores the error in `out_error` unless that is null.
 ///
 /// # Safety
-/// `out_error` is null, or what it points to may be written.
+/// `out_error` is null, or points to an error that may be written.
 pub(crate) unsafe fn call(
     out_error: *mut sinew_error,
     body: impl FnOnce() -> Result<(), sinew_error>,
@@ -22,8 +21,8 @@ pub(crate) unsafe fn call(
         Ok(()) => sinew_status::Ok,
         Err(error) => {
             if !out_error.is_null() {
-                // SAFETY: it is aligned and not null, and the caller lets it be written; every
-                // reference that `body` made is gone.
+                // SAFETY: the pointer is aligned and not null, and the caller allows writing. All references that
+                // `body` made are gone.
                 unsafe { out_error.write(error) };
             }
             error.status
@@ -31,8 +30,7 @@ pub(crate) unsafe fn call(
     }
 }
 
-/// Memory of the caller for `len` values: its address and extent have been checked, and nothing
-/// refers to it yet.
+/// Memory of the caller for `len` values. Address and extent have been checked; no reference to the memory exists yet.
 pub(crate) struct Array<T> {
     at: *mut T,
     len: usize,
@@ -40,7 +38,7 @@ pub(crate) struct Array<T> {
 }
 
 impl<T> Array<T> {
-    /// Checks an array; a null pointer is one without elements.
+    /// Checks an array. An array of length 0 may be null.
     pub(crate) fn new(
         at: *const T,
         len: usize,
@@ -49,7 +47,7 @@ impl<T> Array<T> {
         if len == 0 {
             return Ok(Self { at: ptr::dangling_mut(), len, argument });
         }
-        let array = Self::some(at, argument)?;
+        let array = Self::pointer(at, argument)?;
         let bytes = len.checked_mul(size_of::<T>()).filter(|bytes| *bytes <= isize::MAX as usize);
         match bytes.and_then(|bytes| at.addr().checked_add(bytes)) {
             Some(_) => Ok(Self { len, ..array }),
@@ -57,7 +55,7 @@ impl<T> Array<T> {
         }
     }
 
-    /// Checks an array that may be left out: a null pointer, and no length.
+    /// Checks an array that may be left out; `None` if the pointer is null and the length 0.
     pub(crate) fn given(
         at: *const T,
         len: usize,
@@ -77,7 +75,7 @@ impl<T> Array<T> {
         Self::new(at, usize::from(!at.is_null()), argument)
     }
 
-    /// Checks that an array is long enough.
+    /// Checks that the array has at least `least` elements.
     pub(crate) fn check_least(&self, least: usize) -> Result<(), sinew_error> {
         if self.len >= least {
             return Ok(());
@@ -85,7 +83,8 @@ impl<T> Array<T> {
         Err(sinew_error::new(sinew_status::TooShort, self.argument).values(least, self.len))
     }
 
-    fn some(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
+    /// Checks a pointer: not null, and aligned.
+    fn pointer(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
         if at.is_null() {
             return Err(sinew_error::new(sinew_status::Null, argument));
         }
@@ -97,52 +96,52 @@ impl<T> Array<T> {
         Ok(Self { at: at.cast_mut(), len: 1, argument })
     }
 
-    /// Returns where it lies.
+    /// Returns the array's place in memory.
     pub(crate) fn span(&self) -> Span {
         Span { start: self.at.addr(), bytes: self.len * size_of::<T>(), argument: self.argument }
     }
 
-    /// Refers to the array.
+    /// Borrows the array to read it.
     ///
     /// # Safety
-    /// For `'a` the caller keeps its elements readable and unchanged.
+    /// For `'a` the caller keeps the elements readable and unchanged.
     pub(crate) unsafe fn read<'a>(self) -> &'a [T] {
         // SAFETY: not null, aligned, and of a length that fits; the rest is the caller's promise.
         unsafe { core::slice::from_raw_parts(self.at, self.len) }
     }
 
-    /// Refers to the array to write to it.
+    /// Borrows the array to write to it.
     ///
     /// # Safety
-    /// For `'a` the elements are used through this reference alone ([`apart`] has compared it with
-    /// all others of the call), and T has no value that is not allowed.
+    /// For `'a` only this reference uses the elements: [`check_disjoint`] has compared the array with all others of
+    /// the call. All bit patterns are valid values of `T`.
     pub(crate) unsafe fn write<'a>(self) -> &'a mut [T] {
         // SAFETY: not null, aligned, and of a length that fits; the rest is the caller's promise.
         unsafe { core::slice::from_raw_parts_mut(self.at, self.len) }
     }
 
-    /// Refers to the array to write to it beside others that refer to the same elements.
+    /// Borrows the array to write to it, although other borrows may share its elements.
     ///
     /// # Safety
-    /// For `'a` the elements are used through references to cells alone, on this thread alone ([`apart`]
-    /// has compared it with all that is read), and T has no value that is not allowed.
+    /// For `'a` the elements are used only through cells and only on this thread: [`check_disjoint`] has compared the
+    /// array with all memory that is read. All bit patterns are valid values of `T`.
     pub(crate) unsafe fn share<'a>(self) -> &'a [Cell<T>] {
-        // SAFETY: not null, aligned, and of a length that fits, and a cell is laid out as what it
-        // holds; the rest is the caller's promise.
+        // SAFETY: not null, aligned, and of a length that fits. A cell has the layout of its content. The rest is the
+        // caller's promise.
         unsafe { core::slice::from_raw_parts(self.at.cast(), self.len) }
     }
 
-    /// Stores one value, without reading what was there.
+    /// Stores one value without reading the old content.
     ///
     /// # Safety
-    /// It has one element, which may be written and which no reference is left to.
+    /// The array has one element, which may be written. No reference to the element exists.
     pub(crate) unsafe fn store(self, value: T) {
         // SAFETY: not null and aligned; the rest is the caller's promise.
         unsafe { self.at.write(value) };
     }
 }
 
-/// Copies a structure of the caller's; returns also where it lies.
+/// Copies a structure of the caller, and returns its place in memory.
 ///
 /// # Safety
 /// `at` is null, or points to a value that may be read.
@@ -152,12 +151,12 @@ pub(crate) unsafe fn copied<T: Copy + 'static>(
 ) -> Result<(T, Span), sinew_error> {
     let one = Array::one(at, argument)?;
     let span = one.span();
-    // SAFETY: the caller's promise is passed on; what is referred to is copied at once.
+    // SAFETY: the caller's promise is passed on; the value is copied immediately.
     let value = unsafe { one.read() }.first().copied();
     Ok((value.ok_or(sinew_error::new(sinew_status::Null, argument))?, span))
 }
 
-/// Where an argument lies in memory.
+/// Place of an argument in memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {
     start: usize,
@@ -166,16 +165,16 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// That of what was left out.
-    pub(crate) const NOWHERE: Self = Self { start: 0, bytes: 0, argument: sinew_argument::Call };
+    /// Place of an argument that was left out.
+    pub(crate) const EMPTY: Self = Self { start: 0, bytes: 0, argument: sinew_argument::Call };
 
-    /// Returns where bytes lie that were checked before.
+    /// Returns the place of bytes that were checked before.
     pub(crate) fn of(bytes: &[u8], argument: sinew_argument) -> Self {
         Self { start: bytes.as_ptr().addr(), bytes: bytes.len(), argument }
     }
 
-    /// Whether the two have a byte in common.
-    fn meets(&self, other: &Self) -> bool {
+    /// Whether the two places have a byte in common.
+    fn overlaps(&self, other: &Self) -> bool {
         let (a, b) = (self.start, other.start);
         if a <= b {
             b - a < self.bytes && other.bytes > 0
@@ -185,10 +184,13 @@ impl Span {
     }
 }
 
-/// Checks that nothing written overlaps anything else of the call.
-pub(crate) fn apart(mut written: &[Span], read: &[Span]) -> Result<(), sinew_error> {
+/// Checks that written memory overlaps no other memory of the call.
+///
+/// # Errors
+/// `OVERLAP`, with the argument that is written.
+pub(crate) fn check_disjoint(mut written: &[Span], read: &[Span]) -> Result<(), sinew_error> {
     while let Some((span, others)) = written.split_first() {
-        if others.iter().chain(read).any(|other| span.meets(other)) {
+        if others.iter().chain(read).any(|other| span.overlaps(other)) {
             return Err(sinew_error::new(sinew_status::Overlap, span.argument));
         }
         written = others;
@@ -196,8 +198,8 @@ pub(crate) fn apart(mut written: &[Span], read: &[Span]) -> Result<(), sinew_err
     Ok(())
 }
 
-/// What lies in the caller's memory once something is loaded. The tag comes first whatever the kind:
-/// reading it stays within the smallest object, and memory that is used again has the new kind's.
+/// Content of the caller's memory after loading or opening. Every kind of object starts with its tag. Reading the tag
+/// therefore stays inside the smallest object, and reused memory has the tag of the new kind.
 #[repr(C)]
 pub(crate) struct Loaded<T> {
     tag: u32,
@@ -211,23 +213,23 @@ impl<T> Loaded<T> {
     }
 }
 
-/// What a handle points to: a [`Loaded`] under the name that it has in C.
+/// Target of a handle: a structure of the header that wraps a [`Loaded`].
 pub(crate) trait Object: Sized {
-    /// What is loaded.
+    /// The loaded value.
     type Value: 'static;
-    /// Marks memory that holds such an object.
+    /// Tag of memory that holds this kind of object.
     const TAG: u32;
-    /// The handle's name as an argument.
+    /// Argument that errors about the handle name.
     const ARGUMENT: sinew_argument;
 
-    /// Returns its only field.
+    /// Returns the structure's only field.
     fn loaded(&self) -> &Loaded<Self::Value>;
 }
 
-/// Returns what a handle's object holds, and where the object lies.
+/// Returns the value that a handle points to, and the object's place in memory.
 ///
 /// # Safety
-/// `at` is null, or points to memory as large as the object, which for `'a` stays as it is.
+/// `at` is null, or points to memory as large as the object, which stays unchanged for `'a`.
 pub(crate) unsafe fn object<'a, T: Object + 'a>(
     at: *const T,
 ) -> Result<(&'a T::Value, Span), sinew_error> {
@@ -240,12 +242,12 @@ pub(crate) unsafe fn object<'a, T: Object + 'a>(
     if tag != T::TAG {
         return Err(not_loaded);
     }
-    // SAFETY: aligned, not null, and its tag says that it was written by this library.
+    // SAFETY: aligned, not null, and the tag shows that this library wrote the object.
     let loaded = unsafe { object.read() }.first().ok_or(not_loaded)?.loaded();
     Ok((&loaded.value, span))
 }
 
-/// Checks memory that is to hold an object.
+/// Checks memory for a new object: aligned, and `memory_bytes` bytes are enough.
 pub(crate) fn place<T: Object>(
     memory: *mut core::ffi::c_void,
     memory_bytes: usize,

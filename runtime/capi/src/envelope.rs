@@ -1,26 +1,26 @@
-//! An envelope, and what the file says of it.
+//! Envelopes and matrices: opens and describes an envelope and its joints.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
+use core::mem::{align_of, offset_of, size_of};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
-use sinew_runtime::{Envelope, LocalTransform};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
 
-/// Elements of a `uintptr_t` array that holds an envelope on every target:
+/// Length of a `uintptr_t` array that can hold an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
 pub const SINEW_ENVELOPE_WORDS: usize = 48;
 
-/// Stands for no joint: the parent of the root.
+/// Sentinel for "no joint", for example the root's parent.
 pub const SINEW_NO_JOINT: u32 = u32::MAX;
 
-/// Predicts a palette of transforms from the J joints of a pose. It points to its model: where that
-/// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
+/// Predicts a palette of transforms from the J joints of a pose.
+///
+/// The envelope points to its model. Every call refuses the envelope once the model was cleared or has
+/// loaded another file.
 pub struct sinew_envelope(Loaded<Opened<EnvelopeLayout>>);
 
 part::part! {
@@ -28,17 +28,49 @@ part::part! {
     tag b"SnwE", argument Envelope, within SINEW_ENVELOPE_WORDS
 }
 
+/// A rigid or affine transform in three rows of four: `y[r] = rows[r][0..2] . x + rows[r][3]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_matrix {
+    /// The rows.
+    pub rows: [[f32; 4]; 3],
+}
+
+const _: () = {
+    assert!(size_of::<sinew_matrix>() == size_of::<Matrix3x4>());
+    assert!(align_of::<sinew_matrix>() == align_of::<Matrix3x4>());
+};
+
+/// Frame of a joint, relative to its parent's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_local_transform {
+    /// Quaternion x, y, z, w; calls normalise it.
+    pub rotation: [f32; 4],
+    /// Origin in the parent's frame, in the model's unit.
+    pub translation: [f32; 3],
+}
+
+const _: () = {
+    assert!(size_of::<sinew_local_transform>() == size_of::<LocalTransform>());
+    assert!(align_of::<sinew_local_transform>() == align_of::<LocalTransform>());
+    assert!(
+        offset_of!(sinew_local_transform, translation) == offset_of!(LocalTransform, translation)
+            && offset_of!(LocalTransform, rotation) == 0
+    );
+};
+
 /// How an envelope predicts its palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum sinew_predictor {
-    /// Rotational regression: the palette is P proxies.
+    /// Rotational regression. The palette holds P proxies.
     Rotational = 1,
-    /// The palette is the J joints, then P helpers that kernel maps move.
+    /// Kernel maps. The palette holds the J joints, then P helpers, which the maps move.
     Kernel = 2,
 }
 
-/// What the fit was measured to reach, in the units of the file.
+/// Measured errors of the fit, in the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_certificate {
@@ -46,68 +78,68 @@ pub struct sinew_certificate {
     pub diagonal: f32,
     /// RMS error over vertices and training frames.
     pub training_rms: f32,
-    /// Forecast of the RMS error on more frames of the training clips.
+    /// Forecast of the RMS error on unseen frames of the training clips.
     pub same_clips_rms: f32,
     /// RMS error of linear blend skinning over vertices and training frames.
     pub lbs_training_rms: f32,
-    /// The farthest that single precision may move a vertex through the correction; 0 without one.
+    /// Largest displacement of a vertex by rounding of the correction; 0 without a correction.
     pub correction_error: f32,
-    /// RMS error over vertices and training frames of `SINEW_LEVEL_JOINTS`.
+    /// RMS error of `SINEW_LEVEL_JOINTS` over vertices and training frames.
     pub base_training_rms: f32,
-    /// Forecast of the RMS error on another clip; negative if training had one clip.
+    /// Forecast of the RMS error on an unseen clip; negative if training had one clip.
     pub other_clip_rms: f32,
 }
 
-/// What an envelope is made of: every length that its calls need.
+/// Counts of an envelope, and the lengths of all arrays that its calls take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_envelope_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// How it predicts.
+    /// How the envelope predicts.
     pub predictor: sinew_predictor,
-    /// J, joints: skinning matrices of a pose.
+    /// J, the number of joints: skinning matrices of a pose.
     pub joint_len: usize,
-    /// P, proxies or helpers.
+    /// P, the number of proxies or helpers.
     pub proxy_len: usize,
-    /// Transforms of the palette.
+    /// Number of transforms of the palette.
     pub palette_len: usize,
     /// Floats of scratch that `sinew_envelope_palette` needs.
     pub scratch_len: usize,
-    /// The joint without a parent.
+    /// Index of the joint without a parent.
     pub root: u32,
-    /// Which skeleton it is: what `sinew_skeleton_hash` gives of its names and parents.
+    /// Hash of names and parents, as `sinew_skeleton_hash` computes it.
     pub skeleton_hash: u32,
-    /// What the fit was measured to reach.
+    /// Measured errors of the fit.
     pub certificate: sinew_certificate,
 }
 
-/// A joint.
+/// A joint of an envelope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_joint {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its parent, or `SINEW_NO_JOINT`.
+    /// Index of the parent, or `SINEW_NO_JOINT`.
     pub parent: u32,
-    /// The largest angle that it turned in training against its parent, in radians.
+    /// Largest angle in training between the joint's rotation relative to its parent and its rest rotation,
+    /// in radians.
     pub pose_range: f32,
-    /// How far its origin came in training from where its parent carries it, at the most.
+    /// Largest distance in training between the joint's origin and the place where its parent carries it.
     pub pose_gap: f32,
-    /// Its inverse bind matrix: model space to the joint's rest frame.
+    /// Inverse bind matrix: model space to the joint's rest frame.
     pub inverse_bind: sinew_matrix,
-    /// Its rest frame in its parent's, the root's in model space.
+    /// Rest frame relative to the parent; for the root, in model space.
     pub rest_local: sinew_local_transform,
 }
 
-/// Returns the bytes of memory that an envelope needs: at most those of `SINEW_ENVELOPE_WORDS`
-/// words.
+/// Returns the size of an envelope in bytes: at most `SINEW_ENVELOPE_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_envelope_bytes() -> usize {
     size_of::<sinew_envelope>()
@@ -115,11 +147,12 @@ pub extern "C" fn sinew_envelope_bytes() -> usize {
 
 /// Opens an envelope of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the envelope; at least `sinew_envelope_bytes()`, aligned as a
-///   `uintptr_t`.
-/// - `out_envelope`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the envelope's name in UTF-8, without a terminating zero; null and 0 match every
+///   name.
+/// - `index`: position among the envelopes with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the envelope: at least `sinew_envelope_bytes()` bytes, aligned
+///   like a `uintptr_t`.
+/// - `out_envelope`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -133,14 +166,12 @@ pub unsafe extern "C" fn sinew_envelope_open(
     out_envelope: *mut *const sinew_envelope,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_envelope) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_envelope, out_error) }
 }
 
-/// Says what an envelope is made of.
+/// Describes an envelope.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -149,18 +180,8 @@ pub unsafe extern "C" fn sinew_envelope_describe(
     out_info: *mut sinew_envelope_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { part::view(envelope) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = info(&envelope);
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
-    };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(envelope, out_info, out_error, |envelope| Ok(info(envelope))) }
 }
 
 /// Describes a joint.
@@ -173,26 +194,17 @@ pub unsafe extern "C" fn sinew_envelope_joint(
     out_joint: *mut sinew_joint,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { part::view(envelope) }?;
-        let out = Array::one(out_joint, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let found = describe(&envelope, joint).ok_or(
-            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Joint)
-                .values(envelope.joint_len().saturating_sub(1), joint),
-        )?;
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(found) };
-        Ok(())
+    let answer = |envelope: &Envelope<'_>| {
+        let outside = sinew_error::out_of_range(sinew_argument::Joint, joint, envelope.joint_len());
+        joint_info(envelope, joint).ok_or(outside)
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(envelope, out_joint, out_error, answer) }
 }
 
-/// Copies the J joints' numbers in an order in which each comes after its parent.
+/// Copies the indices of the J joints, each after its parent.
 ///
-/// - `out_order`, `order_len`: room for J numbers.
+/// - `out_order`, `order_len`: room for J indices.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -207,8 +219,8 @@ pub unsafe extern "C" fn sinew_envelope_order(
         let (envelope, reads) = unsafe { part::view(envelope) }?;
         let out = Array::new(out_order, order_len, sinew_argument::Order)?;
         out.check_least(envelope.joint_len())?;
-        border::apart(&[out.span()], &reads)?;
-        // SAFETY: apart from all that the call reads; lent by the caller.
+        border::check_disjoint(&[out.span()], &reads)?;
+        // SAFETY: lent by the caller; the call reads no part of it.
         let out = unsafe { out.write() };
         for (out, joint) in out.iter_mut().zip(envelope.evaluation_order()) {
             *out = joint as u32;
@@ -247,7 +259,7 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
     }
 }
 
-fn describe(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
+fn joint_info(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
     let name = envelope.joint_name(joint)?;
     let LocalTransform { rotation, translation } = envelope.rest_local(joint)?;
     Some(sinew_joint {

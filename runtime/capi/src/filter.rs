@@ -1,22 +1,23 @@
-//! A filter, what the file says of it, and the signals that it makes finer.
+//! Filters: opens, describes and applies a filter.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::Filter;
 use sinew_runtime::filter::{FilterLayout, Samples};
 
-/// Elements of a `uintptr_t` array that holds a filter on every target:
+/// Length of a `uintptr_t` array that can hold a filter on every target:
 /// `uintptr_t memory[SINEW_FILTER_WORDS]`.
 pub const SINEW_FILTER_WORDS: usize = 48;
 
-/// Weights that make a signal finer. It points to its model: where that has been loaded again with another file,
-/// or is loaded no more, every call refuses the filter.
+/// Weights that upsample a signal.
+///
+/// The filter points to its model. Every call refuses the filter once the model was cleared or has loaded
+/// another file.
 pub struct sinew_filter(Loaded<Opened<FilterLayout>>);
 
 part::part! {
@@ -24,43 +25,45 @@ part::part! {
     tag b"SnwF", argument Filter, within SINEW_FILTER_WORDS
 }
 
-/// What a filter is made of.
+/// Counts and measured errors of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_filter_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// F, fine samples of each coarse one.
+    /// F, fine samples per coarse sample.
     pub factor: usize,
-    /// N, coarse samples that each fine one is made of: no signal may be shorter.
+    /// N, coarse samples that each fine sample is computed from. A signal needs at least N samples.
     pub tap_len: usize,
-    /// From one coarse sample to the next, in the unit of what the signal runs along; 0 if it has none.
+    /// Distance between coarse samples, in the unit of the signal's axis; 0 if the axis has no unit.
     pub step: f32,
-    /// RMS error over samples that were left out, in the signal's unit; 0 if it was not measured.
+    /// RMS error over left-out samples, in the signal's unit; 0 if not measured.
     pub left_out_rms: f32,
-    /// The same of linear interpolation.
+    /// RMS error of linear interpolation over these samples.
     pub linear_rms: f32,
 }
 
-/// How samples lie: signals one after the other, of samples one after the other, of lanes side by side. An image
-/// of H rows of W pixels of C channels is along its columns one signal of H samples of W C lanes, and along its rows H
-/// signals of W samples of C lanes.
+/// Layout of samples: signals one after another, each of samples one after another, each of lanes side by
+/// side.
+///
+/// An image has H rows of W pixels of C channels. Along its columns it is one signal of H samples with W *
+/// C lanes; along its rows it is H signals of W samples with C lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_samples {
-    /// Signals.
+    /// Number of signals.
     pub signal_len: usize,
-    /// Samples of each signal.
+    /// Number of samples per signal.
     pub sample_len: usize,
-    /// Numbers of each sample, each of which goes by itself.
+    /// Number of lanes per sample. The filter treats each lane separately.
     pub lane_len: usize,
 }
 
-/// Returns the bytes of memory that a filter needs: at most those of `SINEW_FILTER_WORDS` words.
+/// Returns the size of a filter in bytes: at most `SINEW_FILTER_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_filter_bytes() -> usize {
     size_of::<sinew_filter>()
@@ -68,10 +71,12 @@ pub extern "C" fn sinew_filter_bytes() -> usize {
 
 /// Opens a filter of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
-/// - `out_filter`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the filter's name in UTF-8, without a terminating zero; null and 0 match every
+///   name.
+/// - `index`: position among the filters with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the filter: at least `sinew_filter_bytes()` bytes, aligned like a
+///   `uintptr_t`.
+/// - `out_filter`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -85,14 +90,12 @@ pub unsafe extern "C" fn sinew_filter_open(
     out_filter: *mut *const sinew_filter,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_filter) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_filter, out_error) }
 }
 
-/// Says what a filter is made of.
+/// Describes a filter.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -101,13 +104,9 @@ pub unsafe extern "C" fn sinew_filter_describe(
     out_info: *mut sinew_filter_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (filter, reads) = unsafe { part::view(filter) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |filter: &Filter<'_>| {
         let fit = filter.fit();
-        let info = sinew_filter_info {
+        Ok(sinew_filter_info {
             name: filter.name().as_ptr().cast(),
             name_len: filter.name().len(),
             part: filter.part() as u32,
@@ -116,23 +115,22 @@ pub unsafe extern "C" fn sinew_filter_describe(
             step: fit.step,
             left_out_rms: fit.left_out_rms,
             linear_rms: fit.linear_rms,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(filter, out_info, out_error, answer) }
 }
 
-/// Makes samples `sinew_filter_info.factor` times as fine. Two calls make an image finer, one along its columns and one
-/// along its rows.
+/// Upsamples signals by `sinew_filter_info.factor`. An image takes two calls, along its columns and along
+/// its rows.
 ///
-/// - `shape`: how the samples lie.
+/// - `shape`: layout of the samples.
 /// - `samples`, `samples_len`: the numbers.
-/// - `out_samples`, `out_len`: factor times as many; they lie likewise, with factor times as many samples a signal.
+/// - `out_samples`, `out_len`: receives factor times as many numbers, in the layout of `shape` with factor
+///   times as many samples per signal.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_filter_apply(
     filter: *const sinew_filter,
@@ -150,10 +148,10 @@ pub unsafe extern "C" fn sinew_filter_apply(
         let (shape, shape_span) = unsafe { border::copied(shape, sinew_argument::Shape) }?;
         let samples = Array::new(samples, samples_len, sinew_argument::Samples)?;
         let out = Array::new(out_samples, out_len, sinew_argument::Outputs)?;
-        border::apart(&[out.span()], &[own, model, file, shape_span, samples.span()])?;
+        border::check_disjoint(&[out.span()], &[own, model, file, shape_span, samples.span()])?;
         let sinew_samples { signal_len, sample_len, lane_len } = shape;
         let shape = Samples { signal_len, sample_len, lane_len };
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         Ok(filter.apply(shape, unsafe { samples.read() }, unsafe { out.write() })?)
     };
     // SAFETY: the caller's promise is passed on.

@@ -1,30 +1,31 @@
-//! Skinning on the CPU, and the box that a posed skin stays within.
+//! Jobs of a skin: skinning, shapes, and the bounds of the posed skin.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
-use crate::error::sinew_error;
-use crate::matrix::sinew_matrix;
+use crate::envelope::sinew_matrix;
+use crate::error::{sinew_error, sinew_status};
 use crate::part;
 use crate::skin::sinew_skin;
-use crate::status::sinew_status;
-use sinew_runtime::skin::{Output, Rest};
-use sinew_runtime::{Matrix3x4, SkinJob};
+use core::ffi::c_char;
+use sinew_runtime::skin::{Bounds, Output, Rest};
+use sinew_runtime::{Matrix3x4, ShapesJob, Skin, SkinJob};
 
-/// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
-/// Zeros mean that it is not wanted; a stride without floats is `NULL`.
+/// Destination of an attribute. The i-th vertex *of the range* is written at `floats[i * stride]`. An
+/// output of zeros is left out; a stride without floats gives `NULL`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_output {
-    /// Where the range's first vertex goes. Attributes may share a buffer, each from its own first
-    /// float on: so a vertex can be interleaved.
+    /// Address for the range's first vertex. Attributes may share a buffer, each from another first float,
+    /// so that vertices are interleaved.
     pub floats: *mut f32,
-    /// Floats from there on: `(n - 1) * stride` and the attribute's own, at least, for n vertices.
+    /// Number of floats from `floats` on: for n vertices at least `(n - 1) * stride` plus the floats of the
+    /// attribute.
     pub len: usize,
-    /// Floats from one vertex to the next; at least the attribute's own, 3 or 4.
+    /// Floats from one vertex to the next: at least the 3 or 4 floats of the attribute.
     pub stride: usize,
 }
 
-/// Skins a range of vertices. Floats between attributes are left alone; where attributes overlap, the
+/// Skins a range of vertices. Floats between attributes are left unchanged. If attributes overlap, the
 /// later field of this structure wins.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -33,49 +34,49 @@ pub struct sinew_skin_job {
     pub skin: *const sinew_skin,
     /// `sinew_skin_info.palette_len` transforms, rest to posed.
     pub palette: *const sinew_matrix,
-    /// Their number.
+    /// Length of `palette`.
     pub palette_len: usize,
-    /// First vertex: of the remap where there is one, else of the skin.
+    /// First vertex: an index into the remap if there is one, otherwise into the skin.
     pub start: usize,
     /// One more than the last vertex.
     pub end: usize,
-    /// Null, or for each vertex of the engine's the skin's that it is a copy of: so that vertices which
-    /// were split along seams, or put into another order, need no second pass.
+    /// Null, or the skin vertex that each engine vertex copies. Vertices that were split along seams or
+    /// reordered then need no second pass.
     pub remap: *const u32,
-    /// Their number.
+    /// Length of `remap`.
     pub remap_len: usize,
-    /// Null, or what stands for the file's rest positions: 3 floats for each of the skin's V vertices,
-    /// of another face or body of the same topology.
+    /// Null, or rest positions that replace the file's: 3 floats for each of the skin's V vertices, of
+    /// another face or body with the same topology.
     pub rest_positions: *const f32,
-    /// Null, or what stands for the file's rest normals: 3 floats of length 1 each.
+    /// Null, or rest normals that replace the file's: 3 floats of length 1 each.
     pub rest_normals: *const f32,
-    /// Null, or what stands for the file's rest tangents: 3 floats of length 1, and the handedness.
+    /// Null, or rest tangents that replace the file's: 3 floats of length 1, and the handedness.
     pub rest_tangents: *const f32,
-    /// V, vertices of each of these three arrays that is not null.
+    /// V, the number of vertices of each of these three arrays that is not null.
     pub rest_len: usize,
-    /// Where to put positions: 3 floats, model space.
+    /// Output positions: 3 floats in model space.
     pub positions: sinew_output,
-    /// Where to put normals: 3 floats of length 1, outward also where the palette mirrors; where the
-    /// palette leaves one no direction, the rest normal, turned by the strongest influence if the skin
-    /// has tangent coefficients.
+    /// Output normals: 3 floats of length 1, outward even if the palette mirrors. If the palette gives a
+    /// normal no direction, the job writes the rest normal; with tangent coefficients, turned by the
+    /// strongest influence.
     pub normals: sinew_output,
-    /// Where to put tangents: 3 floats of length 1 (the rest tangent where the palette leaves one no
-    /// direction), then the handedness.
+    /// Output tangents: 3 floats of length 1, then the handedness. If the palette gives a tangent no
+    /// direction, the job writes the rest tangent.
     pub tangents: sinew_output,
 }
 
-/// A box along the axes, in model space.
+/// An axis-aligned box in model space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_bounds {
-    /// Least coordinates.
+    /// Smallest coordinates.
     pub min: [f32; 3],
-    /// Greatest coordinates.
+    /// Largest coordinates.
     pub max: [f32; 3],
 }
 
-/// Runs a skin job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
-/// same time, on any threads, if no output of one overlaps an output of another.
+/// Runs a skin job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `OUT_OF_RANGE`,
 /// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
@@ -95,28 +96,21 @@ pub unsafe extern "C" fn sinew_skin_run(
         let rest_positions = rest(job.rest_positions, &job, sinew_argument::RestPositions)?;
         let rest_normals = rest(job.rest_normals, &job, sinew_argument::RestNormals)?;
         let rest_tangents = rest(job.rest_tangents, &job, sinew_argument::RestTangents)?;
-        let [positions, normals, tangents] = [
-            (job.positions, sinew_argument::Positions),
-            (job.normals, sinew_argument::Normals),
-            (job.tangents, sinew_argument::Tangents),
-        ]
-        .map(|(output, argument)| given(&output, argument));
-        let (positions, normals, tangents) = (positions?, normals?, tangents?);
         let reads = [
             own,
             model,
             file,
             job_span,
             palette.span(),
-            remap.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_positions.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_normals.as_ref().map_or(Span::NOWHERE, Array::span),
-            rest_tangents.as_ref().map_or(Span::NOWHERE, Array::span),
+            remap.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_positions.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_normals.as_ref().map_or(Span::EMPTY, Array::span),
+            rest_tangents.as_ref().map_or(Span::EMPTY, Array::span),
         ];
-        for output in [&positions, &normals, &tangents].into_iter().flatten() {
-            border::apart(&[output.span()], &reads)?;
-        }
-        // SAFETY: lent by the caller; what is written is apart from all of this.
+        let wanted = [job.positions, job.normals, job.tangents];
+        // SAFETY: lent by the caller for this call.
+        let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
+        // SAFETY: lent by the caller; written memory overlaps none of it.
         let (palette, remap, rest) = unsafe {
             let rest = Rest {
                 positions: rest_positions.map(|array| array.read()),
@@ -125,20 +119,15 @@ pub unsafe extern "C" fn sinew_skin_run(
             };
             (palette.read(), remap.map(|array| array.read()), rest)
         };
-        let output = |array: Option<Array<f32>>, stride| {
-            // SAFETY: lent by the caller for this call, apart from all that is read, and referred to by
-            // cells alone.
-            array.map(|array| Output { floats: unsafe { array.share() }, stride })
-        };
         let job = SkinJob {
             skin,
             palette,
             vertices: job.start..job.end,
             remap,
             rest,
-            positions: output(positions, job.positions.stride),
-            normals: output(normals, job.normals.stride),
-            tangents: output(tangents, job.tangents.stride),
+            positions,
+            normals,
+            tangents,
         };
         Ok(job.run()?)
     };
@@ -146,23 +135,11 @@ pub unsafe extern "C" fn sinew_skin_run(
     unsafe { border::call(out_error, body) }
 }
 
-/// Checks where an attribute goes: zeros alone mean that it is not wanted.
-pub(crate) fn given(
-    output: &sinew_output,
-    argument: sinew_argument,
-) -> Result<Option<Array<f32>>, sinew_error> {
-    let array = Array::given(output.floats, output.len, argument)?;
-    if array.is_none() && output.stride > 0 {
-        return Err(sinew_error::new(sinew_status::Null, argument));
-    }
-    Ok(array)
-}
-
-/// Computes a box that holds every vertex of the posed skin, from the palette alone.
+/// Computes a box that contains every vertex of the posed skin, from the palette alone.
 ///
 /// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
-/// - `rest_offset`: how far a rest mesh of the caller's has any position from the file's, along each
-///   axis at most; 0 for the file's own.
+/// - `rest_offset`: largest distance along an axis between a position of the caller's rest mesh and the
+///   file's; 0 for the file's own mesh.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_VERTICES`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -181,13 +158,138 @@ pub unsafe extern "C" fn sinew_skin_bounds(
         let palette =
             Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
         let out = Array::one(out_bounds, sinew_argument::Result)?;
-        border::apart(&[out.span()], &[own, model, file, palette.span()])?;
+        border::check_disjoint(&[out.span()], &[own, model, file, palette.span()])?;
         // SAFETY: lent by the caller.
         let bounds = skin.bounds(unsafe { palette.read() }, rest_offset)?;
-        let bounds =
-            bounds.ok_or(sinew_error::new(sinew_status::NoVertices, sinew_argument::Skin))?;
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(sinew_bounds { min: bounds.min, max: bounds.max }) };
+        // SAFETY: one element, which the caller allows to be written.
+        unsafe { out.store(checked_bounds(bounds)?) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// A shape of a skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_shape {
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
+    pub name: *const c_char,
+    /// Length of the name in bytes.
+    pub name_len: usize,
+    /// Box of the offsets of all vertices at weight 1; the box contains 0.
+    pub bounds: sinew_bounds,
+}
+
+/// Applies shapes to vertices at rest. A `sinew_skin_job` takes the result as its rest mesh.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct sinew_shapes_job {
+    /// The skin.
+    pub skin: *const sinew_skin,
+    /// `sinew_skin_info.shape_len` weights.
+    pub weights: *const f32,
+    /// Length of `weights`.
+    pub weights_len: usize,
+    /// First vertex. Ranges that start at multiples of 64 compute no sum twice.
+    pub start: usize,
+    /// One more than the last vertex.
+    pub end: usize,
+    /// Output positions: 3 floats in model space.
+    pub positions: sinew_output,
+    /// Output normals: 3 floats of length 1. If the shapes give a normal no direction, the job writes the
+    /// file's.
+    pub normals: sinew_output,
+    /// Output tangents: 3 floats of length 1, then the handedness. If the shapes give a tangent no
+    /// direction, the job writes the file's.
+    pub tangents: sinew_output,
+}
+
+/// Describes a shape.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_shape(
+    skin: *const sinew_skin,
+    shape: usize,
+    out_shape: *mut sinew_shape,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let answer = |skin: &Skin<'_>| {
+        let outside = sinew_error::out_of_range(sinew_argument::Shape, shape, skin.shape_len());
+        let found = skin.shape_name(shape).zip(skin.shape_box(shape));
+        let (name, Bounds { min, max }) = found.ok_or(outside)?;
+        let bounds = sinew_bounds { min, max };
+        Ok(sinew_shape { name: name.as_ptr().cast(), name_len: name.len(), bounds })
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(skin, out_shape, out_error, answer) }
+}
+
+/// Runs a shapes job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// the same time on any threads if no output of one overlaps an output of another.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`,
+/// `OUT_OF_RANGE`, `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_shapes_run(
+    job: *const sinew_shapes_job,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: lent by the caller.
+        let (job, job_span) = unsafe { border::copied(job, sinew_argument::Job) }?;
+        // SAFETY: the caller's promise is passed on.
+        let (skin, [own, model, file]) = unsafe { part::view(job.skin) }?;
+        let weights = Array::new(job.weights, job.weights_len, sinew_argument::ShapeWeights)?;
+        let reads = [own, model, file, job_span, weights.span()];
+        let wanted = [job.positions, job.normals, job.tangents];
+        // SAFETY: lent by the caller for this call.
+        let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
+        let job = ShapesJob {
+            skin,
+            // SAFETY: lent by the caller; written memory does not overlap it.
+            weights: unsafe { weights.read() },
+            vertices: job.start..job.end,
+            positions,
+            normals,
+            tangents,
+        };
+        Ok(job.run()?)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes a box that contains every vertex of the shaped and posed skin, from weights and palette alone.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `weights`, `weights_len`: `sinew_skin_info.shape_len` weights.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NON_FINITE`, `NO_VERTICES`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_shapes_bounds(
+    skin: *const sinew_skin,
+    palette: *const sinew_matrix,
+    palette_len: usize,
+    weights: *const f32,
+    weights_len: usize,
+    out_bounds: *mut sinew_bounds,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (skin, [own, model, file]) = unsafe { part::view(skin) }?;
+        let palette =
+            Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
+        let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights)?;
+        let out = Array::one(out_bounds, sinew_argument::Result)?;
+        border::check_disjoint(&[out.span()], &[own, model, file, palette.span(), weights.span()])?;
+        // SAFETY: lent by the caller.
+        let bounds = skin.shaped_bounds(unsafe { palette.read() }, unsafe { weights.read() })?;
+        // SAFETY: one element, which the caller allows to be written.
+        unsafe { out.store(checked_bounds(bounds)?) };
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
@@ -202,4 +304,41 @@ fn rest<const N: usize>(
 ) -> Result<Option<Array<[f32; N]>>, sinew_error> {
     let len = if at.is_null() { 0 } else { job.rest_len };
     Array::given(at.cast(), len, argument)
+}
+
+/// Borrows the floats that a job writes: positions, normals and tangents. They may overlap each other, but no memory
+/// in `reads`. An output of zeros is `None`.
+///
+/// # Safety
+/// For `'a` only the job that takes the outputs uses their floats.
+unsafe fn outputs<'a>(
+    wanted: [sinew_output; 3],
+    reads: &[Span],
+) -> Result<[Option<Output<'a>>; 3], sinew_error> {
+    let arguments = [sinew_argument::Positions, sinew_argument::Normals, sinew_argument::Tangents];
+    let mut found = [None, None, None];
+    for ((found, output), argument) in found.iter_mut().zip(wanted).zip(arguments) {
+        let sinew_output { floats, len, stride } = output;
+        let array = Array::given(floats, len, argument)?;
+        if array.is_none() && stride > 0 {
+            return Err(sinew_error::new(sinew_status::Null, argument));
+        }
+        *found = array.map(|array| (array, stride));
+    }
+    for (array, _) in found.iter().flatten() {
+        border::check_disjoint(&[array.span()], reads)?;
+    }
+    // SAFETY: lent by the caller, apart from all memory that is read, and used through cells only.
+    let output =
+        |(array, stride): (Array<f32>, usize)| Output { floats: unsafe { array.share() }, stride };
+    Ok(found.map(|found| found.map(output)))
+}
+
+/// Converts a box; a mesh without vertices has none.
+///
+/// # Errors
+/// `NO_VERTICES`.
+fn checked_bounds(bounds: Option<Bounds>) -> Result<sinew_bounds, sinew_error> {
+    let none = sinew_error::new(sinew_status::NoVertices, sinew_argument::Skin);
+    bounds.map(|Bounds { min, max }| sinew_bounds { min, max }).ok_or(none)
 }

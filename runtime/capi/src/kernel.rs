@@ -1,22 +1,23 @@
-//! A kernel, what the file says of it, and its evaluation.
+//! Kernels: opens, describes and evaluates a kernel.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::border::{Array, Loaded};
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Evaluation, Opened, Opening, Slices};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use sinew_runtime::KernelMap;
 use sinew_runtime::kernel::KernelLayout;
-use sinew_runtime::{CallError, KernelMap};
 
-/// Elements of a `uintptr_t` array that holds a kernel on every target:
+/// Length of a `uintptr_t` array that can hold a kernel on every target:
 /// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
 pub const SINEW_KERNEL_WORDS: usize = 48;
 
-/// A function from named inputs to named outputs. It points to its model: where that has been loaded again
-/// with another file, or is loaded no more, every call refuses the kernel.
+/// A function from named inputs to named outputs.
+///
+/// The kernel points to its model. Every call refuses the kernel once the model was cleared or has loaded
+/// another file.
 pub struct sinew_kernel(Loaded<Opened<KernelLayout>>);
 
 part::part! {
@@ -24,41 +25,43 @@ part::part! {
     tag b"SnwK", argument Kernel, within SINEW_KERNEL_WORDS
 }
 
-/// What a kernel's fit was measured to reach, in the units of its outputs.
+/// Measured errors of a kernel's fit, in the units of its outputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_kernel_fit {
-    /// RMS over the samples of how far the values are from theirs.
+    /// RMS residual over the samples.
     pub rms_residual: f32,
-    /// The same, each sample left out of its own fit; 0 if it was not computed.
+    /// Left-out RMS error: the prediction of each sample comes from a fit without the sample; 0 if not
+    /// computed.
     pub left_out_rms: f32,
-    /// The largest bound on errors of single precision that was found.
+    /// Largest bound found on rounding errors in single precision.
     pub rounding_error: f32,
-    /// Reciprocal of the condition number of what was solved.
+    /// Reciprocal condition number of the linear system.
     pub reciprocal_condition: f32,
 }
 
-/// What a kernel is made of: every length that its calls need.
+/// Counts of a kernel, and the lengths of all arrays that its calls take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_kernel_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// The number of its function in FORMAT.md's table of kernels.
+    /// Number of the kernel function in FORMAT.md.
     pub kernel: u32,
-    /// Inputs.
+    /// Number of inputs.
     pub input_len: usize,
-    /// Outputs.
+    /// Number of outputs.
     pub output_len: usize,
-    /// R, numbers of a query: those of the inputs together.
+    /// R, the length of a query: all numbers of all inputs.
     pub query_len: usize,
-    /// Numbers of the outputs together.
+    /// Length of a result: all numbers of all outputs.
     pub result_len: usize,
-    /// m, values: what outputs are made of, and what a Jacobian and variances are of. A rotation has 3.
+    /// m, the number of values that outputs are computed from. A rotation has 3 values. Jacobian and
+    /// variances are those of the values.
     pub value_len: usize,
     /// Floats of scratch that `sinew_kernel_evaluate` needs.
     pub scratch_len: usize,
@@ -66,9 +69,9 @@ pub struct sinew_kernel_info {
     pub jacobian_scratch_len: usize,
     /// Floats of scratch that `sinew_kernel_variance` needs.
     pub variance_scratch_len: usize,
-    /// 1 if it holds what a variance is computed of, else 0.
+    /// 1 if the kernel can compute a variance, otherwise 0.
     pub has_variance: u32,
-    /// What the fit was measured to reach.
+    /// Measured errors of the fit.
     pub fit: sinew_kernel_fit,
 }
 
@@ -76,17 +79,17 @@ pub struct sinew_kernel_info {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_quantity {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number in FORMAT.md's table of inputs, or of outputs.
+    /// Number of the kind in FORMAT.md's table of inputs or of outputs.
     pub kind: u32,
-    /// Its numbers: 1 of a scalar, 3 of a vector, of a rotation the 4 of a quaternion x, y, z, w.
+    /// Number of floats: 1 for a scalar, 3 for a vector, 4 for a rotation (quaternion x, y, z, w).
     pub number_len: usize,
 }
 
-/// Returns the bytes of memory that a kernel needs: at most those of `SINEW_KERNEL_WORDS` words.
+/// Returns the size of a kernel in bytes: at most `SINEW_KERNEL_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_kernel_bytes() -> usize {
     size_of::<sinew_kernel>()
@@ -94,10 +97,12 @@ pub extern "C" fn sinew_kernel_bytes() -> usize {
 
 /// Opens a kernel of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the kernel; at least `sinew_kernel_bytes()`, aligned as a `uintptr_t`.
-/// - `out_kernel`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the kernel's name in UTF-8, without a terminating zero; null and 0 match every
+///   name.
+/// - `index`: position among the kernels with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the kernel: at least `sinew_kernel_bytes()` bytes, aligned like a
+///   `uintptr_t`.
+/// - `out_kernel`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -111,14 +116,12 @@ pub unsafe extern "C" fn sinew_kernel_open(
     out_kernel: *mut *const sinew_kernel,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_kernel) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_kernel, out_error) }
 }
 
-/// Says what a kernel is made of.
+/// Describes a kernel.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -127,21 +130,11 @@ pub unsafe extern "C" fn sinew_kernel_describe(
     out_info: *mut sinew_kernel_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (kernel, reads) = unsafe { part::view(kernel) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = info(&kernel);
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
-    };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_info, out_error, |kernel| Ok(info(kernel))) }
 }
 
-/// Describes an input, in the order of a query.
+/// Describes an input. Inputs have the order of a query.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
 #[unsafe(no_mangle)]
@@ -151,20 +144,18 @@ pub unsafe extern "C" fn sinew_kernel_input(
     out_input: *mut sinew_quantity,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let row = |kernel: &KernelMap<'static>| {
-            let row = kernel.inputs().nth(input)?;
-            Some((kernel.input_name(input)?, row.kind.number(), row.kind.number_len()))
-        };
-        let len = |kernel: &KernelMap<'static>| kernel.counts().input_len;
-        // SAFETY: the caller's promise is passed on.
-        unsafe { quantity(kernel, (sinew_argument::Input, input), out_input, row, len) }
+    let answer = |kernel: &KernelMap<'_>| {
+        let len = kernel.counts().input_len as usize;
+        let outside = sinew_error::out_of_range(sinew_argument::Input, input, len);
+        let found = kernel.input_name(input).zip(kernel.inputs().nth(input));
+        let (name, row) = found.ok_or(outside)?;
+        Ok(quantity(name, row.kind.number(), row.kind.number_len()))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_input, out_error, answer) }
 }
 
-/// Describes an output, in the order in which they are given.
+/// Describes an output. Outputs have the order of a result.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
 #[unsafe(no_mangle)]
@@ -174,29 +165,27 @@ pub unsafe extern "C" fn sinew_kernel_output(
     out_output: *mut sinew_quantity,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let row = |kernel: &KernelMap<'static>| {
-            let row = kernel.outputs().nth(output)?;
-            Some((kernel.output_name(output)?, row.kind.number(), row.kind.number_len()))
-        };
-        let len = |kernel: &KernelMap<'static>| kernel.counts().output_len;
-        // SAFETY: the caller's promise is passed on.
-        unsafe { quantity(kernel, (sinew_argument::Output, output), out_output, row, len) }
+    let answer = |kernel: &KernelMap<'_>| {
+        let len = kernel.counts().output_len as usize;
+        let outside = sinew_error::out_of_range(sinew_argument::Output, output, len);
+        let found = kernel.output_name(output).zip(kernel.outputs().nth(output));
+        let (name, row) = found.ok_or(outside)?;
+        Ok(quantity(name, row.kind.number(), row.kind.number_len()))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(kernel, out_output, out_error, answer) }
 }
 
-/// Computes the outputs of a query and the confidence in them.
+/// Computes the outputs of a query and their confidence.
 ///
-/// - `query`, `query_len`: `sinew_kernel_info.query_len` numbers, one input after the other; of a rotation a
+/// - `query`, `query_len`: `sinew_kernel_info.query_len` numbers, one input after another; a rotation is a
 ///   quaternion of any length but 0.
-/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.scratch_len` floats, of any content; its content
-///   afterwards means nothing. One for each thread.
-/// - `out_numbers`, `out_len`: `sinew_kernel_info.result_len` numbers, one output after the other; of a rotation
-///   a quaternion of length 1.
-/// - `out_confidence`: null, or receives 1 near the centres down to 0 far from all; 1 of a kernel that has no
-///   fade.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.scratch_len` floats with any content, one array
+///   per thread. The content after the call has no meaning.
+/// - `out_numbers`, `out_len`: receives `sinew_kernel_info.result_len` numbers, one output after another; a
+///   rotation is a quaternion of length 1.
+/// - `out_confidence`: null, or receives the confidence: 1 near the centres, falling to 0 far from all. A
+///   kernel without a fade gives 1.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
@@ -212,31 +201,31 @@ pub unsafe extern "C" fn sinew_kernel_evaluate(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_numbers, out_len, sinew_argument::Outputs);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, confidence, |kernel, arrays| {
-                let Arrays { query, scratch, out, confidence } = arrays;
-                let found = kernel.evaluate(query, scratch, out)?;
-                confidence.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_numbers, out_len, sinew_argument::Outputs),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            kernel,
+            out_error,
+            |kernel, Slices { input, scratch, output, confidences }| {
+                kernel.evaluate(input, scratch, output).map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
-/// Computes the derivatives of the m values by the R numbers of a query: before the fade, ranges and sums of
-/// outputs, so that those of a rotation are its vector's.
+/// Computes the derivatives of the m values with respect to the R numbers of a query. The values are those
+/// before fade, ranges and sums of outputs; for a rotation they are its rotation vector.
 ///
 /// - `query`, `query_len`: as for `sinew_kernel_evaluate`.
-/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.jacobian_scratch_len` floats, likewise.
-/// - `out_jacobian`, `jacobian_len`: m rows of R derivatives.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.jacobian_scratch_len` floats, as for
+///   `sinew_kernel_evaluate`.
+/// - `out_jacobian`, `jacobian_len`: receives m rows of R derivatives.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
@@ -251,27 +240,26 @@ pub unsafe extern "C" fn sinew_kernel_jacobian(
     jacobian_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, nothing, |kernel, arrays| {
-                kernel.jacobian(arrays.query, arrays.scratch, arrays.out)
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian),
+        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+            kernel.jacobian(input, scratch, output)
+        })
+    }
 }
 
-/// Computes the variance of each of the m values, before the fade, ranges and sums of outputs.
+/// Computes the variance of each of the m values, before fade, ranges and sums of outputs.
 ///
 /// - `query`, `query_len`: as for `sinew_kernel_evaluate`.
-/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.variance_scratch_len` floats, likewise.
-/// - `out_variances`, `variances_len`: m variances, not negative.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.variance_scratch_len` floats, as for
+///   `sinew_kernel_evaluate`.
+/// - `out_variances`, `variances_len`: receives m variances, which are not negative.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `LENGTH`, `TOO_SHORT`,
 /// `NON_FINITE`, `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
@@ -286,92 +274,28 @@ pub unsafe extern "C" fn sinew_kernel_variance(
     variances_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let query = Array::new(query, query_len, sinew_argument::Query);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_variances, variances_len, sinew_argument::Variances);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(kernel, query, scratch, out, nothing, |kernel, arrays| {
-                kernel.variance(arrays.query, arrays.scratch, arrays.out)
-            })
-        }
+    let evaluation = Evaluation {
+        input: Array::new(query, query_len, sinew_argument::Query),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_variances, variances_len, sinew_argument::Variances),
+        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+            kernel.variance(input, scratch, output)
+        })
+    }
 }
 
-/// Stores the description of an input or of an output: its name, its kind, and how many numbers it has.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a kernel; what is stored is the caller's to be written.
-unsafe fn quantity(
-    kernel: *const sinew_kernel,
-    (argument, number): (sinew_argument, usize),
-    out: *mut sinew_quantity,
-    row: impl Fn(&KernelMap<'static>) -> Option<(&'static str, u8, usize)>,
-    len: impl Fn(&KernelMap<'static>) -> u32,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (kernel, reads) = unsafe { part::view(kernel) }?;
-    let out = Array::one(out, sinew_argument::Result)?;
-    border::apart(&[out.span()], &reads)?;
-    let most = (len(&kernel) as usize).saturating_sub(1);
-    let beyond = sinew_error::new(sinew_status::OutOfRange, argument).values(most, number);
-    let (name, kind, number_len) = row(&kernel).ok_or(beyond)?;
-    let found = sinew_quantity {
+/// Describes an input or an output.
+fn quantity(name: &str, kind: u8, number_len: usize) -> sinew_quantity {
+    sinew_quantity {
         name: name.as_ptr().cast(),
         name_len: name.len(),
         kind: kind.into(),
         number_len,
-    };
-    // SAFETY: one element, which the caller lets be written.
-    unsafe { out.store(found) };
-    Ok(())
-}
-
-/// An array, or what is wrong with it, which is told after what is wrong with the kernel.
-type Checked = Result<Array<f32>, sinew_error>;
-
-/// What is computed of and into; a confidence goes where there is room for it.
-struct Arrays<'a> {
-    query: &'a [f32],
-    scratch: &'a mut [f32],
-    out: &'a mut [f32],
-    confidence: &'a mut [f32],
-}
-
-/// Evaluates a kernel by one of the runtime's ways.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a kernel; the arrays are the caller's to read and
-/// to write.
-unsafe fn evaluate(
-    kernel: *const sinew_kernel,
-    query: Checked,
-    scratch: Checked,
-    out: Checked,
-    confidence: Checked,
-    way: impl FnOnce(&KernelMap<'_>, Arrays<'_>) -> Result<(), CallError>,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (kernel, [own, model, file]) = unsafe { part::view(kernel) }?;
-    let (query, scratch, out, confidence) = (query?, scratch?, out?, confidence?);
-    border::apart(
-        &[scratch.span(), out.span(), confidence.span()],
-        &[own, model, file, query.span()],
-    )?;
-    // SAFETY: lent by the caller; what is written is apart from all else.
-    let arrays = unsafe {
-        Arrays {
-            query: query.read(),
-            scratch: scratch.write(),
-            out: out.write(),
-            confidence: confidence.write(),
-        }
-    };
-    Ok(way(&kernel, arrays)?)
+    }
 }
 
 fn info(kernel: &KernelMap<'_>) -> sinew_kernel_info {

@@ -1,25 +1,21 @@
-//! C ABI of `sinew-runtime`; `include/sinew.h` is made of these sources and says the same.
+//! C ABI of `sinew-runtime`. cbindgen generates `include/sinew.h` from these sources and their doc comments.
 //!
-//! Objects lie in memory of the caller, nothing is allocated, nothing has to be freed. Each
-//! function checks what can be checked of its arguments and returns a [`sinew_status`].
+//! Objects are in the caller's memory. Nothing is allocated and nothing has to be freed. Each function checks its
+//! arguments where possible and returns a [`sinew_status`].
 #![cfg_attr(target_os = "none", no_std)]
-#![allow(non_camel_case_types, reason = "types have the names that they have in C")]
+#![allow(non_camel_case_types, reason = "types have their C names")]
 #![allow(
     clippy::missing_safety_doc,
-    reason = "what every pointer must be is stated once, at the head of the header"
+    reason = "the head of the header states the requirements of all pointers once"
 )]
 
 mod border;
 mod part;
 
-// The header's functions come in the order of these groups.
-mod version;
-
+// The header lists the functions in the order of these modules.
 mod argument;
 mod error;
-mod status;
 
-mod matrix;
 mod model;
 
 mod envelope;
@@ -30,12 +26,8 @@ mod kernel;
 
 mod skin;
 
-mod mesh;
-
 mod filter;
 mod job;
-
-mod shapes;
 
 mod prior;
 
@@ -47,19 +39,41 @@ pub use error::*;
 pub use filter::*;
 pub use job::*;
 pub use kernel::*;
-pub use matrix::*;
-pub use mesh::*;
 pub use model::*;
 pub use palette::*;
 pub use pose::*;
 pub use prior::*;
-pub use shapes::*;
 pub use skin::*;
-pub use status::*;
-pub use version::*;
 pub use views::*;
 
-/// Stops: nothing here panics, but a bare target's linker asks for it.
+use core::ffi::c_char;
+
+/// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
+///
+/// The version grows when a function, a structure or the meaning of a number changes.
+pub const SINEW_ABI_VERSION: u32 = 9;
+
+/// Returns the version of the library's ABI. A program that loads the library at run time compares the
+/// version with `SINEW_ABI_VERSION`.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_abi_version() -> u32 {
+    SINEW_ABI_VERSION
+}
+
+/// Returns the version of the library as zero-terminated text.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_version() -> *const c_char {
+    const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    VERSION.as_ptr().cast()
+}
+
+/// Returns the version of the file format that the library reads.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_format_version() -> u32 {
+    u32::from(sinew_runtime::format::VERSION)
+}
+
+/// Stops. No code of this crate panics, but the linker of a bare target requires a handler.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

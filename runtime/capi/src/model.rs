@@ -1,22 +1,22 @@
-//! A loaded file.
+//! Models: loads a file and describes its contents.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Object, Span};
-use crate::error::sinew_error;
-use crate::status::sinew_status;
+use crate::error::{sinew_error, sinew_status};
 use core::ffi::c_void;
 use core::mem::{align_of, size_of};
 use sinew_runtime::format::{Axis, Handedness};
 use sinew_runtime::{Limits, Model};
 
-/// Elements of a `uintptr_t` array that holds a model on every target:
+/// Length of a `uintptr_t` array that can hold a model on every target:
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
 pub const SINEW_MODEL_WORDS: usize = 192;
 
-/// A loaded file: what was found in its bytes, which must stay where they are and as they are while
-/// the model is in use. Its memory may be loaded again at any time that no call uses it, with the same
-/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes,
-/// skins and kernels point to it: it must stay in its place, and outlive them.
+/// A loaded file, read in place: the file's bytes stay in place and unchanged while the model is in use.
+///
+/// The model's memory may be loaded again while no call uses it, with the same file or another. Filling the
+/// memory with zeros clears the model; nothing has to be freed. Parts point to the model, so the model
+/// stays in place and outlives its parts.
 pub struct sinew_model(Loaded<Model<&'static [u8]>>);
 
 impl Object for sinew_model {
@@ -34,8 +34,7 @@ const _: () = {
     assert!(align_of::<sinew_model>() <= align_of::<usize>());
 };
 
-/// The most of everything that a file may hold. All work, of loading and of evaluating, grows with
-/// these counts and with nothing else.
+/// Maximum counts of a file. The work of loading and evaluating depends only on these counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_limits {
@@ -57,27 +56,27 @@ pub struct sinew_limits {
     pub shapes: u32,
 }
 
-/// A direction along an axis.
+/// A signed axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum sinew_axis {
-    /// The file does not say.
+    /// The file does not record the axis.
     Unknown = 0,
-    /// Along x.
+    /// Positive x.
     X = 1,
-    /// Against x.
+    /// Negative x.
     MinusX = 2,
-    /// Along y.
+    /// Positive y.
     Y = 3,
-    /// Against y.
+    /// Negative y.
     MinusY = 4,
-    /// Along z.
+    /// Positive z.
     Z = 5,
-    /// Against z.
+    /// Negative z.
     MinusZ = 6,
 }
 
-/// Which way the third axis points, seen from the first two.
+/// Direction of the third axis, relative to the first two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum sinew_handedness {
@@ -87,46 +86,45 @@ pub enum sinew_handedness {
     Left = 2,
 }
 
-/// What a file holds, and the space of its numbers: of its rest meshes, of the poses that it takes and
-/// of what it gives.
+/// Contents of a file, and the space of its numbers. Rest meshes, poses and results all use this space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_model_info {
-    /// Parts, known to the library or not.
+    /// Number of parts, including kinds that the library does not know.
     pub part_len: usize,
-    /// Envelopes.
+    /// Number of envelopes.
     pub envelope_len: usize,
-    /// Skins.
+    /// Number of skins.
     pub skin_len: usize,
-    /// Kernels.
+    /// Number of kernels.
     pub kernel_len: usize,
-    /// Where a character's head is.
+    /// Axis that points to a character's head.
     pub up: sinew_axis,
-    /// Where a character looks.
+    /// Axis along which a character looks.
     pub forward: sinew_axis,
-    /// The axes' handedness.
+    /// Handedness of the axes.
     pub handedness: sinew_handedness,
-    /// Metres of a unit of length; 0 if the file does not say.
+    /// Metres per unit of length; 0 if the file does not record the unit.
     pub unit: f32,
 }
 
-/// A section of the file, known to the library or not, by its number in FORMAT.md.
+/// Place of a section in the file's blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_section {
-    /// Where it starts, in bytes from the blob's start; a multiple of 16.
+    /// Offset from the start of the blob in bytes; a multiple of 16.
     pub offset: u32,
-    /// Its length in bytes.
+    /// Length in bytes.
     pub bytes: u32,
 }
 
-/// Returns the bytes of memory that a model needs: at most those of `SINEW_MODEL_WORDS` words.
+/// Returns the size of a model in bytes: at most `SINEW_MODEL_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_model_bytes() -> usize {
     size_of::<sinew_model>()
 }
 
-/// Writes the limits that `sinew_model_load` has without others: generous for any character.
+/// Writes the default limits of `sinew_model_load`, which are generous for any character.
 ///
 /// Returns `NULL`, `MISALIGNED`.
 #[unsafe(no_mangle)]
@@ -148,7 +146,7 @@ pub unsafe extern "C" fn sinew_limits_default(
             influences,
             shapes,
         };
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(limits) };
         Ok(())
     };
@@ -156,17 +154,17 @@ pub unsafe extern "C" fn sinew_limits_default(
     unsafe { border::call(out_error, body) }
 }
 
-/// Loads a model in place and checks all of it, in time bounded by the file's length. After that
-/// no evaluation fails for the file's sake.
+/// Loads a model in place and validates the whole file, in time bounded by the file's length. After success
+/// no evaluation fails because of the file.
 ///
-/// Envelopes, skins and kernels of what the memory held before are refused from now on, unless the file is the
-/// same; if loading fails they are not.
+/// If the memory held another file before, calls refuse the parts of that file from now on. A failed load
+/// changes nothing.
 ///
-/// - `memory`, `memory_bytes`: for the model; at least `sinew_model_bytes()`, aligned as a
+/// - `memory`, `memory_bytes`: memory for the model: at least `sinew_model_bytes()` bytes, aligned like a
 ///   `uintptr_t`.
-/// - `file`, `file_bytes`: the file, at any address; not copied.
-/// - `limits`: null for the default ones.
-/// - `out_model`: receives the handle, which is `memory`.
+/// - `file`, `file_bytes`: the file, at any address; the bytes are not copied.
+/// - `limits`: null for the default limits.
+/// - `out_model`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, and every status from 100 on.
 #[unsafe(no_mangle)]
@@ -184,15 +182,15 @@ pub unsafe extern "C" fn sinew_model_load(
         let file = Array::new(file, file_bytes, sinew_argument::File)?;
         let limits = Array::optional(limits, sinew_argument::Limits)?;
         let out = Array::one(out_model, sinew_argument::Result)?;
-        border::apart(&[place.span(), out.span()], &[file.span(), limits.span()])?;
+        border::check_disjoint(&[place.span(), out.span()], &[file.span(), limits.span()])?;
         // SAFETY: the caller keeps the file for as long as the model is in use.
         let file = unsafe { file.read() };
-        // SAFETY: lent by the caller; copied at once.
+        // SAFETY: lent by the caller, and copied immediately.
         let limits = unsafe { limits.read() }.first().map_or(Limits::DEFAULT, Limits::from);
         let model = Model::from_bytes_with(file, &limits)?;
-        // SAFETY: memory large enough, aligned, apart from the file, and lent by the caller.
+        // SAFETY: the memory is large enough, aligned, lent by the caller, and does not overlap the file.
         unsafe { place.store(sinew_model(Loaded::new::<sinew_model>(model))) };
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(memory.cast_const().cast()) };
         Ok(())
     };
@@ -200,7 +198,7 @@ pub unsafe extern "C" fn sinew_model_load(
     unsafe { border::call(out_error, body) }
 }
 
-/// Says what a file holds, and in which space.
+/// Describes the contents of a file and its space.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -213,7 +211,7 @@ pub unsafe extern "C" fn sinew_model_describe(
         // SAFETY: the caller's promise is passed on.
         let (model, reads) = unsafe { loaded(model) }?;
         let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+        border::check_disjoint(&[out.span()], &reads)?;
         let space = model.space();
         let info = sinew_model_info {
             part_len: model.parts().len(),
@@ -228,7 +226,7 @@ pub unsafe extern "C" fn sinew_model_describe(
             },
             unit: space.unit.unwrap_or(0.0),
         };
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(info) };
         Ok(())
     };
@@ -236,8 +234,8 @@ pub unsafe extern "C" fn sinew_model_describe(
     unsafe { border::call(out_error, body) }
 }
 
-/// Returns the blob, which holds every section at the offset that `sinew_model_section` gives:
-/// what a GPU is given, as one buffer.
+/// Returns the file's blob, which a GPU takes as one buffer. `sinew_model_section` gives the offset of each
+/// section in the blob.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -252,9 +250,9 @@ pub unsafe extern "C" fn sinew_model_blob(
         let (model, reads) = unsafe { loaded(model) }?;
         let out = Array::one(out_blob, sinew_argument::Result)?;
         let out_len = Array::one(out_bytes, sinew_argument::SecondResult)?;
-        border::apart(&[out.span(), out_len.span()], &reads)?;
+        border::check_disjoint(&[out.span(), out_len.span()], &reads)?;
         let blob = model.blob();
-        // SAFETY: one element each, which the caller lets be written; the object is not read again.
+        // SAFETY: one element each, which the caller allows to be written; the object is not read again.
         unsafe { (out.store(blob.as_ptr()), out_len.store(blob.len())) };
         Ok(())
     };
@@ -265,7 +263,7 @@ pub unsafe extern "C" fn sinew_model_blob(
 /// Finds a section of a part.
 ///
 /// - `part`: `sinew_envelope_info.part`, `sinew_skin_info.part` or `sinew_kernel_info.part`.
-/// - `kind`: its number in FORMAT.md.
+/// - `kind`: the section's number in FORMAT.md. The library need not know the kind.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -280,13 +278,13 @@ pub unsafe extern "C" fn sinew_model_section(
         // SAFETY: the caller's promise is passed on.
         let (model, reads) = unsafe { loaded(model) }?;
         let out = Array::one(out_section, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+        border::check_disjoint(&[out.span()], &reads)?;
         let found = model.sections().find(|section| {
             u32::from(section.row.part) == part && u32::from(section.row.kind) == kind
         });
         let not_found = sinew_error::new(sinew_status::NotFound, sinew_argument::Section);
         let row = found.ok_or(sinew_error { part, section: kind, ..not_found })?.row;
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(sinew_section { offset: row.offset, bytes: row.bytes }) };
         Ok(())
     };
@@ -294,10 +292,10 @@ pub unsafe extern "C" fn sinew_model_section(
     unsafe { border::call(out_error, body) }
 }
 
-/// Returns a loaded model, and what a call with it reads: the object and the file.
+/// Returns a loaded model and the memory that a call with the model reads: the object and the file.
 ///
 /// # Safety
-/// `at` is null, or points to memory as large as a model, which for `'a` stays as it is.
+/// `at` is null, or points to memory as large as a model, which stays unchanged for `'a`.
 pub(crate) unsafe fn loaded<'a>(
     at: *const sinew_model,
 ) -> Result<(&'a Model<&'static [u8]>, [Span; 2]), sinew_error> {

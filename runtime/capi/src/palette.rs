@@ -1,20 +1,18 @@
-//! Each frame: from local transforms to a pose, and from a pose to the palette.
+//! Per-frame calls: local transforms to a pose, and a pose to a palette.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array};
-use crate::envelope::sinew_envelope;
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
-use crate::part;
-use crate::status::sinew_status;
+use crate::envelope::{sinew_envelope, sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
+use crate::part::{self, Evaluation, Slices};
 use sinew_runtime::envelope::Level;
-use sinew_runtime::{CallError, Envelope, LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::{LocalTransform, Matrix3x4, model_space_pose};
 
-/// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that
-/// has skinning matrices (rest to posed, model space) does not need this.
+/// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that already
+/// has skinning matrices (rest to posed, model space) does not need this call.
 ///
-/// - `local`, `local_len`: J local transforms, the root's in model space.
-/// - `out_pose`, `pose_len`: J matrices.
+/// - `local`, `local_len`: J local transforms; the root's is in model space.
+/// - `out_pose`, `pose_len`: receives J matrices.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NON_FINITE`, `ZERO_ROTATION`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -32,8 +30,8 @@ pub unsafe extern "C" fn sinew_envelope_pose(
         let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
         let local = Array::new(local.cast::<LocalTransform>(), local_len, sinew_argument::Local)?;
         let out = Array::new(out_pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
-        border::apart(&[out.span()], &[own, model, file, local.span()])?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        border::check_disjoint(&[out.span()], &[own, model, file, local.span()])?;
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (local, out) = unsafe { (local.read(), out.write()) };
         Ok(model_space_pose(&envelope, local, out)?)
     };
@@ -41,18 +39,19 @@ pub unsafe extern "C" fn sinew_envelope_pose(
     unsafe { border::call(out_error, body) }
 }
 
-/// Computes the palette of a pose and the confidence in it.
+/// Computes the palette of a pose and its confidence.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at
-///   here: `sinew_envelope_check_pose` does in a debug build.
-/// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
-///   content afterwards means nothing. One for each thread.
-/// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in
-///   model space: for `sinew_skin_run`, or with `sinew_skin_influences` for a shader.
-/// - `out_confidence`: null, or receives 1 within what was seen in training down to 0 far from it.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space. They must be rigid to 1e-4,
+///   which this call does not check; in debug builds use `sinew_envelope_check_pose`.
+/// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats with any content, one
+///   array per thread. The content after the call has no meaning.
+/// - `out_palette`, `palette_len`: receives `sinew_envelope_info.palette_len` transforms, rest to posed, in
+///   model space. They are for `sinew_skin_run`, or with `sinew_skin_influences` for a shader.
+/// - `out_confidence`: null, or receives the confidence: 1 inside the trained range, falling to 0 far
+///   outside.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
-/// `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_palette(
     envelope: *const sinew_envelope,
@@ -65,42 +64,43 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.palette(pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope.palette(input, scratch, output).map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
 /// How much of an envelope is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum sinew_level {
-    /// What the correction starts from: the joints, or the reconstruction. Of a kernel envelope this is next to
-    /// nothing, of a rotational one all; `sinew_certificate.base_training_rms` is its error.
+    /// The base without the correction. A kernel envelope starts from the joints, which cost almost
+    /// nothing. A rotational envelope starts from its reconstruction, which is the whole work.
+    /// `sinew_certificate.base_training_rms` is the error.
     Joints = 1,
-    /// Everything: what `sinew_envelope_palette` computes.
+    /// Base and correction, as `sinew_envelope_palette` computes.
     Full = 2,
 }
 
-/// Computes what `sinew_envelope_palette` does at a level of evaluation, with the same arguments.
+/// Computes the palette of `sinew_envelope_palette` at a level of evaluation, with the arguments of that
+/// call.
 ///
 /// - `level`: a `sinew_level`.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
-/// `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`,
+/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_palette_at(
     envelope: *const sinew_envelope,
@@ -114,34 +114,39 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let found = Level::ALL.into_iter().find(|known| *known as u32 == level);
-        let wrong = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
-        let found = found.ok_or(wrong.values(Level::Full as usize, level as usize))?;
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
+    let Some(known) = Level::ALL.into_iter().find(|known| *known as u32 == level) else {
+        let unknown = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
+        let unknown = unknown.values(Level::Full as usize, level as usize);
         // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.palette_at(found, pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+        return unsafe { border::call(out_error, || Err(unknown)) };
+    };
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope
+                    .palette_at(known, input, scratch, output)
+                    .map(|found| confidences.fill(found))
+            },
+        )
+    }
 }
 
-/// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which part of
-/// the skin the confidence of `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
+/// Computes the confidence of each joint in a pose, from the kernel maps that move its skin and from its
+/// trained range. The result shows which part of the skin the confidence of `sinew_envelope_palette` is
+/// about. A rotational envelope has no such confidences: `NO_STAGE`.
 ///
 /// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
-/// - `out_confidences`, `confidences_len`: J values in [0, 1]; of a joint whose skin no map moves, what its
-///   trained range tells. 1 without maps.
+/// - `out_confidences`, `confidences_len`: receives J values in [0, 1]. If no map moves a joint's skin,
+///   only the trained range counts. An envelope without maps gives 1.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -156,32 +161,34 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
     confidences_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let nothing = Array::optional(core::ptr::null(), sinew_argument::Palette);
-        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, nothing, confidences, |envelope, arrays| {
-                let Arrays { pose, scratch, confidences, .. } = arrays;
-                envelope.joint_confidences(pose, scratch, confidences)
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::optional(core::ptr::null(), sinew_argument::Palette),
+        confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, confidences, .. }| {
+                envelope.joint_confidences(input, scratch, confidences)
+            },
+        )
+    }
 }
 
-/// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
+/// Computes the palettes of a batch of poses. Each palette has the bits of `sinew_envelope_palette`.
 ///
-/// - `poses`, `poses_len`: J skinning matrices a pose, one pose after the other.
+/// - `poses`, `poses_len`: J skinning matrices per pose, one pose after another.
 /// - `scratch`, `scratch_len`: as for one pose.
-/// - `out_palettes`, `palettes_len`: `sinew_envelope_info.palette_len` transforms a pose.
-/// - `out_confidences`, `confidences_len`: one a pose; their number is that of the poses.
+/// - `out_palettes`, `palettes_len`: receives `sinew_envelope_info.palette_len` transforms per pose.
+/// - `out_confidences`, `confidences_len`: receives one confidence per pose. Their number sets the number
+///   of poses.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
-/// `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_palettes(
     envelope: *const sinew_envelope,
@@ -195,29 +202,30 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
     confidences_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let poses = Array::new(poses.cast(), poses_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette);
-        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, poses, scratch, out, confidences, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                envelope.palettes(pose, scratch, palette, confidences)
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(poses.cast(), poses_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette),
+        confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope.palettes(input, scratch, output, confidences)
+            },
+        )
+    }
 }
 
-/// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational envelope
-/// alone: any other is `NO_STAGE`. A program that calls this and not the other is linked without kernel
-/// maps: on a Cortex-M4F 5 kB less if optimised for size, 9 kB if for speed.
+/// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope; other
+/// envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps: on a Cortex-M4F
+/// this saves 5 kB if optimised for size, 9 kB if for speed.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`,
-/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_rotational_palette(
     envelope: *const sinew_envelope,
@@ -230,65 +238,22 @@ pub unsafe extern "C" fn sinew_envelope_rotational_palette(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
-        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
-        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
-        // SAFETY: the caller's promise is passed on.
-        unsafe {
-            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
-                let Arrays { pose, scratch, palette, confidences } = arrays;
-                let found = envelope.rotational_palette(pose, scratch, palette)?;
-                confidences.fill(found);
-                Ok(())
-            })
-        }
+    let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
+        input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
+        output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
+        confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
-}
-
-/// An array, or what is wrong with it, which is told after what is wrong with the envelope.
-type Checked<T> = Result<Array<T>, sinew_error>;
-
-/// What a palette is computed of and into: of one pose, whose confidence goes where there is room for
-/// it, or of several.
-struct Arrays<'a> {
-    pose: &'a [Matrix3x4],
-    scratch: &'a mut [f32],
-    palette: &'a mut [Matrix3x4],
-    confidences: &'a mut [f32],
-}
-
-/// Computes palettes by one of the runtime's ways.
-///
-/// # Safety
-/// The handle is null or points to memory as large as an envelope; the arrays are the caller's to
-/// read and to write.
-unsafe fn evaluate(
-    envelope: *const sinew_envelope,
-    pose: Checked<Matrix3x4>,
-    scratch: Checked<f32>,
-    palette: Checked<Matrix3x4>,
-    confidences: Checked<f32>,
-    way: impl FnOnce(&Envelope<'_>, Arrays<'_>) -> Result<(), CallError>,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
-    let (pose, scratch, palette, confidences) = (pose?, scratch?, palette?, confidences?);
-    border::apart(
-        &[scratch.span(), palette.span(), confidences.span()],
-        &[own, model, file, pose.span()],
-    )?;
-    // SAFETY: lent by the caller; what is written is apart from all else.
-    let arrays = unsafe {
-        Arrays {
-            pose: pose.read(),
-            scratch: scratch.write(),
-            palette: palette.write(),
-            confidences: confidences.write(),
-        }
-    };
-    Ok(way(&envelope, arrays)?)
+    unsafe {
+        evaluation.run(
+            envelope,
+            out_error,
+            |envelope, Slices { input, scratch, output, confidences }| {
+                envelope
+                    .rotational_palette(input, scratch, output)
+                    .map(|found| confidences.fill(found))
+            },
+        )
+    }
 }

@@ -1,15 +1,14 @@
-//! Envelopes, skins, kernels and their like as parts of a model: how they are opened, and refused once the model holds
-//! another file.
+//! Parts of a model, for example envelopes and skins: opens them, views them, and runs calls on them. Calls refuse a
+//! part after its model has loaded another file.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Object, Span};
-use crate::error::sinew_error;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::{self, sinew_model};
-use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
-use sinew_runtime::Model;
+use sinew_runtime::{CallError, Model};
 
-/// What the memory of a part holds: what loading found of it, and the handle of its model.
+/// Content of a part's memory: the layout that opening found in the file, and the model's handle.
 pub(crate) struct Opened<L> {
     layout: L,
     model: *const sinew_model,
@@ -17,23 +16,26 @@ pub(crate) struct Opened<L> {
 
 /// An object that is a part of a model.
 pub(crate) trait Part: Object<Value = Opened<Self::Layout>> {
-    /// What loading found of it.
+    /// The runtime's description of where the part is in the file.
     type Layout: 'static;
-    /// What evaluates it, in the file's bytes.
+    /// The runtime's type that evaluates the part, borrowed from the file's bytes.
     type View<'a>;
 
-    /// Gives an object its name in C.
-    fn named(loaded: Loaded<Self::Value>) -> Self;
+    /// Wraps loaded content in the structure that C knows.
+    fn wrap(loaded: Loaded<Self::Value>) -> Self;
 
-    /// Finds the `index`-th part of a name, or of any.
+    /// Finds the `index`-th part with this name, or the `index`-th of all parts if `name` is `None`.
     fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<Self::Layout>;
 
-    /// Views it; `None` if the bytes are another file's.
+    /// Views the part; `None` if the bytes are those of another file.
     fn view<'a>(layout: &Self::Layout, file: &'a [u8]) -> Option<Self::View<'a>>;
 }
 
-/// Makes a structure of the header, whose field is what is loaded, a part: of which layout and view, listed by which
-/// of a model's methods; the tag of its memory, what an error about it names, and the words that it must fit in.
+/// Implements [`Object`] and [`Part`] for an opaque structure of the header.
+///
+/// The structure's only field is [`Loaded`]. The macro takes the layout and the view of the runtime, the method of
+/// [`Model`] that lists the parts, the tag of the memory, the argument that errors name, and the constant that limits
+/// the size in words.
 macro_rules! part {
     (
         $object:ident: $layout:ident to $view:ident, of Model::$list:ident,
@@ -54,7 +56,7 @@ macro_rules! part {
             type Layout = $layout;
             type View<'a> = $view<'a>;
 
-            fn named(loaded: $crate::border::Loaded<Self::Value>) -> Self {
+            fn wrap(loaded: $crate::border::Loaded<Self::Value>) -> Self {
                 Self(loaded)
             }
 
@@ -63,8 +65,8 @@ macro_rules! part {
                 name: Option<&str>,
                 index: usize,
             ) -> Option<$layout> {
-                let is_it = |part: &$view<'_>| name.is_none_or(|name| part.name() == name);
-                model.$list().filter(is_it).nth(index).map(|part| part.layout())
+                let matches = |part: &$view<'_>| name.is_none_or(|name| part.name() == name);
+                model.$list().filter(matches).nth(index).map(|part| part.layout())
             }
 
             fn view<'a>(layout: &$layout, file: &'a [u8]) -> Option<$view<'a>> {
@@ -80,56 +82,64 @@ macro_rules! part {
 }
 pub(crate) use part;
 
-/// Which part is wanted: the `index`-th of those of a name, or of all if the name is null.
-pub(crate) struct Wanted {
+/// Arguments of a call that opens a part: `index` counts the parts with this name, or all parts if the name is null.
+pub(crate) struct Opening {
+    pub(crate) model: *const sinew_model,
     pub(crate) name: *const c_char,
     pub(crate) name_len: usize,
     pub(crate) index: usize,
+    pub(crate) memory: *mut c_void,
+    pub(crate) memory_bytes: usize,
 }
 
-/// Opens a part of a model in the caller's memory.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a model; the name is the caller's to be read, and
-/// the memory and where the handle goes are the caller's to be written.
-pub(crate) unsafe fn open<T: Part>(
-    model: *const sinew_model,
-    wanted: &Wanted,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_part: *mut *const T,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
-    let name = Array::new(wanted.name.cast::<u8>(), wanted.name_len, sinew_argument::Name)?;
-    let place = border::place::<T>(memory, memory_bytes)?;
-    let out = Array::one(out_part, sinew_argument::Result)?;
-    border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;
-    let layout = if wanted.name.is_null() {
-        T::find(loaded, None, wanted.index)
-    } else {
-        // SAFETY: lent by the caller. What is no text is the name of nothing.
-        let name = core::str::from_utf8(unsafe { name.read() });
-        name.ok().and_then(|name| T::find(loaded, Some(name), wanted.index))
-    };
-    let layout = layout.ok_or(sinew_error::new(sinew_status::NotFound, T::ARGUMENT))?;
-    let object = T::named(Loaded::new::<T>(Opened { layout, model }));
-    // SAFETY: memory large enough, aligned, apart from all that is read, and lent by the caller.
-    unsafe { place.store(object) };
-    // SAFETY: one element, which the caller lets be written.
-    unsafe { out.store(memory.cast_const().cast()) };
-    Ok(())
+impl Opening {
+    /// Opens the part in the caller's memory and stores its handle.
+    ///
+    /// # Safety
+    /// The model's handle is null or points to memory as large as a model. The caller may read the name. The memory,
+    /// `out_part` and `out_error` may be written.
+    pub(crate) unsafe fn open<T: Part>(
+        &self,
+        out_part: *mut *const T,
+        out_error: *mut sinew_error,
+    ) -> sinew_status {
+        let Self { model, name, name_len, index, memory, memory_bytes } = *self;
+        let body = || {
+            // SAFETY: the caller's promise is passed on.
+            let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
+            let text = Array::new(name.cast::<u8>(), name_len, sinew_argument::Name)?;
+            let place = border::place::<T>(memory, memory_bytes)?;
+            let out = Array::one(out_part, sinew_argument::Result)?;
+            border::check_disjoint(&[place.span(), out.span()], &[handle, file, text.span()])?;
+            let layout = if name.is_null() {
+                T::find(loaded, None, index)
+            } else {
+                // SAFETY: lent by the caller. No part has a name that is not UTF-8.
+                let text = core::str::from_utf8(unsafe { text.read() });
+                text.ok().and_then(|text| T::find(loaded, Some(text), index))
+            };
+            let layout = layout.ok_or(sinew_error::new(sinew_status::NotFound, T::ARGUMENT))?;
+            let object = T::wrap(Loaded::new::<T>(Opened { layout, model }));
+            // SAFETY: the memory is large enough, aligned, lent by the caller, and overlaps nothing that is read.
+            unsafe { place.store(object) };
+            // SAFETY: one element, which the caller allows to be written.
+            unsafe { out.store(memory.cast_const().cast()) };
+            Ok(())
+        };
+        // SAFETY: the caller's promise is passed on.
+        unsafe { border::call(out_error, body) }
+    }
 }
 
-/// A view, its model, and what a call with both reads.
+/// A part's view, its model, and the memory that a call with both reads.
 pub(crate) type InModel<'a, T> = (<T as Part>::View<'a>, &'a Model<&'static [u8]>, [Span; 3]);
 
-/// Views a part in its model's file; returns also what a call with it reads: the part's object, the
-/// model's, and the file.
+/// Views a part in its model's file. Also returns the memory that a call reads: the part's object, the model's object
+/// and the file.
 ///
 /// # Safety
-/// `at` is null, or points to memory as large as the object, which for `'a` stays as it is; and if it
-/// is open, so does its model's memory.
+/// `at` is null, or points to memory as large as the object. That memory, and the model's memory if the part is open,
+/// stay unchanged for `'a`.
 pub(crate) unsafe fn view<'a, T: Part + 'a>(
     at: *const T,
 ) -> Result<(T::View<'a>, [Span; 3]), sinew_error> {
@@ -137,10 +147,10 @@ pub(crate) unsafe fn view<'a, T: Part + 'a>(
     unsafe { view_in(at) }.map(|(view, _, reads)| (view, reads))
 }
 
-/// Views a part as [`view`] does; returns also the model that it is of.
+/// Views a part as [`view`] does, and also returns its model.
 ///
 /// # Safety
-/// As of [`view`].
+/// As for [`view`].
 pub(crate) unsafe fn view_in<'a, T: Part + 'a>(
     at: *const T,
 ) -> Result<InModel<'a, T>, sinew_error> {
@@ -151,4 +161,81 @@ pub(crate) unsafe fn view_in<'a, T: Part + 'a>(
     let view = T::view(&part.layout, model.as_bytes());
     let view = view.ok_or(sinew_error::new(sinew_status::Stale, T::ARGUMENT))?;
     Ok((view, model, [own, handle, file]))
+}
+
+/// Runs a call that describes a part: stores in `out` the value that `answer` computes from the view.
+///
+/// # Safety
+/// As for [`view`]; `out` and `out_error` may be written.
+pub(crate) unsafe fn describe<'a, T: Part + 'a, V>(
+    at: *const T,
+    out: *mut V,
+    out_error: *mut sinew_error,
+    answer: impl FnOnce(&T::View<'a>) -> Result<V, sinew_error>,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (view, reads) = unsafe { view(at) }?;
+        let out = Array::one(out, sinew_argument::Result)?;
+        border::check_disjoint(&[out.span()], &reads)?;
+        let value = answer(&view)?;
+        // SAFETY: one element, which the caller allows to be written.
+        unsafe { out.store(value) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// An array, or the error about it. Errors about the part are reported before this error.
+pub(crate) type Checked<T> = Result<Array<T>, sinew_error>;
+
+/// Arguments of a call that evaluates a part. Outputs that the call does not have are empty arrays.
+pub(crate) struct Evaluation<I, O> {
+    pub(crate) input: Checked<I>,
+    pub(crate) scratch: Checked<f32>,
+    pub(crate) output: Checked<O>,
+    pub(crate) confidences: Checked<f32>,
+}
+
+/// The arrays of an [`Evaluation`], borrowed for the runtime.
+pub(crate) struct Slices<'a, I, O> {
+    pub(crate) input: &'a [I],
+    pub(crate) scratch: &'a mut [f32],
+    pub(crate) output: &'a mut [O],
+    pub(crate) confidences: &'a mut [f32],
+}
+
+impl<I, O> Evaluation<I, O> {
+    /// Runs the call: checks handle and arrays, then evaluates the part by a function of the runtime.
+    ///
+    /// # Safety
+    /// As for [`view`]; the input may be read, all other arrays and `out_error` may be written.
+    pub(crate) unsafe fn run<'a, T: Part + 'a>(
+        self,
+        at: *const T,
+        out_error: *mut sinew_error,
+        evaluate: impl FnOnce(&T::View<'a>, Slices<'_, I, O>) -> Result<(), CallError>,
+    ) -> sinew_status {
+        let body = || {
+            // SAFETY: the caller's promise is passed on.
+            let (view, [own, model, file]) = unsafe { view(at) }?;
+            let (input, scratch) = (self.input?, self.scratch?);
+            let (output, confidences) = (self.output?, self.confidences?);
+            let written = [scratch.span(), output.span(), confidences.span()];
+            border::check_disjoint(&written, &[own, model, file, input.span()])?;
+            // SAFETY: lent by the caller; written memory overlaps nothing else.
+            let slices = unsafe {
+                Slices {
+                    input: input.read(),
+                    scratch: scratch.write(),
+                    output: output.write(),
+                    confidences: confidences.write(),
+                }
+            };
+            Ok(evaluate(&view, slices)?)
+        };
+        // SAFETY: the caller's promise is passed on.
+        unsafe { border::call(out_error, body) }
+    }
 }

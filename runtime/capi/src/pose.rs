@@ -1,46 +1,44 @@
-//! A pose of the caller's skeleton: gathered by names, checked, its scale taken out.
+//! Poses of the caller's skeleton: binds joints by name, gathers and checks poses, removes a scale.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
-use crate::envelope::{SINEW_NO_JOINT, sinew_envelope};
-use crate::error::sinew_error;
-use crate::matrix::{sinew_local_transform, sinew_matrix};
+use crate::envelope::{SINEW_NO_JOINT, sinew_envelope, sinew_local_transform, sinew_matrix};
+use crate::error::{sinew_error, sinew_status};
 use crate::part;
-use crate::status::sinew_status;
 use core::ffi::{CStr, c_char};
 use sinew_runtime::envelope::{FOLDED, PoseFault, PoseFaultKind};
 use sinew_runtime::{LocalTransform, Matrix3x4, gather_pose, scale_palette, take_scale};
 
-/// Stands in a joint map for a joint that the skeleton lacks: it moves as its parent does.
+/// Entry of a joint map for a joint that the skeleton lacks. The joint moves with its parent.
 pub const SINEW_FOLDED: u32 = u32::MAX;
 
 const _: () = assert!(SINEW_FOLDED == FOLDED);
 
-/// A name of the caller's.
+/// A name of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_name {
-    /// UTF-8; no zero at its end is needed.
+    /// UTF-8; a terminating zero is not needed.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
 }
 
-/// What `sinew_envelope_bind` found of the file's joints in a skeleton.
+/// Result of `sinew_envelope_bind`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_bound_joints {
-    /// Number of joints that the skeleton has, at least the root.
+    /// Number of joints that the skeleton has; at least 1, the root.
     pub found_len: u32,
-    /// First joint that the skeleton lacks although it has the joint's child, or `SINEW_NO_JOINT`.
+    /// First joint that the skeleton lacks although it has a child of that joint, or `SINEW_NO_JOINT`.
     pub missing_parent: u32,
 }
 
-/// The likely mistake of a pose that is none of the skeleton's.
+/// Likely mistake in a pose that does not fit the skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum sinew_pose_fault_kind {
-    /// None: the pose is one of the skeleton's.
+    /// No mistake: the pose fits the skeleton.
     None = 0,
     /// A matrix is not finite.
     NonFinite = 2,
@@ -52,44 +50,44 @@ pub enum sinew_pose_fault_kind {
     Stretched = 5,
     /// The matrices' rotations are transposed, and their translations may be lost.
     Transposed = 6,
-    /// Lengths are in another unit: `factor` of them make one of the model's.
+    /// Lengths are in another unit. Multiply them by `factor` to get the model's unit.
     Units = 7,
-    /// The pose is in other axes of the same handedness, `axes`.
+    /// The pose uses other axes of the same handedness; `axes` lists them.
     Axes = 8,
-    /// The pose is in axes of the other handedness, `axes`.
+    /// The pose uses axes of the other handedness; `axes` lists them.
     Handedness = 9,
-    /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
+    /// A joint is not where its parent carries it, and no mistake in the whole pose explains the distance.
     Apart = 10,
-    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
+    /// The frames were not written: a matrix is zero, or all gathered frames are the identity.
     Unset = 11,
-    /// The matrices are the joints' frames: the inverse bind matrices were not applied.
+    /// The matrices are the joints' frames: the inverse bind matrices are missing.
     Frames = 12,
     /// The inverse bind matrices were applied twice.
     BoundTwice = 13,
-    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
+    /// Each matrix, or each gathered frame, is relative to the joint's parent.
     Local = 14,
 }
 
-/// What `sinew_envelope_check_pose` found.
+/// Result of `sinew_envelope_check_pose`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_pose_fault {
-    /// The likely mistake; all else is 0 where there is none.
+    /// Likely mistake. If there is none, all other fields are 0.
     pub kind: sinew_pose_fault_kind,
-    /// The joint that shows it.
+    /// Index of the joint that shows the mistake.
     pub joint: u32,
-    /// Of a scale how large it is; of units what to multiply the pose's lengths by, 1 where they are right.
+    /// For a scale, its size. For units, the factor for the pose's lengths; 1 if the unit is right.
     pub factor: f32,
-    /// How far the joint is from what it may be: off a rotation, or off the place to which its parent carries it.
+    /// Deviation of the joint: from a rotation, or from the place where its parent carries it.
     pub found: f32,
-    /// How far it may be.
+    /// Largest deviation that is allowed.
     pub allowed: f32,
-    /// Which axis of the pose each axis of the model is, from 1 and negative where it is turned round.
+    /// Axis of the pose for each axis of the model, counted from 1; negative if the direction is reversed.
     pub axes: [i32; 3],
 }
 
-/// Copies the J joints' rest frames, each in its parent's, the root's in model space: what an animation changes, and
-/// of what `sinew_envelope_pose` makes the rest pose.
+/// Copies the rest frames of the J joints, each relative to its parent and the root's in model space. An
+/// animation starts from these frames; `sinew_envelope_pose` makes the rest pose from them.
 ///
 /// - `out_local`, `local_len`: room for J local transforms.
 ///
@@ -107,8 +105,8 @@ pub unsafe extern "C" fn sinew_envelope_rest_locals(
         let at = out_local.cast::<LocalTransform>();
         let out = Array::new(at, local_len, sinew_argument::Local)?;
         out.check_least(envelope.joint_len())?;
-        border::apart(&[out.span()], &reads)?;
-        // SAFETY: apart from all that the call reads; lent by the caller.
+        border::check_disjoint(&[out.span()], &reads)?;
+        // SAFETY: lent by the caller; the call reads no part of it.
         let out = unsafe { out.write() };
         out.iter_mut().zip(envelope.rest_locals()).for_each(|(out, local)| *out = local);
         Ok(())
@@ -117,16 +115,18 @@ pub unsafe extern "C" fn sinew_envelope_rest_locals(
     unsafe { border::call(out_error, body) }
 }
 
-/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`. Names must be equal. A joint
-/// that the skeleton lacks follows its parent: compare `found_len` of `out_bound` with the envelope's `joint_len`.
+/// Finds the file's joints in the caller's skeleton by name, for `sinew_envelope_gather`. Names must be
+/// equal. A joint that the skeleton lacks follows its parent: compare `found_len` of `out_bound` with the
+/// envelope's `joint_len`.
 ///
-/// - `names`, `names_len`: of the skeleton's joints, in its order; more than the file has, or fewer. Of two
-///   of one name the first counts.
-/// - `out_map`, `map_len`: receive for each of the J joints the number of the skeleton's, or `SINEW_FOLDED`.
+/// - `names`, `names_len`: names of the skeleton's joints, in its order; more or fewer than the file's. The
+///   first of equal names counts.
+/// - `out_map`, `map_len`: receives, for each of the J joints, the index of the skeleton's joint or
+///   `SINEW_FOLDED`.
 /// - `out_bound`: null, or receives how many joints were found.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OTHER_NAME`, `NO_ROOT`, `NO_JOINTS`, `TOO_LONG`,
-/// `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OTHER_NAME`, `NO_ROOT`, `NO_JOINTS`,
+/// `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_bind(
     envelope: *const sinew_envelope,
@@ -144,18 +144,19 @@ pub unsafe extern "C" fn sinew_envelope_bind(
         let out = Array::new(out_map, map_len, sinew_argument::Joints)?;
         let out_bound = Array::optional(out_bound, sinew_argument::Result)?;
         let written = [out.span(), out_bound.span()];
-        border::apart(&written, &[own, model, file, names.span()])?;
-        // SAFETY: lent by the caller, and apart from what is written.
-        let names = unsafe { checked(names, &written) }?;
-        // SAFETY: apart from all else; lent by the caller.
+        border::check_disjoint(&written, &[own, model, file, names.span()])?;
+        // SAFETY: lent by the caller; written memory does not overlap it.
+        let names = unsafe { checked_names(names, &written) }?;
+        // SAFETY: lent by the caller; overlaps nothing else.
         let out = unsafe { out.write() };
         // SAFETY: the names have been checked.
-        let bound = envelope.bind_joints(names.iter().map(|name| unsafe { bytes(name) }), out)?;
+        let bound =
+            envelope.bind_joints(names.iter().map(|name| unsafe { name_bytes(name) }), out)?;
         let bound = sinew_bound_joints {
             found_len: bound.found_len as u32,
             missing_parent: bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32),
         };
-        // SAFETY: one element or none, which the caller lets be written.
+        // SAFETY: one element or none, which the caller allows to be written.
         unsafe { out_bound.write() }.fill(bound);
         Ok(())
     };
@@ -163,13 +164,13 @@ pub unsafe extern "C" fn sinew_envelope_bind(
     unsafe { border::call(out_error, body) }
 }
 
-/// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton after its hierarchy pass:
-/// matrix j is `root * world[map[j]] * inverse_bind_j`; a joint that is folded has its parent's.
+/// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton, after its hierarchy
+/// pass. Matrix j is `root * world[map[j]] * inverse_bind_j`. A folded joint has its parent's matrix.
 ///
-/// - `map`, `map_len`: J numbers, as `sinew_envelope_bind` gives them.
-/// - `world`, `world_len`: the frames, all in one space and in the unit of the model.
-/// - `root`: null, or carries that space to the one in which the palette is wanted.
-/// - `out_pose`, `pose_len`: J matrices.
+/// - `map`, `map_len`: J indices from `sinew_envelope_bind`.
+/// - `world`, `world_len`: frames of the skeleton's joints, all in one space and in the model's unit.
+/// - `root`: null, or the matrix from that space to the space of the palette.
+/// - `out_pose`, `pose_len`: receives J matrices.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_ROOT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -193,8 +194,8 @@ pub unsafe extern "C" fn sinew_envelope_gather(
         let root = Array::optional(root.cast::<Matrix3x4>(), sinew_argument::Root)?;
         let out = Array::new(out_pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
         let reads = [own, model, file, map.span(), world.span(), root.span()];
-        border::apart(&[out.span()], &reads)?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        border::check_disjoint(&[out.span()], &reads)?;
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (map, world, root, out) =
             unsafe { (map.read(), world.read(), root.read(), out.write()) };
         Ok(gather_pose(&envelope, map, world, root.first(), out)?)
@@ -203,13 +204,14 @@ pub unsafe extern "C" fn sinew_envelope_gather(
     unsafe { border::call(out_error, body) }
 }
 
-/// Checks for a debug build that a pose is one of the skeleton's: that each matrix turns and moves only, and that each
-/// joint is where its parent carries it, as far as it was in training. A pose that is not is no error of the
-/// call: `out_fault` says what is likely wrong. A pose is taken in a few microseconds; naming a mistake takes
-/// milliseconds.
+/// Checks, for debug builds, that a pose fits the skeleton. Each matrix must be a rotation and a
+/// translation. Each joint must be where its parent carries it, within the distances seen in training. A
+/// pose that does not fit is not an error of the call; `out_fault` names the likely mistake.
+///
+/// A pose that fits takes a few microseconds; finding the mistake takes milliseconds.
 ///
 /// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
-/// - `out_fault`: receives the likely mistake, or that there is none.
+/// - `out_fault`: receives the likely mistake, or `SINEW_POSE_FAULT_KIND_NONE`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -225,15 +227,15 @@ pub unsafe extern "C" fn sinew_envelope_check_pose(
         let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
         let pose = Array::new(pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
         let out = Array::one(out_fault, sinew_argument::Result)?;
-        border::apart(&[out.span()], &[own, model, file, pose.span()])?;
-        // SAFETY: lent by the caller, and apart from what is written.
+        border::check_disjoint(&[out.span()], &[own, model, file, pose.span()])?;
+        // SAFETY: lent by the caller; written memory does not overlap it.
         let pose = unsafe { pose.read() };
         if pose.len() != envelope.joint_len() {
             let error = sinew_error::new(sinew_status::Length, sinew_argument::Pose);
             return Err(error.values(envelope.joint_len(), pose.len()));
         }
-        let fault = envelope.check_pose(pose).map_or_else(sinew_pose_fault::from, |()| SOUND);
-        // SAFETY: one element, which the caller lets be written.
+        let fault = envelope.check_pose(pose).map_or_else(sinew_pose_fault::from, |()| NO_FAULT);
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(fault) };
         Ok(())
     };
@@ -241,19 +243,21 @@ pub unsafe extern "C" fn sinew_envelope_check_pose(
     unsafe { border::call(out_error, body) }
 }
 
-/// Returns what to do about the mistake of a pose, in a few words that end in a zero; of any other number, that it is
-/// unknown. Never null, valid for ever.
+/// Returns the remedy for a mistake in a pose as zero-terminated text. Other numbers give "unknown
+/// mistake". The pointer is never null and stays valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_pose_fault_text(kind: u32) -> *const c_char {
     let found = REMEDIES.iter().find(|(known, _)| *known as u32 == kind);
     found.map_or(c"unknown mistake", |(_, text)| text).as_ptr()
 }
 
-/// Takes out of a pose the scale that all its joints share, as that of a scaled actor; what is left is rigid.
-/// `sinew_palette_scale` puts it back on the palette. It is read off the first joint; none, or one within 4e-6 of 1, is
-/// given as 1, and the pose keeps its bits.
+/// Removes the scale that all joints of a pose share, for example that of a scaled actor; the pose is then
+/// rigid. `sinew_palette_scale` applies the scale to the palette.
 ///
-/// - `pose`, `pose_len`: skinning matrices, which are changed.
+/// The scale is read from the first joint. An empty pose, or a scale within 4e-6 of 1, gives 1 and leaves
+/// the pose unchanged.
+///
+/// - `pose`, `pose_len`: skinning matrices; they are changed.
 /// - `out_scale`: receives the scale.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
@@ -267,10 +271,10 @@ pub unsafe extern "C" fn sinew_pose_take_scale(
     let body = || {
         let pose = Array::new(pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
         let out = Array::one(out_scale, sinew_argument::Result)?;
-        border::apart(&[pose.span(), out.span()], &[])?;
-        // SAFETY: lent by the caller, and apart from where the scale goes.
+        border::check_disjoint(&[pose.span(), out.span()], &[])?;
+        // SAFETY: lent by the caller; the memory of the scale does not overlap it.
         let scale = take_scale(unsafe { pose.write() });
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(scale) };
         Ok(())
     };
@@ -278,10 +282,10 @@ pub unsafe extern "C" fn sinew_pose_take_scale(
     unsafe { border::call(out_error, body) }
 }
 
-/// Scales what a palette makes of its vertices, about the origin of model space: a scale that was taken out of the
-/// pose. Normals and tangents need nothing more.
+/// Scales the result of a palette about the origin of model space, by the scale that was removed from the
+/// pose. Normals and tangents need no change.
 ///
-/// - `palette`, `palette_len`: transforms, which are changed.
+/// - `palette`, `palette_len`: transforms; they are changed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_LONG`.
 #[unsafe(no_mangle)]
@@ -302,10 +306,11 @@ pub unsafe extern "C" fn sinew_palette_scale(
     unsafe { border::call(out_error, body) }
 }
 
-/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`; FORMAT.md says what it is
-/// of.
+/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`. FORMAT.md defines
+/// the hash.
 ///
-/// - `names`, `parents`, `joint_len`: of the joints, in the file's order; `SINEW_NO_JOINT` for no parent.
+/// - `names`, `parents`, `joint_len`: names and parents of the joints, in the file's order;
+///   `SINEW_NO_JOINT` for no parent.
 /// - `out_hash`: receives the hash.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
@@ -321,14 +326,14 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
         let names = Array::new(names, joint_len, sinew_argument::Names)?;
         let parents = Array::new(parents, joint_len, sinew_argument::Joints)?;
         let out = Array::one(out_hash, sinew_argument::Result)?;
-        border::apart(&[out.span()], &[names.span(), parents.span()])?;
-        // SAFETY: lent by the caller, and apart from what is written.
-        let (names, parents) = unsafe { (checked(names, &[out.span()])?, parents.read()) };
+        border::check_disjoint(&[out.span()], &[names.span(), parents.span()])?;
+        // SAFETY: lent by the caller; written memory does not overlap it.
+        let (names, parents) = unsafe { (checked_names(names, &[out.span()])?, parents.read()) };
         // SAFETY: the names have been checked.
-        let names = names.iter().map(|name| unsafe { bytes(name) });
+        let names = names.iter().map(|name| unsafe { name_bytes(name) });
         let parents = parents.iter().map(|parent| usize::try_from(*parent).ok());
         let hash = sinew_runtime::skeleton_hash_of(names, parents);
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(hash) };
         Ok(())
     };
@@ -336,11 +341,11 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
     unsafe { border::call(out_error, body) }
 }
 
-/// Refers to names whose pointers and lengths are right, and which lie apart from what is written.
+/// Borrows names after checking their pointers and lengths, and that written memory does not overlap their bytes.
 ///
 /// # Safety
-/// For `'a` the caller keeps the names, and what they point to, readable and unchanged.
-unsafe fn checked<'a>(
+/// For `'a` the caller keeps the names and their bytes readable and unchanged.
+unsafe fn checked_names<'a>(
     names: Array<sinew_name>,
     written: &[Span],
 ) -> Result<&'a [sinew_name], sinew_error> {
@@ -349,16 +354,16 @@ unsafe fn checked<'a>(
     for (index, name) in names.iter().enumerate() {
         let text = Array::new(name.name.cast::<u8>(), name.name_len, sinew_argument::Names);
         let text = text.map_err(|error| error.at(index))?;
-        border::apart(written, &[text.span()])?;
+        border::check_disjoint(written, &[text.span()])?;
     }
     Ok(names)
 }
 
-/// Refers to the bytes of a name.
+/// Borrows the bytes of a name.
 ///
 /// # Safety
-/// Its pointer and its length have been checked, and for `'a` the caller keeps the bytes as they are.
-unsafe fn bytes<'a>(name: &sinew_name) -> &'a [u8] {
+/// The pointer and the length have been checked. For `'a` the caller keeps the bytes unchanged.
+unsafe fn name_bytes<'a>(name: &sinew_name) -> &'a [u8] {
     if name.name_len == 0 {
         return &[];
     }
@@ -366,8 +371,8 @@ unsafe fn bytes<'a>(name: &sinew_name) -> &'a [u8] {
     unsafe { core::slice::from_raw_parts(name.name.cast(), name.name_len) }
 }
 
-/// What is said of a pose without a fault.
-const SOUND: sinew_pose_fault = sinew_pose_fault {
+/// Answer for a pose without a fault.
+const NO_FAULT: sinew_pose_fault = sinew_pose_fault {
     kind: sinew_pose_fault_kind::None,
     joint: 0,
     factor: 0.0,
@@ -376,15 +381,15 @@ const SOUND: sinew_pose_fault = sinew_pose_fault {
     axes: [0; 3],
 };
 
-/// What to do about each mistake.
+/// Remedy for each mistake.
 const REMEDIES: [(sinew_pose_fault_kind, &CStr); 14] = {
     use sinew_pose_fault_kind as K;
     [
-        (K::None, c"nothing: the pose is one of the skeleton's"),
-        (K::NonFinite, c"not finite: look where the joint's matrix comes from"),
+        (K::None, c"nothing: the pose fits the skeleton"),
+        (K::NonFinite, c"not finite: check the source of the joint's matrix"),
         (K::Mirrored, c"mirrored: take the mirror out of the actor and put it on the palette"),
         (K::Scaled, c"scaled: sinew_pose_take_scale takes out a scale that all joints share"),
-        (K::Stretched, c"scaled unevenly or sheared: joints only turn and move"),
+        (K::Stretched, c"scaled unevenly or sheared: joints may only rotate and translate"),
         (K::Transposed, c"transposed: a matrix is three rows, the translation in the last column"),
         (K::Units, c"in another unit: convert the pose, or bake the model with --to-unit"),
         (
@@ -397,18 +402,18 @@ const REMEDIES: [(sinew_pose_fault_kind, &CStr); 14] = {
         ),
         (
             K::Apart,
-            c"off its parent: look at its parent and its inverse bind matrix, or train such poses",
+            c"off its parent: check its parent and its inverse bind matrix, or train on such poses",
         ),
-        (K::Unset, c"not set: write the skeleton's frames before the pose is made of them"),
+        (K::Unset, c"not set: write the skeleton's frames before gathering the pose"),
         (
             K::Frames,
-            c"frames without inverse bind matrices: sinew_envelope_gather multiplies by them",
+            c"frames without inverse bind matrices: sinew_envelope_gather applies the matrices",
         ),
         (
             K::BoundTwice,
             c"inverse bind matrices applied twice: give sinew_envelope_gather the joints' frames",
         ),
-        (K::Local, c"in the parents' spaces: chain local transforms with sinew_envelope_pose"),
+        (K::Local, c"relative to the parents: chain local transforms with sinew_envelope_pose"),
     ]
 };
 
@@ -417,7 +422,7 @@ impl From<PoseFault> for sinew_pose_fault {
         let PoseFault { kind, joint, factor, found, allowed, axes } = fault;
         use sinew_pose_fault_kind as K;
         let kind = match kind {
-            // A pose of another length is a call's error.
+            // The call has refused a pose of another length.
             PoseFaultKind::Length => K::None,
             PoseFaultKind::NonFinite => K::NonFinite,
             PoseFaultKind::Mirrored => K::Mirrored,

@@ -1,27 +1,28 @@
-//! A prior, what the file says of it, and pins on its skin.
+//! Priors: opens and describes a prior, and solves pins.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Span};
-use crate::error::sinew_error;
-use crate::matrix::sinew_matrix;
+use crate::envelope::sinew_matrix;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
+use crate::part::{self, Opened, Opening};
 use crate::skin::sinew_skin;
-use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::prior::{Anchor, PriorLayout, Temporal};
 use sinew_runtime::{Matrix3x4, Pin, PinJob, Pins, Prior};
 
-/// Elements of a `uintptr_t` array that holds a prior on every target:
+/// Length of a `uintptr_t` array that can hold a prior on every target:
 /// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
 pub const SINEW_PRIOR_WORDS: usize = 48;
 
-/// The most pins of a job.
+/// Maximum number of pins of a job.
 pub const SINEW_PINS_MAX: usize = 64;
 
-/// How the weights of a skin's shapes belong together. It points to its model: where that has been loaded again
-/// with another file, or is loaded no more, every call refuses the prior.
+/// Covariance of the weights of a skin's shapes.
+///
+/// The prior points to its model. Every call refuses the prior once the model was cleared or has loaded
+/// another file.
 pub struct sinew_prior(Loaded<Opened<PriorLayout>>);
 
 part::part! {
@@ -29,111 +30,114 @@ part::part! {
     tag b"SnwP", argument Prior, within SINEW_PRIOR_WORDS
 }
 
-/// What a prior is made of, and what it was measured to reach; lengths are in the file's unit.
+/// Counts and measured errors of a prior. Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_prior_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// That of its skin.
+    /// Index of the skin among the file's parts.
     pub skin_part: u32,
-    /// S, shapes of its skin.
+    /// S, the number of shapes of the skin.
     pub shape_len: usize,
-    /// Pairs of shapes that mirror each other.
+    /// Number of pairs of shapes that mirror each other.
     pub symmetry_len: usize,
-    /// Pairs of shapes of which one alone is at work.
+    /// Number of pairs of mutually exclusive shapes.
     pub cancel_len: usize,
     /// Doubles of scratch that a job without pins needs.
     pub scratch_len: usize,
-    /// Doubles of scratch that each scalar of its pins needs: at most three a pin.
+    /// Doubles of scratch for each scalar of the pins; a pin has at most three scalars.
     pub scratch_len_each: usize,
-    /// The square of the length by which a pin of stiffness 1 may miss.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target.
     pub beta: f32,
-    /// Frames that it was learned from; 0 of one that was not.
+    /// Number of frames that the prior was learned from; 0 if it was not learned.
     pub frames: f32,
-    /// RMS over vertices of the distance to held-out frames; 0 if it was not measured.
+    /// RMS distance over vertices to held-out frames; 0 if not measured.
     pub error: f32,
-    /// The same of the prior without covariance.
+    /// RMS distance of the prior without covariance.
     pub slider_error: f32,
 }
 
-/// Where a vertex is to be, as far as up to three rows look at it.
+/// Target of a vertex, constrained in up to three directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_pin {
-    /// The vertex of the skin.
+    /// Index of the skin's vertex.
     pub vertex: u32,
-    /// What is looked at of its posed position x: `row . (x, 1)`, three rows of four. A row whose first three
-    /// numbers are 0 looks at nothing.
+    /// Three rows of four. Each row measures the posed position x as `row . (x, 1)`. A row whose first
+    /// three numbers are 0 is not used.
     pub rows: [[f32; 4]; 3],
-    /// What each row is to give.
+    /// Target value of each row.
     pub target: [f32; 3],
-    /// How much it counts against others and the prior; 1 is the prior's tolerance.
+    /// Weight against other pins and the prior; 1 is the prior's tolerance.
     pub stiffness: f32,
 }
 
-/// Solves weights of all shapes for pins.
+/// Solves the weights of all shapes for pins.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct sinew_pin_job {
     /// The prior.
     pub prior: *const sinew_prior,
-    /// Its skin, or another with the same shapes.
+    /// The prior's skin, or another skin with the same shapes.
     pub skin: *const sinew_skin,
-    /// `sinew_skin_info.palette_len` transforms of the pose in which pins are where they are.
+    /// `sinew_skin_info.palette_len` transforms of the pose in which the pins are given.
     pub palette: *const sinew_matrix,
-    /// Their number.
+    /// Length of `palette`.
     pub palette_len: usize,
     /// The pins, in any order.
     pub pins: *const sinew_pin,
-    /// Their number, at most `SINEW_PINS_MAX`.
+    /// Number of pins, at most `SINEW_PINS_MAX`.
     pub pins_len: usize,
-    /// 0 to change the weights that are there as little as pins allow, else the mean ones.
+    /// 0 to change the current weights as little as the pins allow, otherwise to change the mean weights as
+    /// little.
     pub is_from_mean: u32,
-    /// 1 to keep weights between the prior's bounds, else 0.
+    /// 1 to keep weights between the prior's bounds, otherwise 0.
     pub is_bounded: u32,
-    /// 1 to hold the smaller weight of each pair that cancels at 0, else 0.
+    /// 1 to hold the smaller weight of each mutually exclusive pair at 0, otherwise 0.
     pub cancels: u32,
-    /// The square of the length by which a pin of stiffness 1 may miss: `sinew_prior_info.beta`, or another.
+    /// Square of the allowed distance between a pin of stiffness 1 and its target: `sinew_prior_info.beta`
+    /// or another value.
     pub beta: f32,
-    /// How much the prior's symmetry counts; 0 leaves it out, 1 is as stiff as the prior has it.
+    /// Weight of the symmetry term: 0 leaves the term out, 1 uses the prior's stiffness.
     pub symmetry: f32,
-    /// How much the frame before counts: the reciprocal of the mean square by which a weight changes.
+    /// Weight of the previous frame: the reciprocal mean square change of a weight.
     pub temporal: f32,
-    /// Null, or the S weights of the frame before.
+    /// Null, or the S weights of the previous frame.
     pub last_weights: *const f32,
-    /// Their number.
+    /// Length of `last_weights`.
     pub last_len: usize,
-    /// At least `scratch_len + scalars * scratch_len_each` doubles of `sinew_prior_info`. What it holds of a run
-    /// with the same prior, terms and pins but for their targets is used again: keep it for a drag.
+    /// At least `scratch_len + scalars * scratch_len_each` doubles, both lengths from `sinew_prior_info`.
+    /// Keep the scratch during a drag: a run reuses its content if prior, terms and pins are the same and
+    /// only targets differ.
     pub scratch: *mut f64,
-    /// Their number.
+    /// Length of `scratch`.
     pub scratch_len: usize,
-    /// The S weights that are there; receives those that are solved.
+    /// The S current weights; receives the solved weights.
     pub weights: *mut f32,
-    /// Their number.
+    /// Length of `weights`.
     pub weights_len: usize,
 }
 
-/// What a pin job did.
+/// Result of a pin job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_edit {
-    /// How unlikely the prior finds the change.
+    /// Norm of the change under the prior; a larger norm is less likely.
     pub norm: f32,
-    /// Pins that no shape moves, which count as none.
+    /// Number of pins that no shape moves; they are ignored.
     pub unreachable_len: u32,
-    /// Factors and solves that it took; 0 where there was nothing to solve.
+    /// Number of factorisations and solves; 0 if there was nothing to solve.
     pub round_len: u32,
-    /// 1 where bounds were found to hold at the least, 0 where weights were cut to them.
+    /// 1 if the weights are the minimum within the bounds, 0 if they were clamped to the bounds.
     pub is_least: u32,
 }
 
-/// Returns the bytes of memory that a prior needs: at most those of `SINEW_PRIOR_WORDS` words.
+/// Returns the size of a prior in bytes: at most `SINEW_PRIOR_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_prior_bytes() -> usize {
     size_of::<sinew_prior>()
@@ -141,10 +145,12 @@ pub extern "C" fn sinew_prior_bytes() -> usize {
 
 /// Opens a prior of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the prior; at least `sinew_prior_bytes()`, aligned as a `uintptr_t`.
-/// - `out_prior`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the prior's name in UTF-8, without a terminating zero; null and 0 match every
+///   name.
+/// - `index`: position among the priors with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the prior: at least `sinew_prior_bytes()` bytes, aligned like a
+///   `uintptr_t`.
+/// - `out_prior`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -158,14 +164,12 @@ pub unsafe extern "C" fn sinew_prior_open(
     out_prior: *mut *const sinew_prior,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_prior) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_prior, out_error) }
 }
 
-/// Says what a prior is made of.
+/// Describes a prior.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -174,13 +178,9 @@ pub unsafe extern "C" fn sinew_prior_describe(
     out_info: *mut sinew_prior_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (prior, reads) = unsafe { part::view(prior) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |prior: &Prior<'_>| {
         let (counts, fit) = (prior.counts(), prior.fit());
-        let info = sinew_prior_info {
+        Ok(sinew_prior_info {
             name: prior.name().as_ptr().cast(),
             name_len: prior.name().len(),
             part: prior.part() as u32,
@@ -194,20 +194,18 @@ pub unsafe extern "C" fn sinew_prior_describe(
             frames: fit.frames,
             error: fit.error,
             slider_error: fit.slider_error,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(prior, out_info, out_error, answer) }
 }
 
-/// Computes where a vertex is with weights and a palette: as a target it makes a pin hold the vertex there.
+/// Computes the position of a vertex for given weights and a palette. A pin with this position as its
+/// target holds the vertex in place.
 ///
 /// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
-/// - `weights`, `weights_len`: a weight of each shape; of fewer the others are 0.
-/// - `out_place`: receives 3 floats, model space.
+/// - `weights`, `weights_len`: a weight per shape; missing weights are 0.
+/// - `out_place`: receives 3 floats in model space.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -229,16 +227,16 @@ pub unsafe extern "C" fn sinew_skin_place(
         let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights)?;
         let out = Array::one(out_place, sinew_argument::Result)?;
         let reads = [own, model, file, palette.span(), weights.span()];
-        border::apart(&[out.span()], &reads)?;
+        border::check_disjoint(&[out.span()], &reads)?;
         if palette_len != skin.palette_len() {
             let error = sinew_error::new(sinew_status::Length, sinew_argument::Palette);
             return Err(error.values(skin.palette_len(), palette_len));
         }
-        let beyond = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Vertices)
-            .values(skin.vertex_len().saturating_sub(1), vertex as usize);
+        let (at, len) = (vertex as usize, skin.vertex_len());
+        let outside = sinew_error::out_of_range(sinew_argument::Vertices, at, len);
         // SAFETY: lent by the caller.
-        let place = unsafe { skin.place(vertex, palette.read(), weights.read()) }.ok_or(beyond)?;
-        // SAFETY: one element, which the caller lets be written.
+        let place = unsafe { skin.place(vertex, palette.read(), weights.read()) }.ok_or(outside)?;
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(place) };
         Ok(())
     };
@@ -246,12 +244,12 @@ pub unsafe extern "C" fn sinew_skin_place(
     unsafe { border::call(out_error, body) }
 }
 
-/// Runs a pin job. Without a pin that any shape moves the weights stay as they are.
+/// Runs a pin job. If no shape moves any pin, the weights stay unchanged.
 ///
-/// - `out_edit`: null, or receives what it did.
+/// - `out_edit`: null, or receives the result.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
-/// `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`,
+/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_pins_solve(
     job: *const sinew_pin_job,
@@ -273,20 +271,21 @@ pub unsafe extern "C" fn sinew_pins_solve(
         let weights = Array::new(job.weights, job.weights_len, sinew_argument::ShapeWeights)?;
         let edit = Array::optional(out_edit, sinew_argument::Result)?;
         let [skin_own, skin_model, skin_file] = of_skin;
-        let last_span = last.as_ref().map_or(Span::NOWHERE, Array::span);
-        let [all, inputs] = [
-            [own, model, file, job_span],
-            [palette.span(), given.span(), last_span, Span::NOWHERE],
-        ];
-        let reads = [all, inputs, [skin_own, skin_model, skin_file, Span::NOWHERE]];
-        border::apart(&[scratch.span(), weights.span(), edit.span()], reads.as_flattened())?;
+        let last_span = last.as_ref().map_or(Span::EMPTY, Array::span);
+        let [all, inputs] =
+            [[own, model, file, job_span], [palette.span(), given.span(), last_span, Span::EMPTY]];
+        let reads = [all, inputs, [skin_own, skin_model, skin_file, Span::EMPTY]];
+        border::check_disjoint(
+            &[scratch.span(), weights.span(), edit.span()],
+            reads.as_flattened(),
+        )?;
         let mut pins = Pins::<SINEW_PINS_MAX>::new();
-        // SAFETY: lent by the caller, and apart from all that is written.
+        // SAFETY: lent by the caller; written memory does not overlap it.
         for pin in unsafe { given.read() } {
             let sinew_pin { vertex, rows, target, stiffness } = *pin;
             pins.add(Pin { vertex, rows, target, stiffness })?;
         }
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (palette, last) = unsafe { (palette.read(), last.map(|last| last.read())) };
         let run = PinJob {
             palette,
@@ -298,7 +297,7 @@ pub unsafe extern "C" fn sinew_pins_solve(
             cancels: job.cancels != 0,
             ..PinJob::new(prior, skin, pins.list())
         };
-        // SAFETY: likewise.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (scratch, weights, edit) = unsafe { (scratch.write(), weights.write(), edit.write()) };
         let done = run.run(scratch, weights)?;
         edit.fill(sinew_edit {

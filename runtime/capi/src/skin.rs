@@ -1,23 +1,24 @@
-//! A skin, and what the file says of it.
+//! Skins: opens and describes a skin, and copies its mesh for an engine's buffers.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::{SINEW_NO_PART, sinew_error};
+use crate::error::{SINEW_NO_PART, sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use core::ops::Range;
 use sinew_runtime::Skin;
 use sinew_runtime::skin::SkinLayout;
 
-/// Elements of a `uintptr_t` array that holds a skin on every target:
+/// Length of a `uintptr_t` array that can hold a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
 pub const SINEW_SKIN_WORDS: usize = 48;
 
-/// A mesh of V vertices that follows an envelope's palette, or stays at rest if it follows none. It
-/// points to its model: where that has been loaded again with another file, or is loaded no more,
-/// every call refuses the skin.
+/// A mesh of V vertices that follows an envelope's palette. A skin without an envelope stays at rest.
+///
+/// The skin points to its model. Every call refuses the skin once the model was cleared or has loaded
+/// another file.
 pub struct sinew_skin(Loaded<Opened<SkinLayout>>);
 
 part::part! {
@@ -25,42 +26,42 @@ part::part! {
     tag b"SnwS", argument Skin, within SINEW_SKIN_WORDS
 }
 
-/// What a skin is made of: every length that its calls need.
+/// Counts of a skin, and the lengths of all arrays that its calls take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_skin_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// That of the envelope whose palette it follows, or `SINEW_NO_PART`.
+    /// Index of the part whose palette the skin follows, or `SINEW_NO_PART`.
     pub envelope_part: u32,
-    /// V, vertices.
+    /// V, the number of vertices.
     pub vertex_len: usize,
-    /// K, influences of each vertex.
+    /// K, the number of influences of each vertex.
     pub influence_len: usize,
-    /// Transforms of the palette that it takes; 0 without an envelope.
+    /// Number of transforms of the palette; 0 without an envelope.
     pub palette_len: usize,
-    /// Named ranges of vertices.
+    /// Number of named ranges of vertices.
     pub range_len: usize,
-    /// S, shapes.
+    /// S, the number of shapes.
     pub shape_len: usize,
-    /// 1 with tangents, else 0.
+    /// 1 if the skin has tangents, otherwise 0.
     pub has_tangents: u32,
-    /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
-    /// which are wrong where transforms part.
+    /// 1 if the skin has tangent coefficients, which jobs use for normals and tangents. If 0, jobs use
+    /// cofactors, which are wrong where neighbouring transforms differ.
     pub has_coefficients: u32,
 }
 
-/// A named range of vertices: one of the meshes that the skin was made of.
+/// A named range of vertices: one of the meshes that the skin was made from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_range {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
     /// First vertex.
     pub start: usize,
@@ -68,7 +69,7 @@ pub struct sinew_range {
     pub end: usize,
 }
 
-/// Returns the bytes of memory that a skin needs: at most those of `SINEW_SKIN_WORDS` words.
+/// Returns the size of a skin in bytes: at most `SINEW_SKIN_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_skin_bytes() -> usize {
     size_of::<sinew_skin>()
@@ -76,10 +77,11 @@ pub extern "C" fn sinew_skin_bytes() -> usize {
 
 /// Opens a skin of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the skin; at least `sinew_skin_bytes()`, aligned as a `uintptr_t`.
-/// - `out_skin`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the skin's name in UTF-8, without a terminating zero; null and 0 match every name.
+/// - `index`: position among the skins with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the skin: at least `sinew_skin_bytes()` bytes, aligned like a
+///   `uintptr_t`.
+/// - `out_skin`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -93,14 +95,12 @@ pub unsafe extern "C" fn sinew_skin_open(
     out_skin: *mut *const sinew_skin,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_skin) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_skin, out_error) }
 }
 
-/// Says what a skin is made of.
+/// Describes a skin.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -109,12 +109,8 @@ pub unsafe extern "C" fn sinew_skin_describe(
     out_info: *mut sinew_skin_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (skin, reads) = unsafe { part::view(skin) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let info = sinew_skin_info {
+    let answer = |skin: &Skin<'_>| {
+        Ok(sinew_skin_info {
             name: skin.name().as_ptr().cast(),
             name_len: skin.name().len(),
             part: skin.part() as u32,
@@ -126,13 +122,10 @@ pub unsafe extern "C" fn sinew_skin_describe(
             shape_len: skin.shape_len(),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(skin, out_info, out_error, answer) }
 }
 
 /// Describes a named range of vertices.
@@ -145,25 +138,201 @@ pub unsafe extern "C" fn sinew_skin_range(
     out_range: *mut sinew_range,
     out_error: *mut sinew_error,
 ) -> sinew_status {
+    let answer = |skin: &Skin<'_>| {
+        let len = skin.counts().range_len as usize;
+        let outside = sinew_error::out_of_range(sinew_argument::Range, range, len);
+        let (name, Range { start, end }) = skin.ranges().nth(range).ok_or(outside)?;
+        Ok(sinew_range { name: name.as_ptr().cast(), name_len: name.len(), start, end })
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(skin, out_range, out_error, answer) }
+}
+
+/// Copies the rest positions of the vertices from `start` to before `end`: 3 floats each, packed.
+///
+/// - `out_positions`, `out_len`: room for `3 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_positions(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_positions: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let out = Array::new(out_positions, out_len, sinew_argument::Positions);
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_position)) }
+}
+
+/// Copies the rest normals of the vertices from `start` to before `end`: 3 floats each, packed.
+///
+/// - `out_normals`, `out_len`: room for `3 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_normals(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_normals: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let out = Array::new(out_normals, out_len, sinew_argument::Normals);
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_normal)) }
+}
+
+/// Copies the rest tangents of the vertices from `start` to before `end`: 4 floats each, packed. The last
+/// float is the handedness.
+///
+/// - `out_tangents`, `out_len`: room for `4 * (end - start)` floats.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `OUT_OF_RANGE`, `TOO_SHORT`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_rest_tangents(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_tangents: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        if !unsafe { part::view(skin) }?.0.has_tangents() {
+            return Err(sinew_error::new(sinew_status::NoAttribute, sinew_argument::Tangents));
+        }
+        let out = Array::new(out_tangents, out_len, sinew_argument::Tangents);
+        // SAFETY: the caller's promise is passed on.
+        unsafe { copy(skin, start..end, out, Skin::rest_tangent) }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Copies the K influences of each vertex from `start` to before `end`. A skinning shader needs only these
+/// and the palette. Unused influences have weight 0; the weights of a vertex sum to 1.
+///
+/// - `out_indices`, `indices_len`: room for `K * (end - start)` indices into the palette.
+/// - `out_weights`, `weights_len`: room for `K * (end - start)` weights.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_influences(
+    skin: *const sinew_skin,
+    start: usize,
+    end: usize,
+    out_indices: *mut u16,
+    indices_len: usize,
+    out_weights: *mut f32,
+    weights_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
         let (skin, reads) = unsafe { part::view(skin) }?;
-        let out = Array::one(out_range, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
-        let (name, vertices) = skin.ranges().nth(range).ok_or(
-            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Range)
-                .values((skin.counts().range_len as usize).saturating_sub(1), range),
-        )?;
-        let found = sinew_range {
-            name: name.as_ptr().cast(),
-            name_len: name.len(),
-            start: vertices.start,
-            end: vertices.end,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(found) };
+        let indices = Array::new(out_indices, indices_len, sinew_argument::Indices)?;
+        let weights = Array::new(out_weights, weights_len, sinew_argument::Weights)?;
+        let vertices = start..end;
+        check_vertices(&skin, &vertices)?;
+        let least = vertices.len().saturating_mul(skin.influence_len());
+        indices.check_least(least)?;
+        weights.check_least(least)?;
+        border::check_disjoint(&[indices.span(), weights.span()], &reads)?;
+        // SAFETY: lent by the caller; the arrays overlap neither each other nor memory that the call reads.
+        let (indices, weights) = unsafe { (indices.write(), weights.write()) };
+        let influences = vertices.flat_map(|vertex| skin.influences(vertex));
+        for ((out_index, out_weight), (index, weight)) in
+            indices.iter_mut().zip(weights).zip(influences)
+        {
+            *out_index = index as u16;
+            *out_weight = weight;
+        }
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
+}
+
+/// Computes the hash of a skin's rest positions, which identifies the mesh and its vertex order.
+///
+/// - `out_hash`: receives the hash, as `sinew_mesh_hash` computes it.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_mesh_hash(
+    skin: *const sinew_skin,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(skin, out_hash, out_error, |skin| Ok(skin.mesh_hash())) }
+}
+
+/// Computes the hash of a mesh's rest positions, to compare with `sinew_skin_mesh_hash`.
+///
+/// - `positions`, `vertex_len`: 3 floats per vertex, packed, in the file's order.
+/// - `out_hash`: receives the hash.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_mesh_hash(
+    positions: *const f32,
+    vertex_len: usize,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let at = positions.cast::<[f32; 3]>();
+        let positions = Array::new(at, vertex_len, sinew_argument::RestPositions)?;
+        let out = Array::one(out_hash, sinew_argument::Result)?;
+        border::check_disjoint(&[out.span()], &[positions.span()])?;
+        // SAFETY: lent by the caller; written memory does not overlap it.
+        let hash = sinew_runtime::mesh_hash_of(unsafe { positions.read() });
+        // SAFETY: one element, which the caller allows to be written.
+        unsafe { out.store(hash) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Copies an attribute of N floats per vertex.
+///
+/// # Safety
+/// The handle is null or points to memory as large as a skin. The array may be written.
+unsafe fn copy<'a, const N: usize>(
+    skin: *const sinew_skin,
+    vertices: Range<usize>,
+    out: Result<Array<f32>, sinew_error>,
+    attribute: impl Fn(&Skin<'a>, usize) -> Option<[f32; N]>,
+) -> Result<(), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (skin, reads) = unsafe { part::view(skin) }?;
+    let out = out?;
+    check_vertices(&skin, &vertices)?;
+    out.check_least(vertices.len().saturating_mul(N))?;
+    border::check_disjoint(&[out.span()], &reads)?;
+    // SAFETY: lent by the caller; the call reads no part of it.
+    let (out, _) = unsafe { out.write() }.as_chunks_mut::<N>();
+    for (out, vertex) in out.iter_mut().zip(vertices) {
+        *out = attribute(&skin, vertex).unwrap_or(*out);
+    }
+    Ok(())
+}
+
+/// Checks that a range of vertices is in the mesh.
+fn check_vertices(skin: &Skin<'_>, vertices: &Range<usize>) -> Result<(), sinew_error> {
+    let (Range { start, end }, vertex_len) = (vertices, skin.vertex_len());
+    if start <= end && *end <= vertex_len {
+        return Ok(());
+    }
+    let error = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Vertices);
+    Err(error.at(*start).values(vertex_len, *end))
 }

@@ -1,21 +1,23 @@
-//! Views, what the file says of them, their frames and their pictures.
+//! Views: opens and describes a drawn object, evaluates its frames and renders them.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
-use crate::error::sinew_error;
+use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Wanted};
-use crate::status::sinew_status;
+use crate::part::{self, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::views::{RenderScratch, ViewsLayout};
 use sinew_runtime::{Frame, FrameJob, KernelMap, Model, RenderJob, Views};
 
-/// Elements of a `uintptr_t` array that holds views on every target: `uintptr_t memory[SINEW_VIEWS_WORDS]`.
+/// Length of a `uintptr_t` array that can hold views on every target:
+/// `uintptr_t memory[SINEW_VIEWS_WORDS]`.
 pub const SINEW_VIEWS_WORDS: usize = 48;
 
-/// A drawn object between its key views. It points to its model: where that has been loaded again with another
-/// file, or is loaded no more, every call refuses the views.
+/// A drawn object, interpolated between its key views.
+///
+/// The views point to their model. Every call refuses the views once the model was cleared or has loaded
+/// another file.
 pub struct sinew_views(Loaded<Opened<ViewsLayout>>);
 
 part::part! {
@@ -23,175 +25,181 @@ part::part! {
     tag b"SnwV", argument Views, within SINEW_VIEWS_WORDS
 }
 
-/// What views are made of, and what they were measured to reach; lengths are in pixels.
+/// Counts and measured errors of views. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_views_info {
-    /// Their name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Their number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// 1 if they move as another object does, else 0.
+    /// 1 if the object takes its motion from another object, otherwise 0.
     pub is_transferred: u32,
-    /// 1 if elements of a layer hide each other by depth, else 0: then a render job needs depths.
+    /// 1 if elements of a layer hide each other by depth, otherwise 0. If 1, a render job needs depths.
     pub has_depth: u32,
-    /// 1 if a layer is clipped by another, else 0: then a render job needs clips.
+    /// 1 if a layer clips another, otherwise 0. If 1, a render job needs clips.
     pub has_clips: u32,
-    /// 1 if a layer is drawn by itself before it is blended, else 0: then a render job needs a group.
+    /// 1 if a layer is drawn separately before it is blended, otherwise 0. If 1, a render job needs a
+    /// group.
     pub has_groups: u32,
-    /// 0.
+    /// Always 0.
     pub reserved: u32,
-    /// K, control points.
+    /// K, the number of control points.
     pub point_len: usize,
-    /// V, vertices.
+    /// V, the number of vertices.
     pub vertex_len: usize,
-    /// E, elements.
+    /// E, the number of elements.
     pub element_len: usize,
-    /// L, layers.
+    /// L, the number of layers.
     pub layer_len: usize,
-    /// N, key views.
+    /// N, the number of key views.
     pub view_len: usize,
-    /// M, maps.
+    /// M, the number of maps.
     pub map_len: usize,
-    /// E + L, the numbers that a render job sorts.
+    /// E + L, the length of `sinew_render_job.order`.
     pub order_len: usize,
-    /// Width of the screen on which points are, in pixels.
+    /// Width of the screen that points refer to, in pixels.
     pub width: usize,
-    /// Height of that screen.
+    /// Height of that screen in pixels.
     pub height: usize,
-    /// RMS over points and examples of the distance to the examples.
+    /// RMS distance to the examples over points and examples.
     pub rms_error: f32,
-    /// The same, each example left out of its own fit; 0 if it was not measured.
+    /// Left-out RMS distance: the prediction of each example comes from a fit without the example; 0 if not
+    /// measured.
     pub left_out_rms: f32,
-    /// Share of the points whose visibility is that of the examples.
+    /// Share of points with the visibility of the examples.
     pub visibility: f32,
 }
 
-/// A map of an object: a kernel, which `sinew_kernel_open` opens by its name.
+/// A map of a drawn object: a kernel that `sinew_kernel_open` opens by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_map_info {
-    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
     pub name: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub name_len: usize,
-    /// Its number among the file's parts.
+    /// Index among the file's parts.
     pub part: u32,
-    /// Numbers of its parameters.
+    /// Length of the map's parameters.
     pub parameters_len: usize,
-    /// Floats of scratch that a frame needs.
+    /// Floats of scratch that a frame job needs.
     pub scratch_len: usize,
 }
 
-/// Evaluates a map of an object.
+/// Evaluates a map of a drawn object.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct sinew_frame_job {
-    /// The object.
+    /// The views.
     pub views: *const sinew_views,
-    /// The number of the map.
+    /// Index of the map.
     pub map: usize,
-    /// `sinew_map_info.parameters_len` numbers, as `sinew_kernel_evaluate` takes a query.
+    /// `sinew_map_info.parameters_len` numbers, in the form of a query of `sinew_kernel_evaluate`.
     pub parameters: *const f32,
-    /// Their number.
+    /// Length of `parameters`.
     pub parameters_len: usize,
-    /// At least `sinew_map_info.scratch_len` floats, of any content.
+    /// At least `sinew_map_info.scratch_len` floats with any content.
     pub scratch: *mut f32,
-    /// Their number.
+    /// Length of `scratch`.
     pub scratch_len: usize,
-    /// Receives K points: x to the right and y down, in pixels of the screen, and depth, which grows away from the
-    /// viewer.
+    /// Receives K points: x to the right and y down, in pixels of the screen, and depth, which grows away
+    /// from the viewer.
     pub points: *mut [f32; 3],
-    /// Their number.
+    /// Length of `points`.
     pub points_len: usize,
-    /// Receives K visibilities; above 0.5 a point is visible.
+    /// Receives K visibilities; a point is visible above 0.5.
     pub visibility: *mut f32,
-    /// Their number.
+    /// Length of `visibility`.
     pub visibility_len: usize,
-    /// Receives N scores of key views.
+    /// Receives the scores of N key views.
     pub scores: *mut f32,
-    /// Their number.
+    /// Length of `scores`.
     pub scores_len: usize,
-    /// Receives opacity, from 0 to 1, and order of L layers: those of a greater order are drawn over those of a lesser
-    /// one.
+    /// Receives opacity, from 0 to 1, and order of L layers. A layer with a larger order is drawn over one
+    /// with a smaller order.
     pub layers: *mut [f32; 2],
-    /// Their number.
+    /// Length of `layers`.
     pub layers_len: usize,
 }
 
-/// What a frame job found.
+/// Result of a frame job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_found {
-    /// The characteristic view: the one with the highest score, the first of equal ones.
+    /// Characteristic view: the index of the view with the highest score, the first of equal ones.
     pub view: usize,
-    /// The map's confidence in the parameters.
+    /// Confidence of the map in the parameters.
     pub confidence: f32,
 }
 
-/// Draws an object into a picture.
+/// Draws a drawn object into a picture.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct sinew_render_job {
-    /// The object.
+    /// The views.
     pub views: *const sinew_views,
-    /// K points, as a frame job gives them.
+    /// K points from a frame job.
     pub points: *const [f32; 3],
-    /// Their number.
+    /// Length of `points`.
     pub points_len: usize,
-    /// K visibilities: an element between points is drawn from key views that show as much of it.
+    /// K visibilities. Each element is drawn from the key views that show as much of it.
     pub visibility: *const f32,
-    /// Their number.
+    /// Length of `visibility`.
     pub visibility_len: usize,
-    /// N scores of key views, by which they are blended.
+    /// Scores of N key views, used to blend them.
     pub scores: *const f32,
-    /// Their number.
+    /// Length of `scores`.
     pub scores_len: usize,
-    /// Opacity and order of L layers, as a frame job gives them.
+    /// Opacity and order of L layers from a frame job.
     pub layers: *const [f32; 2],
-    /// Their number.
+    /// Length of `layers`.
     pub layers_len: usize,
     /// Width of the picture in pixels.
     pub width: usize,
-    /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
+    /// Pixels row by row from the top: red, green, blue and alpha in sRGB, premultiplied by alpha. The
+    /// object is drawn over them.
     pub pixels: *mut [u8; 4],
-    /// Their number, of whole rows.
+    /// Number of pixels: whole rows.
     pub pixels_len: usize,
-    /// V places of scratch, of any content.
+    /// Scratch: V positions with any content.
     pub vertices: *mut [f32; 3],
-    /// Their number.
+    /// Length of `vertices`.
     pub vertices_len: usize,
-    /// `sinew_views_info.order_len` numbers of scratch, of any content.
+    /// Scratch: `sinew_views_info.order_len` numbers with any content.
     pub order: *mut u16,
-    /// Their number.
+    /// Length of `order`.
     pub order_len: usize,
-    /// Scratch of any content: at least a float a pixel if `sinew_views_info.has_depth`, else null will do.
+    /// Scratch: at least one float per pixel if `sinew_views_info.has_depth` is 1, otherwise null is
+    /// enough.
     pub depths: *mut f32,
-    /// Their number.
+    /// Length of `depths`.
     pub depths_len: usize,
-    /// Scratch of any content: at least a pixel each if `sinew_views_info.has_groups`, else null will do.
+    /// Scratch: at least one RGBA value per pixel if `sinew_views_info.has_groups` is 1, otherwise null is
+    /// enough.
     pub group: *mut [u8; 4],
-    /// Their number.
+    /// Length of `group`.
     pub group_len: usize,
-    /// Scratch of any content: at least a byte a pixel if `sinew_views_info.has_clips`, else null will do.
+    /// Scratch: at least one byte per pixel if `sinew_views_info.has_clips` is 1, otherwise null is enough.
     pub clips: *mut u8,
-    /// Their number.
+    /// Length of `clips`.
     pub clips_len: usize,
 }
 
-/// What a render job drew.
+/// Result of a render job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_drawn {
-    /// Elements drawn.
+    /// Number of drawn elements.
     pub element_len: usize,
-    /// Those of them that are turned over against their texture, or folded, with all of their points visible.
+    /// Number of drawn elements that are mirrored against their texture or folded, although all of their
+    /// points are visible.
     pub flipped_len: usize,
 }
 
-/// Returns the bytes of memory that views need: at most those of `SINEW_VIEWS_WORDS` words.
+/// Returns the size of views in bytes: at most `SINEW_VIEWS_WORDS` words.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_views_bytes() -> usize {
     size_of::<sinew_views>()
@@ -199,10 +207,11 @@ pub extern "C" fn sinew_views_bytes() -> usize {
 
 /// Opens views of a model.
 ///
-/// - `name`, `name_len`: their name, without a zero at its end; null and 0 for any.
-/// - `index`: which of those; 0 for the first.
-/// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
-/// - `out_views`: receives the handle, which is `memory`.
+/// - `name`, `name_len`: the views' name in UTF-8, without a terminating zero; null and 0 match every name.
+/// - `index`: position among the views with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the views: at least `sinew_views_bytes()` bytes, aligned like a
+///   `uintptr_t`.
+/// - `out_views`: receives the handle, which equals `memory`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -216,14 +225,12 @@ pub unsafe extern "C" fn sinew_views_open(
     out_views: *mut *const sinew_views,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let wanted = Wanted { name, name_len, index };
+    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
     // SAFETY: the caller's promise is passed on.
-    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_views) };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { opening.open(out_views, out_error) }
 }
 
-/// Says what views are made of.
+/// Describes views.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
@@ -232,13 +239,9 @@ pub unsafe extern "C" fn sinew_views_describe(
     out_info: *mut sinew_views_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (views, reads) = unsafe { part::view(views) }?;
-        let out = Array::one(out_info, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+    let answer = |views: &Views<'_>| {
         let (fit, [width, height]) = (views.fit(), views.size());
-        let info = sinew_views_info {
+        Ok(sinew_views_info {
             name: views.name().as_ptr().cast(),
             name_len: views.name().len(),
             part: views.part() as u32,
@@ -259,13 +262,10 @@ pub unsafe extern "C" fn sinew_views_describe(
             rms_error: fit.rms_error,
             left_out_rms: fit.left_out_rms,
             visibility: fit.visibility,
-        };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(info) };
-        Ok(())
+        })
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::describe(views, out_info, out_error, answer) }
 }
 
 /// Describes a map.
@@ -282,7 +282,7 @@ pub unsafe extern "C" fn sinew_views_map(
         // SAFETY: the caller's promise is passed on.
         let (views, model, reads) = unsafe { part::view_in(views) }?;
         let out = Array::one(out_map, sinew_argument::Result)?;
-        border::apart(&[out.span()], &reads)?;
+        border::check_disjoint(&[out.span()], &reads)?;
         let map = map_of(model, &views, map)?;
         let info = sinew_map_info {
             name: map.name().as_ptr().cast(),
@@ -291,7 +291,7 @@ pub unsafe extern "C" fn sinew_views_map(
             parameters_len: map.query_len(),
             scratch_len: views.counts().frame_scratch_len(&map.counts()),
         };
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(info) };
         Ok(())
     };
@@ -299,12 +299,13 @@ pub unsafe extern "C" fn sinew_views_map(
     unsafe { border::call(out_error, body) }
 }
 
-/// Runs a frame job: from parameters to points, visibilities, scores, layers and the characteristic view.
+/// Runs a frame job: computes points, visibilities, scores, layers and the characteristic view from
+/// parameters.
 ///
-/// - `out_found`: receives what it found.
+/// - `out_found`: receives view and confidence.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
-/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`,
+/// `NON_FINITE`, `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_views_frame(
     job: *const sinew_frame_job,
@@ -328,16 +329,16 @@ pub unsafe extern "C" fn sinew_views_frame(
         let [scores_span, layers_span] = [scores.span(), layers.span()];
         let written =
             [scratch.span(), points_span, visibility_span, scores_span, layers_span, out.span()];
-        border::apart(&written, &[own, handle, file, job_span, parameters.span()])?;
+        border::check_disjoint(&written, &[own, handle, file, job_span, parameters.span()])?;
         let map = map_of(model, &views, job.map)?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (parameters, scratch) = unsafe { (parameters.read(), scratch.write()) };
-        // SAFETY: likewise.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (points, visibility, scores, layers) =
             unsafe { (points.write(), visibility.write(), scores.write(), layers.write()) };
         let run = FrameJob { views, map, parameters };
         let found = run.run(scratch, Frame { points, visibility, scores, layers })?;
-        // SAFETY: one element, which the caller lets be written.
+        // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(sinew_found { view: found.view, confidence: found.confidence }) };
         Ok(())
     };
@@ -345,11 +346,12 @@ pub unsafe extern "C" fn sinew_views_frame(
     unsafe { border::call(out_error, body) }
 }
 
-/// Runs a render job: from points to a picture, over what it holds.
+/// Runs a render job: draws the object over the picture.
 ///
-/// - `out_drawn`: null, or receives what it drew.
+/// - `out_drawn`: null, or receives the counts of drawn elements.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_views_render(
     job: *const sinew_render_job,
@@ -380,15 +382,15 @@ pub unsafe extern "C" fn sinew_views_render(
         let [scores_span, layers_span] = [scores.span(), layers.span()];
         let reads =
             [own, handle, file, job_span, points_span, visibility_span, scores_span, layers_span];
-        border::apart(&written, &reads)?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
+        border::check_disjoint(&written, &reads)?;
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (points, visibility, scores, layers) =
             unsafe { (points.read(), visibility.read(), scores.read(), layers.read()) };
         let run = RenderJob { views, points, visibility, scores, layers, width: job.width };
-        // SAFETY: likewise.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (pixels, vertices, order) =
             unsafe { (pixels.write(), vertices.write(), order.write()) };
-        // SAFETY: likewise.
+        // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (depths, group, clips, drawn) =
             unsafe { (depths.write(), group.write(), clips.write(), drawn.write()) };
         let done = run.run(RenderScratch { vertices, order, depths, group, clips }, pixels)?;
@@ -400,13 +402,16 @@ pub unsafe extern "C" fn sinew_views_render(
     unsafe { border::call(out_error, body) }
 }
 
-/// Finds a map of an object.
+/// Returns a map of a drawn object.
+///
+/// # Errors
+/// `OUT_OF_RANGE`.
 fn map_of<'a>(
     model: &'a Model<&'static [u8]>,
     views: &Views<'_>,
     map: usize,
 ) -> Result<KernelMap<'a>, sinew_error> {
-    let most = (views.counts().map_len as usize).saturating_sub(1);
-    let beyond = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Map).values(most, map);
-    model.map_of(views, map).ok_or(beyond)
+    let outside =
+        sinew_error::out_of_range(sinew_argument::Map, map, views.counts().map_len as usize);
+    model.map_of(views, map).ok_or(outside)
 }

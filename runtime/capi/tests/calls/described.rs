@@ -1,4 +1,4 @@
-//! What models, envelopes and skins say of themselves.
+//! Descriptions of models, envelopes and skins.
 
 use crate::handles::{Loaded, NONE, done, get, name};
 use crate::{Both, each};
@@ -8,14 +8,14 @@ use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_runtime::{LocalTransform, Model};
 
 #[test]
-fn it_says_what_it_is() {
+fn versions_and_sizes_are_right() {
     assert_eq!(sinew_abi_version(), SINEW_ABI_VERSION);
     assert_eq!(sinew_format_version(), u32::from(sinew_runtime::format::VERSION));
     assert!(sinew_model_bytes() <= SINEW_MODEL_WORDS * size_of::<usize>());
     assert!(sinew_envelope_bytes() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
     assert!(sinew_skin_bytes() <= SINEW_SKIN_WORDS * size_of::<usize>());
     assert!(sinew_kernel_bytes() <= SINEW_KERNEL_WORDS * size_of::<usize>());
-    // SAFETY: a text of the library, ended by a zero.
+    // SAFETY: the library's text ends in a zero.
     let version = unsafe { std::ffi::CStr::from_ptr(sinew_version()) };
     assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
 }
@@ -30,7 +30,7 @@ fn default_limits_are_the_runtimes() {
 }
 
 #[test]
-fn a_model_says_what_it_holds_and_in_which_space() {
+fn models_are_described() {
     let describe = |pieces: &Pieces| {
         let file = pieces.bytes();
         let model = Loaded::new(&file);
@@ -65,7 +65,7 @@ fn parts_are_opened_by_name_and_number() {
     for (index, envelope) in expected.envelopes().enumerate() {
         let info = model.envelope(None, index).unwrap().info();
         assert_eq!(info.part as usize, envelope.part());
-        // Both have one name.
+        // Both envelopes have one name.
         let named = model.envelope(Some(envelope.name()), index).unwrap().info();
         assert_eq!(named.part as usize, envelope.part());
     }

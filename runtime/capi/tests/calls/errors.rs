@@ -1,12 +1,233 @@
-//! The errors of the runtime become those of C field by field, and their kinds one to one.
+//! Refused calls, the fields of their errors, and the conversion of the runtime's errors to C.
 
-use sinew_capi::{SINEW_NO_PART, sinew_argument, sinew_argument_text, sinew_error, sinew_status};
+use crate::handles::{self, Loaded, NONE, done, get, matrices, output, unwritten};
+use crate::{Both, EMPTY, common, with};
+use models::{Pieces, SMALL};
+use sinew_capi::*;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::{Argument, CallError, CallErrorKind, FileError, FileErrorKind};
+use sinew_runtime::{Argument, CallError, CallErrorKind, FileError, FileErrorKind, Matrix3x4};
 use std::ffi::CStr;
 use std::fmt::Debug;
+use std::ptr::{null, null_mut};
 
-/// Every kind; `header/statuses.rs` counts the header's statuses against them.
+/// Calls refuse a part after its model has loaded another file. They do not read the old file, which Miri would report.
+#[test]
+fn a_stale_part_is_refused() {
+    let file = Pieces::small(Predictor::Kernel).bytes();
+    let mut model = Loaded::new(&file);
+    let (envelope, skin) = (model.envelope(None, 0).unwrap(), model.skin(None, 0).unwrap());
+    let (info, mesh) = (envelope.info(), skin.info());
+    let pose = vec![common::IDENTITY; info.joint_len];
+    let (palette, _) = envelope.palette(&pose);
+    let mut positions = vec![f32::NAN; 3 * mesh.vertex_len];
+    let mut job = skin.job(&palette, 0..mesh.vertex_len);
+    job.positions = output(&mut positions, 3);
+    let refused = || {
+        let mut error = unwritten();
+        let mut out_info = info;
+        // SAFETY: an open envelope and two structures to be written.
+        let by_envelope =
+            unsafe { sinew_envelope_describe(envelope.handle, &raw mut out_info, &raw mut error) };
+        let about_envelope = error.argument;
+        // SAFETY: every pointer of the job comes with its length.
+        let by_skin = unsafe { sinew_skin_run(&raw const job, &raw mut error) };
+        [(by_envelope, about_envelope), (by_skin, error.argument)]
+    };
+
+    let same = file.clone();
+    drop(file);
+    done(model.load(&same));
+    assert_eq!(envelope.palette(&pose).0, palette);
+
+    let other = Pieces::small(Predictor::Rotational).bytes();
+    done(model.load(&other));
+    drop(same);
+    let stale = sinew_status::Stale;
+    assert_eq!(refused(), [(stale, sinew_argument::Envelope), (stale, sinew_argument::Skin)]);
+    assert_eq!(model.load(&other[1..]), sinew_status::FileNotAModel);
+    assert_eq!(refused(), [(stale, sinew_argument::Envelope), (stale, sinew_argument::Skin)]);
+    let again = model.envelope(None, 0).unwrap();
+    assert_eq!(again.info().predictor, sinew_predictor::Rotational);
+
+    model.empty();
+    drop(other);
+    assert_eq!(refused(), [(sinew_status::NotLoaded, sinew_argument::Model); 2]);
+    let anew = Pieces::small(Predictor::Kernel).bytes();
+    done(model.load(&anew));
+    assert_eq!(envelope.palette(&pose).0, palette);
+}
+
+/// A null name with a length is refused. Only a null name of length 0 matches every part.
+#[test]
+fn a_null_name_of_some_length_is_refused() {
+    let file = Pieces::small(Predictor::Rotational).bytes();
+    let model = Loaded::new(&file);
+    let mut place = handles::memory(64);
+    let (at, bytes) = (place.as_mut_ptr().cast(), size_of_val(&*place));
+    macro_rules! opened {
+        ($open:ident, $len:expr) => {{
+            let mut error = unwritten();
+            let (mut out, out_error) = (null(), &raw mut error);
+            // SAFETY: a loaded model, memory with its length, and two values to be written; the name is null.
+            let status =
+                unsafe { $open(model.handle, null(), $len, 0, at, bytes, &raw mut out, out_error) };
+            assert_eq!(out.is_null(), status != sinew_status::Ok);
+            (status, error.argument)
+        }};
+    }
+    for refused in [
+        opened!(sinew_envelope_open, 1),
+        opened!(sinew_skin_open, 4),
+        opened!(sinew_kernel_open, 1),
+        opened!(sinew_prior_open, 1),
+        opened!(sinew_views_open, 1),
+        opened!(sinew_filter_open, usize::MAX),
+    ] {
+        assert_eq!(refused, (sinew_status::Null, sinew_argument::Name));
+    }
+    assert_eq!(opened!(sinew_envelope_open, 0).0, sinew_status::Ok);
+    assert_eq!(opened!(sinew_skin_open, 0).0, sinew_status::Ok);
+}
+
+#[test]
+fn a_mesh_without_vertices_has_no_bounds() {
+    with(
+        &Pieces::sample(Predictor::Rotational, EMPTY).bytes(),
+        |Both { c: (envelope, skin), .. }| {
+            let pose = vec![common::IDENTITY; envelope.info().joint_len];
+            let (palette, _) = envelope.palette(&pose);
+            let mut bounds = sinew_bounds { min: [7.0; 3], max: [7.0; 3] };
+            let (at, len, out) = (matrices(&palette), palette.len(), &raw mut bounds);
+            // SAFETY: an open skin, an array with its length, a structure to be written.
+            let status = unsafe { sinew_skin_bounds(skin.handle, at, len, 0.0, out, NONE) };
+            assert_eq!(status, sinew_status::NoVertices);
+            assert_eq!(bounds, sinew_bounds { min: [7.0; 3], max: [7.0; 3] });
+            // An output of length 0 counts as an output; a job without outputs is refused.
+            let mut none: [f32; 0] = [];
+            let mut job = skin.job(&palette, 0..0);
+            // SAFETY: every pointer of the job comes with its length.
+            let run = |job: &sinew_skin_job| unsafe { sinew_skin_run(job, NONE) };
+            assert_eq!(run(&job), sinew_status::NoOutput);
+            job.normals = output(&mut none, 3);
+            assert_eq!(run(&job), sinew_status::Ok);
+            job.remap = [0u32; 0].as_ptr();
+            assert_eq!(run(&job), sinew_status::Ok);
+        },
+    );
+}
+
+#[test]
+fn errors_say_what_was_expected_and_found() {
+    with(&Pieces::sample(Predictor::Rotational, SMALL).bytes(), |Both { model, c, rust }| {
+        let mut error = unwritten();
+        let plain = sinew_error {
+            status: sinew_status::TooShort,
+            argument: sinew_argument::Order,
+            part: SINEW_NO_PART,
+            section: 0,
+            index: 0,
+            expected: rust.0.joint_len(),
+            found: 0,
+        };
+        // SAFETY: an open envelope; the array is null.
+        let status = unsafe { sinew_envelope_order(c.0.handle, null_mut(), 0, &raw mut error) };
+        assert_eq!((status, error), (plain.status, plain));
+        let mut section = sinew_section { offset: 0, bytes: 0 };
+        let not_found = |part, section| {
+            let (status, argument) = (sinew_status::NotFound, sinew_argument::Section);
+            sinew_error { status, argument, part, section, expected: 0, ..plain }
+        };
+        for (part, kind) in [(0, 999), (0, 65_536 + 1), (7, 1)] {
+            let (out, at) = (&raw mut section, &raw mut error);
+            // SAFETY: a loaded model and two structures to be written.
+            let status = unsafe { sinew_model_section(model.handle, part, kind, out, at) };
+            assert_eq!((status, error), (sinew_status::NotFound, not_found(part, kind)));
+        }
+        // The error about a limit names the section and the index of the count.
+        // SAFETY: one structure to be written.
+        let mut limits = get(|out| unsafe { sinew_limits_default(out, NONE) });
+        limits.vertices = 1;
+        let file = Pieces::small(Predictor::Rotational).bytes();
+        let mut place = handles::memory(SINEW_MODEL_WORDS);
+        let (at, bytes, mut out) = (place.as_mut_ptr().cast(), size_of_val(&*place), null());
+        let (file, len, limits) = (file.as_ptr(), file.len(), &raw const limits);
+        let (out, out_error) = (&raw mut out, &raw mut error);
+        // SAFETY: memory and a file with their lengths, limits, and two values to be written.
+        let status = unsafe { sinew_model_load(at, bytes, file, len, limits, out, out_error) };
+        let too_many = sinew_error {
+            status: sinew_status::FileLimit,
+            argument: sinew_argument::File,
+            part: 1,
+            section: 19,
+            index: 0,
+            expected: 1,
+            found: rust.1.vertex_len(),
+        };
+        assert_eq!((status, error), (too_many.status, too_many));
+    });
+}
+
+/// Each output is compared with all memory that the job reads, and with no other memory.
+#[test]
+fn an_output_over_an_input_is_refused() {
+    let file = Pieces::small(Predictor::Rotational).bytes();
+    with(&file, |Both { model, c: (envelope, skin), .. }| {
+        let v = skin.info().vertex_len;
+        let pose = vec![common::IDENTITY; envelope.info().joint_len];
+        let (mut palette, _) = envelope.palette(&pose);
+        let mut rest = vec![[0.0f32; 4]; 3 * v];
+        let (mut remap, mut out) = (vec![0u32; v], vec![f32::NAN; 4 * v]);
+        let place = palette.as_mut_ptr();
+        // SAFETY: the palette, through the pointer that outputs are derived from.
+        let transforms: &[Matrix3x4] = unsafe { std::slice::from_raw_parts(place, palette.len()) };
+        let mut job = skin.job(transforms, 0..v);
+        let [positions, normals, tangents] =
+            [0, 1, 2].map(|i| rest.as_mut_ptr().wrapping_add(i * v).cast::<f32>());
+        (job.rest_positions, job.rest_normals, job.rest_tangents) = (positions, normals, tangents);
+        (job.rest_len, job.remap, job.remap_len) = (v, remap.as_mut_ptr(), v);
+        let mut room = job;
+        let (job_at, file_at) = (&raw mut room, file.as_ptr());
+        let reads = [
+            place.cast::<f32>(),
+            positions,
+            normals,
+            tangents,
+            job.remap.cast_mut().cast(),
+            job.skin.cast_mut().cast(),
+            model.handle.cast_mut().cast(),
+            job_at.cast(),
+            file_at.wrapping_add(file_at.align_offset(4)).cast_mut().cast(),
+        ];
+        let with = |number: usize, output| {
+            let mut job = job;
+            let outputs = [&mut job.positions, &mut job.normals, &mut job.tangents];
+            *outputs.into_iter().nth(number).unwrap() = output;
+            job
+        };
+        let arguments =
+            [sinew_argument::Positions, sinew_argument::Normals, sinew_argument::Tangents];
+        let run = |wanted: sinew_skin_job| {
+            let mut error = unwritten();
+            // SAFETY: memory for a job; each pointer of the job comes with its length.
+            let status = unsafe {
+                job_at.write(wanted);
+                sinew_skin_run(job_at, &raw mut error)
+            };
+            (status, error.argument)
+        };
+        for (number, argument) in arguments.into_iter().enumerate() {
+            assert_eq!(run(with(number, output(&mut out, 4))).0, sinew_status::Ok);
+            for floats in reads {
+                let over = sinew_output { floats, len: 4, stride: 4 };
+                let unsound = sinew_skin_job { end: 1, ..with(number, over) };
+                assert_eq!(run(unsound), (sinew_status::Overlap, argument));
+            }
+        }
+    });
+}
+
+/// Every kind; `header.rs` compares the number of the header's statuses with them.
 const CALL_KINDS: [CallErrorKind; 12] = {
     use CallErrorKind::*;
     [
@@ -95,7 +316,7 @@ fn kinds_and_arguments_keep_their_names_and_order() {
     for (argument, number) in ARGUMENTS.into_iter().zip(0..) {
         let same = sinew_argument::from(argument);
         assert_eq!((name(same), same as u32), (name(argument), number));
-        // SAFETY: the library's texts end in a zero and are valid for ever.
+        // SAFETY: the library's texts end in a zero and stay valid.
         let text = unsafe { CStr::from_ptr(sinew_argument_text(same as u32)) };
         assert_eq!(text.to_str(), Ok(argument.name()));
     }

@@ -1,4 +1,4 @@
-//! Poses, palettes and skins: the runtime's bits.
+//! Poses, palettes and skins have the runtime's bits.
 
 use crate::common::random_pose;
 use crate::handles::{Loaded, NONE, done, name, output};
@@ -22,8 +22,8 @@ fn evaluation_has_the_bits_of_the_runtime() {
             let (palette, confidence) = common::confident_palette(&envelope, &pose);
             assert_eq!(found.palette(&pose), (palette.clone(), confidence));
             if envelope.predictor() == Predictor::Rotational {
-                let by_its_own = found.palette_by(sinew_envelope_rotational_palette, &pose);
-                assert_eq!(by_its_own, (palette.clone(), confidence));
+                let rotational = found.palette_by(sinew_envelope_rotational_palette, &pose);
+                assert_eq!(rotational, (palette.clone(), confidence));
             }
             for rest_offset in [0.0, 0.25] {
                 let bounds = skin.bounds(&palette, rest_offset).unwrap().unwrap();
@@ -72,8 +72,8 @@ fn a_job_takes_a_remap_and_a_rest_mesh() {
     });
 }
 
-/// Outputs of one job may share their floats in every way: here as one vertex after the other, and the
-/// tangents' handedness over the next vertex's first float, which is written later.
+/// Outputs of one job may share their floats. Here vertices are interleaved, and with the smallest stride a tangent's
+/// handedness has the place of the next vertex's first float, which is written later.
 #[test]
 fn a_vertex_may_be_interleaved_and_outputs_may_overlap() {
     with(&Pieces::sample(Predictor::Kernel, SMALL).bytes(), |Both { c, rust, .. }| {
@@ -96,7 +96,7 @@ fn a_vertex_may_be_interleaved_and_outputs_may_overlap() {
             for vertex in 0..v {
                 let of = |from: usize, n: usize| &apart[from * v + n * vertex..][..n];
                 let found = &vertices[stride * vertex..];
-                // With a stride of 9 the next vertex's position stands where the handedness was.
+                // With a stride of 9 the next vertex's position replaces the handedness.
                 let kept = if stride == 9 && vertex + 1 < v { 3 } else { 4 };
                 assert_eq!(found[..3], *of(0, 3));
                 assert_eq!(found[3..6], *of(3, 3));
@@ -106,7 +106,7 @@ fn a_vertex_may_be_interleaved_and_outputs_may_overlap() {
                 }
             }
         }
-        // One place for all three: the later field wins.
+        // All three outputs in one place: the later field wins.
         let mut one = vec![f32::NAN; 4 * v];
         let mut job = found.job(&palette, 0..v);
         job.positions = output(&mut one, 4);

@@ -1,17 +1,17 @@
-//! Handles to the parts of a file, and calls in Rust's types.
+//! Handles to a model and its parts, and the C calls with Rust's types.
 #![allow(missing_docs, unreachable_pub, reason = "a module of a test")]
 
 use sinew_capi::*;
-use sinew_runtime::{LocalTransform, Matrix3x4};
-use std::ffi::c_char;
+use sinew_runtime::{FileErrorKind, LocalTransform, Matrix3x4};
+use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
 
-/// No interest in the error.
+/// Null: the test does not need the error.
 pub const NONE: *mut sinew_error = null_mut();
 
-/// What computes a palette.
+/// A function that computes a palette.
 pub type PaletteCall = unsafe extern "C" fn(
     *const sinew_envelope,
     *const sinew_matrix,
@@ -24,42 +24,46 @@ pub type PaletteCall = unsafe extern "C" fn(
     *mut sinew_error,
 ) -> sinew_status;
 
-/// Memory of an object. A vector's may be pointed to while the vector is moved.
+/// Memory of an object. A vector keeps its memory in place when the vector moves.
 pub type Memory = Vec<MaybeUninit<usize>>;
 
 pub fn memory(words: usize) -> Memory {
     vec![MaybeUninit::uninit(); words]
 }
 
-/// A loaded model, with the memory that it lies in; the tests keep its file.
+/// A loaded model and its memory. Tests keep the file.
 pub struct Loaded {
     memory: Memory,
     pub handle: *const sinew_model,
 }
 
-/// An envelope of a model.
-pub struct Envelope {
+/// An open part of a model and its memory.
+pub struct Part<T> {
     memory: Memory,
-    pub handle: *const sinew_envelope,
+    pub handle: *const T,
 }
 
-/// A skin of a model.
-pub struct Skin {
-    memory: Memory,
-    pub handle: *const sinew_skin,
-}
+pub type Envelope = Part<sinew_envelope>;
+pub type Skin = Part<sinew_skin>;
+pub type Kernel = Part<sinew_kernel>;
 
-/// A kernel of a model.
-pub struct Kernel {
-    memory: Memory,
-    pub handle: *const sinew_kernel,
-}
+/// A function that opens a part.
+type Open<T> = unsafe extern "C" fn(
+    *const sinew_model,
+    *const c_char,
+    usize,
+    usize,
+    *mut c_void,
+    usize,
+    *mut *const T,
+    *mut sinew_error,
+) -> sinew_status;
 
-// SAFETY: the library promises that loaded objects may be shared, and the tests that the file stays.
+// SAFETY: the library promises that threads may share loaded objects, and tests keep the file.
 unsafe impl Sync for Skin {}
 
 impl Loaded {
-    /// Loads a file, which must outlive what is done with it.
+    /// Loads a file, which must outlive the model and its parts.
     pub fn new(file: &[u8]) -> Self {
         let mut loaded = Self { memory: memory(SINEW_MODEL_WORDS), handle: null() };
         done(loaded.load(file));
@@ -81,57 +85,49 @@ impl Loaded {
     }
 
     pub fn envelope(&self, name: Option<&str>, index: usize) -> Result<Envelope, sinew_status> {
-        let mut envelope = Envelope { memory: memory(SINEW_ENVELOPE_WORDS), handle: null() };
-        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (envelope.memory.as_mut_ptr().cast(), size_of_val(&*envelope.memory));
-        let out = &raw mut envelope.handle;
-        // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_envelope_open(self.handle, at, len, index, place, bytes, out, NONE) } {
-            sinew_status::Ok => {
-                assert_eq!(envelope.handle.addr(), envelope.memory.as_ptr().addr());
-                Ok(envelope)
-            }
-            status => Err(status),
-        }
+        self.open(sinew_envelope_open, SINEW_ENVELOPE_WORDS, name, index)
     }
 
     pub fn skin(&self, name: Option<&str>, index: usize) -> Result<Skin, sinew_status> {
-        let mut skin = Skin { memory: memory(SINEW_SKIN_WORDS), handle: null() };
+        self.open(sinew_skin_open, SINEW_SKIN_WORDS, name, index)
+    }
+
+    pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
+        self.open(sinew_kernel_open, SINEW_KERNEL_WORDS, name, index)
+    }
+
+    /// Opens the `index`-th part with this name, or the `index`-th of all, in memory of `words` words.
+    pub fn open<T>(
+        &self,
+        open: Open<T>,
+        words: usize,
+        name: Option<&str>,
+        index: usize,
+    ) -> Result<Part<T>, sinew_status> {
+        let mut part = Part { memory: memory(words), handle: null() };
         let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (skin.memory.as_mut_ptr().cast(), size_of_val(&*skin.memory));
-        let out = &raw mut skin.handle;
+        let (place, bytes) = (part.memory.as_mut_ptr().cast(), size_of_val(&*part.memory));
+        let out = &raw mut part.handle;
         // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_skin_open(self.handle, at, len, index, place, bytes, out, NONE) } {
+        match unsafe { open(self.handle, at, len, index, place, bytes, out, NONE) } {
             sinew_status::Ok => {
-                assert_eq!(skin.handle.addr(), skin.memory.as_ptr().addr());
-                Ok(skin)
+                assert_eq!(part.handle.addr(), part.memory.as_ptr().addr());
+                Ok(part)
             }
             status => Err(status),
         }
     }
 }
 
-impl Loaded {
-    pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
-        let mut kernel = Kernel { memory: memory(SINEW_KERNEL_WORDS), handle: null() };
-        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (kernel.memory.as_mut_ptr().cast(), size_of_val(&*kernel.memory));
-        let out = &raw mut kernel.handle;
-        // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { sinew_kernel_open(self.handle, at, len, index, place, bytes, out, NONE) } {
-            sinew_status::Ok => Ok(kernel),
-            status => Err(status),
-        }
-    }
-}
-
-impl Kernel {
-    /// Copies the object's memory elsewhere.
+impl<T> Part<T> {
+    /// Copies the object to other memory.
     pub fn moved(&self) -> Self {
         let memory = self.memory.clone();
         Self { handle: memory.as_ptr().cast(), memory }
     }
+}
 
+impl Kernel {
     pub fn info(&self) -> sinew_kernel_info {
         // SAFETY: an open kernel and one structure to be written.
         get(|out| unsafe { sinew_kernel_describe(self.handle, out, NONE) })
@@ -139,12 +135,6 @@ impl Kernel {
 }
 
 impl Envelope {
-    /// Copies the object's memory elsewhere.
-    pub fn moved(&self) -> Self {
-        let memory = self.memory.clone();
-        Self { handle: memory.as_ptr().cast(), memory }
-    }
-
     pub fn info(&self) -> sinew_envelope_info {
         // SAFETY: an open envelope and one structure to be written.
         get(|out| unsafe { sinew_envelope_describe(self.handle, out, NONE) })
@@ -174,7 +164,7 @@ impl Envelope {
         (palette, confidence)
     }
 
-    /// Computes the palettes of several poses, one after the other.
+    /// Computes the palettes of several poses in one call.
     pub fn palettes(&self, poses: &[Matrix3x4], pose_len: usize) -> (Vec<Matrix3x4>, Vec<f32>) {
         let info = self.info();
         let mut scratch = vec![f32::NAN; info.scratch_len];
@@ -192,12 +182,6 @@ impl Envelope {
 }
 
 impl Skin {
-    /// Copies the object's memory elsewhere.
-    pub fn moved(&self) -> Self {
-        let memory = self.memory.clone();
-        Self { handle: memory.as_ptr().cast(), memory }
-    }
-
     pub fn info(&self) -> sinew_skin_info {
         // SAFETY: an open skin and one structure to be written.
         get(|out| unsafe { sinew_skin_describe(self.handle, out, NONE) })
@@ -225,7 +209,7 @@ impl Skin {
         get(|out| unsafe { sinew_shapes_bounds(self.handle, at, len, w, weights.len(), out, NONE) })
     }
 
-    /// Makes a job of shapes that writes nothing yet.
+    /// Makes a shapes job without outputs.
     pub fn shapes_job(&self, weights: &[f32], vertices: Range<usize>) -> sinew_shapes_job {
         let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
         sinew_shapes_job {
@@ -240,7 +224,7 @@ impl Skin {
         }
     }
 
-    /// Makes a job that writes nothing yet.
+    /// Makes a skin job without outputs.
     pub fn job(&self, palette: &[Matrix3x4], vertices: Range<usize>) -> sinew_skin_job {
         let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
         sinew_skin_job {
@@ -261,8 +245,8 @@ impl Skin {
         }
     }
 
-    /// Runs a job with positions, normals (3 each) and tangents (4), each in a run of its own; without
-    /// tangents where the skin has none.
+    /// Runs a job with packed outputs and returns them in this order: positions (3 floats), normals (3) and tangents (4),
+    /// which are missing if the skin has none.
     pub fn run(&self, job: sinew_skin_job) -> Vec<f32> {
         let n = job.end - job.start;
         let mut out = [vec![f32::NAN; 3 * n], vec![f32::NAN; 3 * n], vec![f32::NAN; 4 * n]];
@@ -280,7 +264,7 @@ impl Skin {
     }
 }
 
-/// Puts an attribute into floats of its own.
+/// Makes an output that fills all of `floats`.
 pub fn output(floats: &mut [f32], stride: usize) -> sinew_output {
     sinew_output { floats: floats.as_mut_ptr(), len: floats.len(), stride }
 }
@@ -289,11 +273,16 @@ pub fn matrices(transforms: &[Matrix3x4]) -> *const sinew_matrix {
     transforms.as_ptr().cast()
 }
 
+/// Returns an error that no refused call writes: an error about a file.
+pub fn unwritten() -> sinew_error {
+    crate::common::file_error(FileErrorKind::Index).into()
+}
+
 pub fn done(status: sinew_status) {
     assert_eq!(status, sinew_status::Ok);
 }
 
-/// Gets a value that a function writes.
+/// Returns the value that a successful call writes.
 pub fn get<T>(call: impl FnOnce(*mut T) -> sinew_status) -> T {
     let mut out = MaybeUninit::uninit();
     done(call(out.as_mut_ptr()));
@@ -303,6 +292,6 @@ pub fn get<T>(call: impl FnOnce(*mut T) -> sinew_status) -> T {
 
 /// Reads a name that a call has returned.
 pub fn name<'a>(at: *const c_char, len: usize) -> &'a str {
-    // SAFETY: a name lies in the file, which the test keeps.
+    // SAFETY: the name is in the file, which the test keeps.
     str::from_utf8(unsafe { std::slice::from_raw_parts(at.cast(), len) }).unwrap()
 }

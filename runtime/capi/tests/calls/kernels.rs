@@ -1,11 +1,11 @@
-//! Kernels: what they say of themselves, the runtime's bits, and calls that are refused.
+//! Kernels: descriptions, results with the runtime's bits, and refused calls.
 
-use crate::handles::{Kernel, Loaded, NONE, done, get, name};
+use crate::handles::{Kernel, Loaded, NONE, done, get, name, unwritten};
 use models::{KernelContent, Pieces, Rng};
 use sinew_capi::*;
 use sinew_runtime::{KernelMap, Model};
 
-/// Runs a test on two kernels of a file, each through C and as the runtime has it.
+/// Runs a test on two kernels of a file, each opened through C and by the runtime.
 fn each(test: impl Fn(&Kernel, KernelMap<'_>)) {
     let every = KernelContent::every(sinew_runtime::kernel::Kernel::Matern32);
     let file = Pieces::kernels(&[KernelContent::servo(), every]).bytes();
@@ -15,8 +15,8 @@ fn each(test: impl Fn(&Kernel, KernelMap<'_>)) {
     }
 }
 
-/// What computes something of a query.
-type Way = unsafe extern "C" fn(
+/// A function that computes numbers from a query.
+type Call = unsafe extern "C" fn(
     *const sinew_kernel,
     *const f32,
     usize,
@@ -27,20 +27,19 @@ type Way = unsafe extern "C" fn(
     *mut sinew_error,
 ) -> sinew_status;
 
-fn by(
+fn run(
     kernel: &Kernel,
-    way: Way,
+    call: Call,
     query: &[f32],
     scratch_len: usize,
     len: usize,
 ) -> Result<Vec<f32>, sinew_error> {
     let (mut scratch, mut out) = (vec![f32::NAN; scratch_len], vec![f32::NAN; len]);
-    let mut error =
-        sinew_error::from(crate::common::file_error(sinew_runtime::FileErrorKind::Index));
-    let (at, room, told) = (scratch.as_mut_ptr(), out.as_mut_ptr(), &raw mut error);
+    let mut error = unwritten();
+    let (at, room, out_error) = (scratch.as_mut_ptr(), out.as_mut_ptr(), &raw mut error);
     let (k, q) = (kernel.handle, query.as_ptr());
     // SAFETY: an open kernel and three arrays with their lengths, and a structure to be written.
-    match unsafe { way(k, q, query.len(), at, scratch_len, room, len, told) } {
+    match unsafe { call(k, q, query.len(), at, scratch_len, room, len, out_error) } {
         sinew_status::Ok => Ok(out),
         status => {
             assert!(error.status == status && out.iter().all(|x| x.is_nan()));
@@ -119,11 +118,11 @@ fn evaluation_has_the_bits_of_the_runtime() {
             let mut out = vec![0.0; m * r];
             expected.jacobian(&query, &mut scratch, &mut out).unwrap();
             let len = counts.jacobian_scratch_len();
-            assert_eq!(by(found, sinew_kernel_jacobian, &query, len, m * r).unwrap(), out);
+            assert_eq!(run(found, sinew_kernel_jacobian, &query, len, m * r).unwrap(), out);
             let mut out = vec![0.0; m];
             let by_rust =
                 expected.variance(&query, &mut scratch, &mut out).map_err(sinew_error::from);
-            let by_c = by(found, sinew_kernel_variance, &query, counts.variance_scratch_len(), m);
+            let by_c = run(found, sinew_kernel_variance, &query, counts.variance_scratch_len(), m);
             assert_eq!(by_c, by_rust.map(|()| out));
         }
     });
@@ -141,7 +140,7 @@ fn kernels_are_opened_by_name_and_number_and_refused() {
     let info = kernel.info();
     assert_eq!((info.query_len, info.has_variance), (6, 0));
     let refused = |query: &[f32]| {
-        by(&kernel, sinew_kernel_jacobian, query, info.jacobian_scratch_len, 6).unwrap_err()
+        run(&kernel, sinew_kernel_jacobian, query, info.jacobian_scratch_len, 6).unwrap_err()
     };
     let plain = sinew_error {
         status: sinew_status::ZeroRotation,
@@ -167,12 +166,18 @@ fn kernels_are_opened_by_name_and_number_and_refused() {
         // SAFETY: an open kernel and two structures to be written.
         let status = unsafe { call(kernel.handle, 9, out.as_mut_ptr(), &raw mut error) };
         let most = if argument == sinew_argument::Input { 2 } else { 0 };
-        let (status_told, index) = (sinew_status::OutOfRange, 0);
-        let beyond =
-            sinew_error { status: status_told, argument, index, expected: most, found: 9, ..plain };
-        assert_eq!((status, error), (status_told, beyond));
+        let (expected_status, index) = (sinew_status::OutOfRange, 0);
+        let expected_error = sinew_error {
+            status: expected_status,
+            argument,
+            index,
+            expected: most,
+            found: 9,
+            ..plain
+        };
+        assert_eq!((status, error), (expected_status, expected_error));
     }
-    // Another file in the model's memory.
+    // Loads another file into the model's memory.
     let other =
         Pieces::kernels(&[KernelContent::plain(sinew_runtime::kernel::Kernel::Cubic, [1, 1, 1])]);
     let other = other.bytes();

@@ -1,5 +1,5 @@
-//! The functions, called in this process: they give what the runtime gives, and its errors.
-#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+//! Calls the C functions in this process and compares results and errors with the runtime's.
+#![allow(clippy::unwrap_used, reason = "a helper's failure is a failure of its test")]
 
 #[path = "../../../tests/common/mod.rs"]
 mod common;
@@ -10,7 +10,6 @@ mod handles;
 mod kernels;
 mod posed;
 mod priors;
-mod refused;
 mod views;
 
 use handles::Loaded;
@@ -22,15 +21,15 @@ use std::sync::LazyLock;
 const BARE: Shape = Shape { tangents: false, ..SMALL };
 const EMPTY: Shape = Shape { vertices: 0, ..SMALL };
 
-/// The first envelope and the first skin of a file, through C and as the runtime has them.
+/// The first envelope and the first skin of a file, opened through C and by the runtime.
 struct Both<'a> {
     model: Loaded,
     c: (handles::Envelope, handles::Skin),
     rust: (Envelope<'a>, Skin<'a>),
 }
 
-/// Runs a test on a model of every predictor, with and without tangents. They are made once: under
-/// Miri that takes seconds.
+/// Runs a test on models of every predictor, with and without tangents. The models are made only once, because making
+/// them takes seconds under Miri.
 fn each(test: impl Fn(Both<'_>)) {
     static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         let each = Predictor::ALL.into_iter().flat_map(|each| [SMALL, BARE].map(|s| (each, s)));

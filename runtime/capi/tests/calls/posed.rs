@@ -1,4 +1,4 @@
-//! Poses of the caller's skeleton, against the runtime's own calls.
+//! Poses of the caller's skeleton, compared with the runtime's calls.
 
 use crate::handles::{NONE, done, get};
 use crate::{Both, each};
@@ -38,26 +38,26 @@ fn rest_frames_are_copied_at_once() {
 #[test]
 fn a_skeleton_is_bound_and_gathered() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
-        // The file's joints backwards, the last of them lacking, after one of the engine's own.
+        // The engine's skeleton: an extra joint, then the file's joints in reverse order without the last one.
         let len = envelope.joint_len();
-        let lacking = (0..len).rev().find(|joint| *joint != envelope.root());
-        let own = (0..len).rev().filter(|joint| Some(*joint) != lacking);
+        let missing_joint = (0..len).rev().find(|joint| *joint != envelope.root());
+        let own = (0..len).rev().filter(|joint| Some(*joint) != missing_joint);
         let own: Vec<&str> = own.map(|joint| envelope.joint_name(joint).unwrap()).collect();
         let names: Vec<&str> = ["weapon"].into_iter().chain(own).collect();
         let in_c = |name: &&str| sinew_name { name: name.as_ptr().cast(), name_len: name.len() };
         let all: Vec<sinew_name> = names.iter().map(in_c).collect();
         let mut expected = vec![0; len];
         let bound = envelope.bind_joints(&names, &mut expected).unwrap();
-        assert_eq!(lacking.map(|joint| expected[joint]), lacking.map(|_| SINEW_FOLDED));
+        assert_eq!(missing_joint.map(|joint| expected[joint]), missing_joint.map(|_| SINEW_FOLDED));
         let mut map = vec![0; len];
         let (at, handle) = (map.as_mut_ptr(), found.handle);
         // SAFETY: an open envelope, arrays with their lengths, and one structure to be written.
-        let told = get(|out| unsafe {
+        let result = get(|out| unsafe {
             sinew_envelope_bind(handle, all.as_ptr(), all.len(), at, len, out, NONE)
         });
-        assert_eq!((&map, told.found_len as usize), (&expected, bound.found_len));
+        assert_eq!((&map, result.found_len as usize), (&expected, bound.found_len));
         let missing = bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32);
-        assert_eq!((told.missing_parent, missing), (SINEW_NO_JOINT, SINEW_NO_JOINT));
+        assert_eq!((result.missing_parent, missing), (SINEW_NO_JOINT, SINEW_NO_JOINT));
         let at = map.as_mut_ptr();
         let bind = |names: &[sinew_name]| {
             // SAFETY: an open envelope, and arrays with their lengths.
@@ -95,7 +95,7 @@ fn a_skeleton_is_bound_and_gathered() {
 }
 
 #[test]
-fn mistakes_are_named_and_scales_taken_out() {
+fn mistakes_are_named_and_scales_removed() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
         let check = |pose: &[Matrix3x4]| {
             let at = pose.as_ptr().cast();
@@ -123,7 +123,7 @@ fn mistakes_are_named_and_scales_taken_out() {
         assert_eq!(pose[0], before[0].map(|row| row.map(|x| 2.0 * x)));
     });
     let text = |kind: u32| {
-        // SAFETY: the library's texts end in a zero and are valid for ever.
+        // SAFETY: the library's texts end in a zero and stay valid.
         unsafe { CStr::from_ptr(sinew_pose_fault_text(kind)) }.to_str().unwrap()
     };
     for kind in PoseFaultKind::ALL {
@@ -149,34 +149,34 @@ fn levels_have_the_bits_of_the_runtime() {
                 (pose.as_ptr().cast(), palette.as_mut_ptr().cast(), scratch.as_mut_ptr());
             let handle = found.handle;
             // SAFETY: an open envelope, arrays with their lengths, and one number to be written.
-            let told = get(|out| unsafe {
+            let result = get(|out| unsafe {
                 sinew_envelope_palette_at(handle, number, from, j, at, s, to, p, out, NONE)
             });
-            assert_eq!((told, palette), (confidence, expected));
+            assert_eq!((result, palette), (confidence, expected));
         }
     });
 }
 
 #[test]
-fn joints_confidences_are_those_of_the_runtime() {
+fn joint_confidences_have_the_bits_of_the_runtime() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
         let pose = rest(&envelope);
         let (j, s) = (pose.len(), envelope.scratch_len());
         let (mut scratch, mut expected) = (vec![0.0; s], vec![0.5; j]);
         let done = envelope.joint_confidences(&pose, &mut scratch, &mut expected);
-        let mut told = vec![0.5_f32; j];
-        let (from, at, out) = (pose.as_ptr().cast(), scratch.as_mut_ptr(), told.as_mut_ptr());
+        let mut result = vec![0.5_f32; j];
+        let (from, at, out) = (pose.as_ptr().cast(), scratch.as_mut_ptr(), result.as_mut_ptr());
         let handle = found.handle;
         // SAFETY: an open envelope, and arrays with their lengths.
         let status =
             unsafe { sinew_envelope_joint_confidences(handle, from, j, at, s, out, j, NONE) };
         let is_known = if done.is_ok() { sinew_status::Ok } else { sinew_status::NoStage };
-        assert_eq!((status, told), (is_known, expected));
+        assert_eq!((status, result), (is_known, expected));
     });
 }
 
 #[test]
-fn hashes_tell_files_apart() {
+fn hashes_are_those_of_the_runtime() {
     each(|Both { c: (found, mesh), rust: (envelope, skin), .. }| {
         let joints = 0..envelope.joint_len();
         let names: Vec<&str> = joints.clone().filter_map(|j| envelope.joint_name(j)).collect();
@@ -189,8 +189,8 @@ fn hashes_tell_files_apart() {
             parents().map(|parent| parent.map_or(SINEW_NO_JOINT, |p| p as u32)).collect();
         let (at, above, len) = (all.as_ptr(), numbers.as_ptr(), all.len());
         // SAFETY: arrays with their length, and one number to be written.
-        let told = get(|out| unsafe { sinew_skeleton_hash(at, above, len, out, NONE) });
-        assert_eq!(told, expected);
+        let result = get(|out| unsafe { sinew_skeleton_hash(at, above, len, out, NONE) });
+        assert_eq!(result, expected);
         let positions: Vec<[f32; 3]> = skin.rest_positions().collect();
         let expected = mesh_hash_of(&positions);
         assert_eq!(skin.mesh_hash(), expected);

@@ -1,34 +1,21 @@
-//! Priors: what they say of themselves, the runtime's bits, and calls that are refused.
+//! Priors: descriptions, results with the runtime's bits, and refused calls.
 
-use crate::handles::{Loaded, NONE, done, name};
+use crate::handles::{Loaded, NONE, done, get, name};
 use models::Pieces;
 use sinew_capi::*;
 use sinew_runtime::prior::{Anchor, Temporal};
 use sinew_runtime::{Model, Pin, PinJob, Pins};
 use std::ptr::{null, null_mut};
 
-fn opened(loaded: &Loaded, memory: &mut [usize]) -> *const sinew_prior {
-    let mut prior = null();
-    let bytes = size_of_val(memory);
-    let at = memory.as_mut_ptr().cast();
-    // SAFETY: a loaded model, no name, memory with its length, and a handle to be written.
-    done(unsafe { sinew_prior_open(loaded.handle, null(), 0, 0, at, bytes, &raw mut prior, NONE) });
-    prior
-}
-
 #[test]
-fn a_prior_is_described_and_solves_with_the_bits_of_the_runtime() {
+fn a_prior_has_the_runtimes_description_and_bits() {
     let file = Pieces::face().bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
     let (expected, skin) = (model.prior().unwrap(), model.skin().unwrap());
-    let mut memory = [0; SINEW_PRIOR_WORDS];
-    let prior = opened(&loaded, &mut memory);
-    let mut info = std::mem::MaybeUninit::<sinew_prior_info>::uninit();
+    let opened = loaded.open(sinew_prior_open, SINEW_PRIOR_WORDS, None, 0).unwrap();
+    let prior = opened.handle;
     // SAFETY: an open prior and a structure to be written.
-    let info = unsafe {
-        done(sinew_prior_describe(prior, info.as_mut_ptr(), NONE));
-        info.assume_init()
-    };
+    let info = get(|out| unsafe { sinew_prior_describe(prior, out, NONE) });
     assert_eq!(name(info.name, info.name_len), "prior");
     assert_eq!((info.part, info.skin_part, info.shape_len), (1, 0, 8));
     assert_eq!((info.symmetry_len, info.cancel_len), (1, 1));
@@ -88,20 +75,20 @@ fn a_prior_is_described_and_solves_with_the_bits_of_the_runtime() {
         weights: found.as_mut_ptr(),
         weights_len: 8,
     };
-    let mut told = sinew_edit { norm: 0.0, unreachable_len: 9, round_len: 0, is_least: 0 };
+    let mut result = sinew_edit { norm: 0.0, unreachable_len: 9, round_len: 0, is_least: 0 };
     // SAFETY: a job of open handles and arrays with their lengths, and a structure to be written.
-    done(unsafe { sinew_pins_solve(&raw const job, &raw mut told, NONE) });
+    done(unsafe { sinew_pins_solve(&raw const job, &raw mut result, NONE) });
     assert_eq!(found, weights);
     assert_ne!(found, start);
     let expected =
         (edit.norm, edit.unreachable_len as u32, edit.round_len, u32::from(edit.is_least));
-    assert_eq!((told.norm, told.unreachable_len, told.round_len, told.is_least), expected);
+    assert_eq!((result.norm, result.unreachable_len, result.round_len, result.is_least), expected);
 
     let before = found;
     let refused = |edit: &dyn Fn(&mut sinew_pin_job)| {
         let mut other = job;
         edit(&mut other);
-        // SAFETY: as above, but for what the call refuses.
+        // SAFETY: as above, except for the field that the call refuses.
         unsafe { sinew_pins_solve(&raw const other, null_mut(), NONE) }
     };
     assert_eq!(refused(&|job| job.prior = null()), sinew_status::Null);

@@ -1,47 +1,30 @@
-//! Views: what they say of themselves, the runtime's bits, and calls that are refused.
+//! Views: descriptions, results with the runtime's bits, and refused calls.
 
-use crate::handles::{Loaded, NONE, done, name};
+use crate::handles::{Loaded, NONE, done, get, name, unwritten};
 use models::{KernelContent, Pieces, Rng, ViewsContent};
 use sinew_capi::*;
 use sinew_runtime::views::{Layer, RenderScratch};
 use sinew_runtime::{Frame, FrameJob, Model, RenderJob, Views};
 use std::ptr::{null, null_mut};
 
-/// Pixels of a picture, in rows of 48.
+/// Number of pixels of a picture: 40 rows of 48.
 const PIXELS: usize = 48 * 40;
 
-fn opened(loaded: &Loaded, memory: &mut [usize]) -> *const sinew_views {
-    let mut views = null();
-    let bytes = size_of_val(memory);
-    let at = memory.as_mut_ptr().cast();
-    // SAFETY: a loaded model, no name, memory with its length, and a handle to be written.
-    done(unsafe { sinew_views_open(loaded.handle, null(), 0, 0, at, bytes, &raw mut views, NONE) });
-    views
-}
-
 fn described(views: *const sinew_views) -> sinew_views_info {
-    let mut info = std::mem::MaybeUninit::<sinew_views_info>::uninit();
     // SAFETY: open views and a structure to be written.
-    unsafe {
-        done(sinew_views_describe(views, info.as_mut_ptr(), NONE));
-        info.assume_init()
-    }
+    get(|out| unsafe { sinew_views_describe(views, out, NONE) })
 }
 
 #[test]
-fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
+fn views_have_the_runtimes_description_and_bits() {
     let [file, _] = Pieces::viewed().map(|pieces| pieces.bytes());
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
     let expected = model.views().unwrap();
-    let mut memory = [0; SINEW_VIEWS_WORDS];
-    let views = opened(&loaded, &mut memory);
+    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let views = opened.handle;
     let info = described(views);
-    let mut map = std::mem::MaybeUninit::<sinew_map_info>::uninit();
     // SAFETY: open views and a structure to be written.
-    let map = unsafe {
-        done(sinew_views_map(views, 1, map.as_mut_ptr(), NONE));
-        map.assume_init()
-    };
+    let map = get(|out| unsafe { sinew_views_map(views, 1, out, NONE) });
     assert_eq!(name(info.name, info.name_len), "object");
     assert_eq!((info.part, info.is_transferred, info.map_len), (2, 0, 2));
     assert_eq!((info.has_depth, info.has_groups, info.has_clips), (0, 1, 1));
@@ -55,7 +38,7 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
 
     let mut rng = Rng(3);
     let parameters = [rng.unit(), rng.unit()];
-    let mut frame = Given::default();
+    let mut frame = FrameArrays::default();
     let mut scratch = vec![f32::NAN; map.scratch_len];
     let job = sinew_frame_job {
         views,
@@ -76,11 +59,11 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
     let mut found = sinew_found { view: 9, confidence: 0.0 };
     // SAFETY: a job of open views and arrays with their lengths, and a structure to be written.
     done(unsafe { sinew_views_frame(&raw const job, &raw mut found, NONE) });
-    let mut own = Given::default();
+    let mut own = FrameArrays::default();
     let kernel = model.map_of(&expected, 1).unwrap();
     let run = FrameJob { views: expected, map: kernel, parameters: &parameters };
-    let told = run.run(&mut vec![0.0; map.scratch_len], own.frame()).unwrap();
-    assert_eq!((found.view, found.confidence), (told.view, told.confidence));
+    let own_found = run.run(&mut vec![0.0; map.scratch_len], own.frame()).unwrap();
+    assert_eq!((found.view, found.confidence), (own_found.view, own_found.confidence));
     assert_eq!(frame, own);
     assert!(frame.layers.iter().all(|[opacity, _]| *opacity > 0.0));
 
@@ -88,7 +71,7 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
         let mut other = job;
         edit(&mut other);
         let mut found = found;
-        // SAFETY: as above, but for what the call refuses.
+        // SAFETY: as above, except for the field that the call refuses.
         unsafe { sinew_views_frame(&raw const other, &raw mut found, NONE) }
     };
     assert_eq!(refused(&|job| job.views = null()), sinew_status::Null);
@@ -104,7 +87,7 @@ fn views_are_described_and_drawn_with_the_bits_of_the_runtime() {
 }
 
 #[test]
-fn layers_of_depth_are_drawn_with_the_bits_of_the_runtime() {
+fn layers_with_depth_have_the_bits_of_the_runtime() {
     let mut pieces = Pieces::kernels(&[KernelContent::map("walk", 51)]);
     let mut content = ViewsContent::sample(vec![0], false);
     content.layers[0].flags = Layer::DEPTH;
@@ -112,36 +95,35 @@ fn layers_of_depth_are_drawn_with_the_bits_of_the_runtime() {
     let file = pieces.bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
     let views = model.views().unwrap();
-    let mut memory = [0; SINEW_VIEWS_WORDS];
-    let handle = opened(&loaded, &mut memory);
-    let info = described(handle);
+    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let info = described(opened.handle);
     assert_eq!((info.has_depth, info.has_groups, info.has_clips), (1, 1, 1));
-    let mut frame = Given::default();
+    let mut frame = FrameArrays::default();
     let map = model.map_of(&views, 0).unwrap();
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
     FrameJob { views, map, parameters: &[0.25; 2] }.run(&mut scratch, frame.frame()).unwrap();
-    drawn(handle, &views, &frame);
+    drawn(opened.handle, &views, &frame);
 }
 
-/// What a frame gives.
+/// Arrays that a frame fills.
 #[derive(Debug, Default, PartialEq)]
-struct Given {
+struct FrameArrays {
     points: [[f32; 3]; 9],
     visibility: [f32; 9],
     scores: [f32; 3],
     layers: [[f32; 2]; 2],
 }
 
-impl Given {
+impl FrameArrays {
     fn frame(&mut self) -> Frame<'_> {
         let Self { points, visibility, scores, layers } = self;
         Frame { points, visibility, scores, layers }
     }
 }
 
-/// Draws a frame, with all scratch that a job may need and with no more than it does.
-fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
-    let Given { points, visibility, scores, layers } = frame;
+/// Draws a frame twice: with all scratch that any job may need, and with only the scratch that this job needs.
+fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &FrameArrays) {
+    let FrameArrays { points, visibility, scores, layers } = frame;
     let run = RenderJob { views: *views, points, visibility, scores, layers, width: 48 };
     let mut own = vec![[9; 4]; PIXELS];
     let (mut own_depths, mut own_clips) = (vec![0.0; PIXELS], vec![0; PIXELS]);
@@ -190,11 +172,11 @@ fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
             clips: if given(clips_len) { clips.as_mut_ptr() } else { null_mut() },
             clips_len,
         };
-        let mut told = sinew_drawn { element_len: 0, flipped_len: 9 };
+        let mut result = sinew_drawn { element_len: 0, flipped_len: 9 };
         // SAFETY: a job of open views and arrays with their lengths, and a structure to be written.
-        done(unsafe { sinew_views_render(&raw const job, &raw mut told, NONE) });
+        done(unsafe { sinew_views_render(&raw const job, &raw mut result, NONE) });
         assert_eq!(
-            (told.element_len, told.flipped_len),
+            (result.element_len, result.flipped_len),
             (expected.element_len, expected.flipped_len)
         );
         assert!(pixels == own);
@@ -203,22 +185,13 @@ fn drawn(handle: *const sinew_views, views: &Views<'_>, frame: &Given) {
     }
 }
 
-/// Checks that a job with one thing wrong is refused, and what the error is about.
+/// Changes one field of a job at a time, and checks status and argument of the refused call.
 fn refused(job: &sinew_render_job, views: &Views<'_>) {
     let refused = |edit: &dyn Fn(&mut sinew_render_job)| {
         let mut other = *job;
         edit(&mut other);
-        let (ok, call) = (sinew_status::Ok, sinew_argument::Call);
-        let mut error = sinew_error {
-            status: ok,
-            argument: call,
-            part: 0,
-            section: 0,
-            index: 0,
-            expected: 0,
-            found: 0,
-        };
-        // SAFETY: as the job, but for what the call refuses.
+        let mut error = unwritten();
+        // SAFETY: as for the job, except for the field that the call refuses.
         let status = unsafe { sinew_views_render(&raw const other, null_mut(), &raw mut error) };
         (status, error.argument)
     };

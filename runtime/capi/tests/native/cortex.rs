@@ -1,8 +1,7 @@
 //! The C example on a Cortex-M4F: cross-compiled, linked with the M4F library, run in QEMU.
 
-use crate::common::{
-    GOLDEN_NAMES, STRICT, bare_library, golden_path, output, package, printed, readme, scratch,
-};
+use crate::{STRICT, bare_library, output, package, printed, readme, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use sinew_runtime::Model;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,7 +13,7 @@ const GCC: &str = "the ARM compiler (Debian: gcc-arm-none-eabi, libnewlib-arm-no
 const QEMU: &str = "QEMU for ARM (Debian: qemu-system-arm)";
 const POSES: usize = 1024;
 
-/// Names that stand in an image if anything in it can panic.
+/// Symbols that an image contains if its code can panic.
 const PANICS: [&str; 3] = ["rust_begin_unwind", "core::panicking", "core::fmt"];
 
 #[test]
@@ -36,7 +35,7 @@ fn the_readme_runs_on_the_m4f() {
     let model = Model::from_bytes(&*file).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let (j, p, v) = (envelope.joint_len(), envelope.palette_len(), skin.vertex_len());
-    let shown = readme(1);
+    let shown = readme("c", 1);
     let code = shown.replacen("JOINTS = 20", &format!("JOINTS = {j}"), 1);
     let code = code.replacen("TRANSFORMS = 20", &format!("TRANSFORMS = {p}"), 1);
     let code = code.replacen("VERTICES = 1000", &format!("VERTICES = {v}"), 1);
@@ -71,13 +70,13 @@ fn link(source: &Path, name: &str) -> PathBuf {
     let mut gcc = Command::new("arm-none-eabi-gcc");
     gcc.args(FLAGS).args(STRICT).arg("-I").arg(package().join("include"));
     gcc.arg(source).arg(sources.join("start.c"));
-    // newlib's semihosting: the program's files and standard streams are this machine's.
+    // newlib's semihosting gives the program this machine's files and standard streams.
     gcc.arg(bare_library(TARGET)).args(["--specs=rdimon.specs", "-Wl,--gc-sections"]);
     output(gcc.arg("-T").arg(sources.join("link.ld")).arg("-o").arg(&image), GCC);
     image
 }
 
-/// Runs an image in the goldens' folder, so that no comma of a path separates options.
+/// Runs an image in the folder of the golden files: a path with a comma would be split into options.
 fn run(image: &Path, arguments: &str) -> String {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4", "-nographic"]);

@@ -1,8 +1,7 @@
-//! The examples and what sinew.hpp promises, by this machine's C and C++ compilers.
+//! The examples and the tests of sinew.hpp, with this machine's C and C++ compilers.
 
-use crate::common::{
-    GOLDEN_NAMES, STRICT, golden_path, libraries, output, package, printed, readme, scratch,
-};
+use crate::{STRICT, libraries, output, package, printed, readme, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -10,11 +9,11 @@ const POSES: usize = 1024;
 const C: &str = "-std=c11";
 pub(crate) const CXX: &str = "-std=c++17";
 pub(crate) const GCC: &str = "gcc and g++ (Debian: gcc, g++)";
-/// Sanitizers end the program at what they find.
+/// Flags for sanitizers that end the program at the first error.
 pub(crate) const SANITIZERS: [&str; 3] =
     ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
-/// Compiles a source of this package against the header, strictly, and links it.
+/// Compiles a source of this package with strict warnings, and links it with the flags in `more`.
 pub(crate) fn compile(
     compiler: &str,
     standard: &str,
@@ -34,7 +33,7 @@ pub(crate) fn static_library() -> String {
     libraries().join("libsinew_capi.a").display().to_string()
 }
 
-/// Runs an example on every golden and compares all that it prints.
+/// Runs an example on every golden file and compares its whole output.
 fn agrees(program: &Path) {
     for name in GOLDEN_NAMES {
         let poses = POSES.to_string();
@@ -58,11 +57,11 @@ fn cpp_has_the_bits_of_rust() {
 }
 
 #[test]
-fn clang_has_the_bits_of_rust_where_there_is_clang() {
+fn clang_has_the_bits_of_rust_if_installed() {
     let starts = |program| Command::new(program).arg("--version").output().is_ok();
     if !starts("clang") || !starts("clang++") {
         assert!(std::env::var_os("CI").is_none(), "clang was not found (Debian: clang)");
-        eprintln!("clang was not found: gcc's tests stand alone");
+        eprintln!("clang was not found: only gcc is tested");
         return;
     }
     let library = static_library();
@@ -101,7 +100,7 @@ fn cpp_objects_own_move_reload_and_fail() {
 #[test]
 fn the_readme_compiles_and_runs() {
     let source = scratch().join("readme.c");
-    std::fs::write(&source, readme(0)).unwrap();
+    std::fs::write(&source, readme("c", 0)).unwrap();
     let library = static_library();
     let program = compile("gcc", C, source.to_str().unwrap(), "readme", &["-O2", &library]);
     let found = output(Command::new(program).arg(golden_path(GOLDEN_NAMES[1])), GCC);

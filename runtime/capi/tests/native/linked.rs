@@ -1,24 +1,18 @@
-//! What the README says of linking: a CMake project, the shared library's name, the C++ example.
+//! The README's section on linking: a CMake project, the shared library's name, the C++ example.
 
-use crate::common::{GOLDEN_NAMES, golden_path, libraries, output, package, scratch};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
+use crate::{libraries, output, package, readme, scratch};
+use models::{GOLDEN_NAMES, golden_path};
 use sinew_runtime::{LocalTransform, Matrix3x4, Model, model_space_pose};
 use std::fmt::Write;
 use std::process::Command;
 
 const CMAKE: &str = "CMake (Debian: cmake)";
 
-/// Returns the README's first block in a language.
-fn block(language: &str) -> String {
-    let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
-    let code = readme.split(&format!("```{language}\n")).nth(1).unwrap();
-    code.split_once("```").unwrap().0.to_owned()
-}
-
 #[test]
-fn the_cpp_of_the_readme_stands_at_rest_and_bends() {
+fn the_cpp_of_the_readme_has_the_runtimes_numbers() {
     let source = scratch().join("readme.cpp");
-    std::fs::write(&source, block("cpp")).unwrap();
+    std::fs::write(&source, readme("cpp", 0)).unwrap();
     let library = static_library();
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, source.to_str().unwrap(), "readme++", &flags);
@@ -34,7 +28,7 @@ fn the_cpp_of_the_readme_stands_at_rest_and_bends() {
     for angle in [0.0_f32, 0.5] {
         let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
         let (sin, cos) = (0.5 * angle).sin_cos();
-        // The joints of a golden stand along x, not turned.
+        // The rest joints of a golden file are in a row along x, without rotation.
         local.last_mut().unwrap().rotation = [0.0, 0.0, sin, cos];
         model_space_pose(&envelope, &local, &mut pose).unwrap();
         let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
@@ -53,9 +47,9 @@ fn the_cpp_of_the_readme_stands_at_rest_and_bends() {
 #[test]
 fn a_cmake_project_builds_and_runs_the_example() {
     let folder = scratch().join("cmake");
-    // What cargo built there may stay.
+    // The folder may hold cargo's earlier build.
     std::fs::create_dir_all(&folder).unwrap();
-    let project = block("cmake").replace("sinew/runtime/capi", "${SINEW}/runtime/capi sinew");
+    let project = readme("cmake", 0).replace("sinew/runtime/capi", "${SINEW}/runtime/capi sinew");
     assert!(project.contains("${SINEW}"), "{project}");
     std::fs::write(folder.join("CMakeLists.txt"), project).unwrap();
     std::fs::copy(package().join("examples/skin.c"), folder.join("game.c")).unwrap();
@@ -63,7 +57,7 @@ fn a_cmake_project_builds_and_runs_the_example() {
     let root = package().join("../..");
     let mut configure = Command::new("cmake");
     configure.args(["-DCMAKE_BUILD_TYPE=Release", "-S"]).arg(&folder).arg("-B").arg(&build);
-    // Cargo of this build: what is first in the path may be another.
+    // Uses the cargo of this build; the path may name another one first.
     configure.arg(format!("-DSINEW_CARGO={}", env!("CARGO")));
     output(configure.arg(format!("-DSINEW={}", root.display())), CMAKE);
     output(Command::new("cmake").arg("--build").arg(&build), CMAKE);
@@ -75,7 +69,7 @@ fn a_cmake_project_builds_and_runs_the_example() {
 #[cfg(target_os = "linux")]
 fn a_program_finds_the_shared_library_by_its_name() {
     let library = libraries().join("libsinew_capi.so").display().to_string();
-    // Linked by its path, and run where that is not.
+    // Links the library by its path, and runs the program with a copy in another folder.
     let program = compile("gcc", "-std=c11", "examples/skin.c", "skin-named", &[&library]);
     let elsewhere = scratch().join("elsewhere");
     std::fs::create_dir_all(&elsewhere).unwrap();

@@ -1,4 +1,4 @@
-// What sinew.hpp has of shapes, priors, pins, views and filters: prints the bits of what they give.
+// Shapes, priors, pins, views and filters of sinew.hpp: prints hashes of their results.
 //
 //     parts FACE VIEWS FILTER
 #include <sinew.hpp>
@@ -28,7 +28,7 @@ static void expect(const sinew::Failure &failure, sinew_status status)
     }
 }
 
-/// Prints FNV-1a over bytes, the least significant byte of each float first.
+/// Prints a label and the FNV-1a hash of bytes.
 static void print(const char *what, const void *bytes, std::size_t len)
 {
     std::uint64_t state = 0xcbf29ce484222325;

@@ -1,8 +1,8 @@
-//! What sinew.hpp has of shapes, priors, pins, views and filters, against the runtime.
+//! Shapes, priors, pins, views and filters of sinew.hpp, compared with the runtime.
 
-use crate::common::{golden_path, output};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
-use models::{FACE_NAME, VIEWED_NAMES};
+use crate::output;
+use models::{FACE_NAME, VIEWED_NAMES, golden_path};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output, cells};
 use sinew_runtime::views::RenderScratch;
@@ -20,7 +20,7 @@ fn cpp_has_the_bits_of_faces_views_and_filters() {
     assert_eq!(found, face(&face_file) + &views(&views_file) + &filter(&filter_file));
 }
 
-/// Writes a line as the program does: FNV-1a over bytes.
+/// Writes a line of the program's output: a label and the FNV-1a hash of bytes.
 fn line(what: &str, bytes: impl IntoIterator<Item = u8>) -> String {
     let hash = bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)

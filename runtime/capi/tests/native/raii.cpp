@@ -1,4 +1,4 @@
-// What sinew.hpp promises of ownership, moves, hot reload and failures.
+// Tests sinew.hpp: ownership, moves, hot reload and failures.
 //
 //     raii MODEL OTHER
 #include <sinew.hpp>
@@ -21,7 +21,7 @@ static void expect(bool held, const char *what)
 }
 #define EXPECT(what) expect(what, #what)
 
-/// Whether a model can borrow what is given so.
+/// Whether a model can borrow bytes of this type.
 template <class Bytes>
 constexpr auto can_borrow(int)
     -> decltype(std::declval<sinew::Model &>().borrow(std::declval<Bytes>()), bool())
@@ -33,7 +33,7 @@ template <class> constexpr bool can_borrow(long)
     return false;
 }
 
-/// Whether a part can be opened of what is given so.
+/// Whether a part can be opened from a model of this type.
 template <class Part, class Model>
 constexpr auto can_open(int)
     -> decltype(std::declval<Part &>().open(std::declval<Model>()), bool())
@@ -57,7 +57,7 @@ static std::vector<sinew_matrix> rest(std::size_t joint_len)
         joint_len, sinew_matrix{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
 }
 
-/// A character as a scene has it: everything that a frame needs.
+/// A character of a scene: parts and arrays of a frame.
 struct Actor {
     sinew::Envelope envelope;
     sinew::Skin skin;
@@ -74,8 +74,8 @@ struct Actor {
         positions.resize(3 * skin.info().vertex_len);
     }
 
-    /// Makes every call of a frame, and those that read the file; all must come to one status, about
-    /// the part itself or, where it is about the model, about that.
+    /// Makes every call of a frame and every call that reads the file. Returns whether each call gives
+    /// this status, and whether each error names the expected argument: the part or its model.
     bool comes_to(sinew_status status, sinew_argument of_envelope, sinew_argument of_skin)
     {
         sinew_error error{};
@@ -129,8 +129,8 @@ struct Actor {
     }
 };
 
-/// A scene goes on while the files of its model are replaced: what was opened of a file that is gone
-/// is refused by every call, and nothing of that file is read, which the sanitizer would see.
+/// A scene keeps running while the file of its model is replaced. Every call refuses parts of the old
+/// file. No call reads the old file, which the sanitizer would report.
 static void hot_reload(const std::vector<std::uint8_t> &file, const std::vector<std::uint8_t> &other)
 {
     sinew::Model model;
@@ -141,7 +141,7 @@ static void hot_reload(const std::vector<std::uint8_t> &file, const std::vector<
 
     EXPECT(model.load(std::vector<std::uint8_t>(64, 7)).status == SINEW_STATUS_FILE_NOT_A_MODEL);
     EXPECT(actor.works());
-    EXPECT(!model.load(file)); // the same file elsewhere
+    EXPECT(!model.load(file)); // the same file at another address
     EXPECT(actor.works());
 
     EXPECT(!model.load(other));
@@ -155,7 +155,7 @@ static void hot_reload(const std::vector<std::uint8_t> &file, const std::vector<
     EXPECT(!fresh.load(file));
     model = std::move(fresh);
     EXPECT(again.is_stale());
-    EXPECT(actor.works()); // what it was made of is back
+    EXPECT(actor.works()); // the model has its file again
     Actor late = copied;
     EXPECT(late.works());
 
@@ -197,13 +197,13 @@ int main(int, char **argv)
     EXPECT(!skin.open(model, std::string(skin.name())));
     EXPECT(skin.open(model, {}, info.skin_len).status == SINEW_STATUS_NOT_FOUND);
 
-    // A failed load leaves the model as it was.
+    // A failed load does not change the model.
     const sinew::Failure failed = model.load(std::vector<std::uint8_t>(64, 7));
     EXPECT(failed.status == SINEW_STATUS_FILE_NOT_A_MODEL);
     EXPECT(std::strcmp(failed.text(), sinew_status_text(failed.error.status)) == 0);
     EXPECT(!envelope.open(model));
 
-    // A move takes the file along; a further load replaces it.
+    // A move takes the file along; the next load replaces the file.
     sinew::Model moved(std::move(model));
     EXPECT(sinew::Envelope().open(model).status == SINEW_STATUS_NOT_LOADED);
     EXPECT(!envelope.open(moved));
@@ -227,7 +227,7 @@ int main(int, char **argv)
     EXPECT(std::strcmp(not_finite.argument(), "pose") == 0);
     EXPECT(character.confidence() == 1.0f);
 
-    // Bytes that stay can be borrowed, others cannot; nor can an envelope or a model that goes.
+    // A temporary vector of bytes cannot be borrowed, and no part can point to a temporary envelope or model.
     static_assert(!std::is_constructible_v<sinew::Character, sinew::Envelope>);
     static_assert(std::is_constructible_v<sinew::Character, const sinew::Envelope &>);
     static_assert(!can_borrow<std::vector<std::uint8_t>>(0));

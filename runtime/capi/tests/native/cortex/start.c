@@ -1,4 +1,4 @@
-/* Starts a Cortex-M4F: a vector table, and a reset that switches the FPU on before newlib's own. */
+/* Starts a Cortex-M4F: a vector table, and a reset handler that enables the FPU before newlib starts. */
 #include <stdint.h>
 
 extern uint32_t stack_top[];
@@ -12,7 +12,7 @@ static void reset(void)
     _start();
 }
 
-/* Tells the debugger, here QEMU, that the program failed: SYS_EXIT with an internal error. */
+/* Reports a failure to the debugger, here QEMU: SYS_EXIT with an internal error. */
 static void fault(void)
 {
     register uint32_t operation __asm__("r0") = 0x18;
