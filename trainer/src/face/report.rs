@@ -1,9 +1,8 @@
-//! A page that shows what a prior does: a face by a few handles, with it and without, and a drag.
+//! An HTML page that shows the prior's effect: a face by a few handles, with and without the prior, and a drag.
 
-use super::baked::{BakedFace, Shaped, Terms};
+use super::baked::{BakedFace, Shaped, SolveOptions};
 use super::error::FaceError;
-use super::evaluate::{Evaluation, Protocol, Row};
-use super::measure::Gram;
+use super::evaluate::{Evaluation, Gram, Protocol, Row};
 use super::picture::{Paint, Photographer};
 use crate::page::bars::colour_bar;
 use crate::page::colour::Scale;
@@ -11,24 +10,24 @@ use crate::page::html::{self, figure, paragraph, section, side_by_side, table, t
 use png::EncodingError;
 use sinew_runtime::prior::{Anchor, Pin};
 
-/// Pictures of a drag.
+/// Pictures of the drag.
 const STEPS: usize = 6;
-/// Frames that are shown.
+/// Frames to show.
 const SHOWN: usize = 3;
 
-/// A report on what a protocol measured.
+/// A page about a measurement.
 pub struct Report<'a> {
-    /// What was measured, and on what.
+    /// Faces and data of the measurement.
     pub protocol: &'a Protocol<'a>,
-    /// The figures.
+    /// Results of the measurement.
     pub evaluation: &'a Evaluation,
-    /// Takes the pictures.
+    /// Camera of the pictures.
     pub photographer: &'a Photographer<'a>,
-    /// What the take is called.
+    /// Name of the take.
     pub take: &'a str,
 }
 
-/// A face that was solved, and how far each vertex is from the truth.
+/// A solved face, and each vertex's distance from the true face.
 struct Solved {
     shaped: Shaped,
     errors: Vec<f64>,
@@ -37,10 +36,10 @@ struct Solved {
 }
 
 impl Report<'_> {
-    /// Writes the page: one HTML file that needs neither network nor script.
+    /// Renders the page as one HTML file without scripts or external resources.
     ///
     /// # Errors
-    /// Those of the runtime, and [`FaceError::Picture`].
+    /// Errors of the runtime; [`FaceError::Picture`].
     pub fn html(&self) -> Result<String, FaceError> {
         let Some((&handles, row)) = self.evaluation.handles.iter().next() else {
             return Err(FaceError::Handles { found: 0, len: self.protocol.landmarks.len() });
@@ -88,7 +87,7 @@ impl Report<'_> {
         table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(what)
     }
 
-    /// The frames that move the most, as they are, by the slider norm and by the prior.
+    /// Shows the most expressive frames: the take, the slider norm and the prior.
     fn frames(&self, handles: usize, row: &Row) -> Result<String, FaceError> {
         let pinned = self.protocol.draw(handles, 0);
         let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
@@ -117,9 +116,9 @@ impl Report<'_> {
                 let picture = self.photographer.take(shaped, &Paint::Clay, pins);
                 figure(&picture, caption, "", &text(caption))
             };
-            let told =
+            let caption =
                 |name: &str, solved: &Solved| format!("{name}: off by {:.4}, RMS", solved.rms);
-            let (of_slider, of_prior) = (told("slider norm", &slider), told("prior", &prior));
+            let (of_slider, of_prior) = (caption("slider norm", &slider), caption("prior", &prior));
             let own: Vec<_> = pinned
                 .iter()
                 .map(|&vertex| (shaped.positions[vertex], shaped.positions[vertex]))
@@ -151,7 +150,7 @@ impl Report<'_> {
         Ok(out)
     }
 
-    /// One landmark, dragged from the neutral face to where an expression has it.
+    /// Shows one landmark dragged from the neutral face to its place in an expression.
     fn drag(&self, row: &Row) -> Result<String, FaceError> {
         let face = &self.protocol.face;
         let gram = Gram::new(face, self.protocol.vertices.clone());
@@ -180,9 +179,9 @@ impl Report<'_> {
                 let target = [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]));
                 let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
                 weights.fill(0.0);
-                let terms = Terms { beta, ..Terms::edit(&solver.prior) };
+                let options = SolveOptions { beta, ..SolveOptions::edit(&solver.prior) };
                 let pin = Pin::new(vertex as u32, target.map(|x| x as f32));
-                solver.solve(&[pin], &terms, &mut scratch, &mut weights)?;
+                solver.solve(&[pin], &options, &mut scratch, &mut weights)?;
                 let shaped = face.shaped(&weights)?;
                 let pins = [(shaped.positions[vertex], target)];
                 let picture = self.photographer.take(&shaped, &Paint::Clay, &pins);
@@ -194,7 +193,7 @@ impl Report<'_> {
         Ok(out)
     }
 
-    /// Lists frames that move the face the most and are not alike.
+    /// Picks frames that are far from the neutral face and from each other.
     fn strongest(&self, gram: &Gram) -> Vec<&[f64]> {
         let rest = vec![0.0; self.protocol.face.skin.shape_len()];
         let mut out: Vec<&[f64]> = Vec::new();
@@ -222,7 +221,8 @@ impl Report<'_> {
         gram: &Gram,
     ) -> Result<Solved, FaceError> {
         let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
-        let terms = Terms { anchor, beta, is_bounded: false, ..Terms::edit(&solver.prior) };
+        let options =
+            SolveOptions { anchor, beta, is_bounded: false, ..SolveOptions::edit(&solver.prior) };
         let places: Vec<[f64; 3]> =
             pinned.iter().map(|&vertex| solver.place(vertex, frame)).collect();
         let pin = |(&vertex, place): (&usize, &[f64; 3])| {
@@ -230,7 +230,7 @@ impl Report<'_> {
         };
         let pins: Vec<Pin> = pinned.iter().zip(&places).map(pin).collect();
         let mut weights = vec![0.0; frame.len()];
-        solver.solve(&pins, &terms, &mut Vec::new(), &mut weights)?;
+        solver.solve(&pins, &options, &mut Vec::new(), &mut weights)?;
         let shaped = self.protocol.face.shaped(&weights)?;
         let truth = self.protocol.face.shaped(&narrow(frame))?;
         let pins =
