@@ -1,7 +1,7 @@
 //! Example poses of one character: importers create them, and every fit reads them.
 //!
 //! The `split` array of an `.npz` chooses the training frames (`import/npz/fields.rs`). Without the array every frame
-//! trains. [`Examples::hold_out`] replaces the split. Cross-validation folds are in `envelope/skin/folds.rs`.
+//! trains. [`Examples::hold_out`] replaces the split. Cross-validation folds are in `envelope/folds`.
 
 mod data;
 mod error;

@@ -48,8 +48,8 @@ impl Report<'_> {
         let share = 100.0 * row.prior / row.slider;
         let head = format!(
             "<h1>{} by a few handles</h1>\n<p class=\"under\">{} vertices, {} shapes; measured on {} frames of {}</p>\n\
-             <p class=\"verdict\">With {handles} of {} landmarks at their true place the rest of the face is off by \
-             <b>{:.4}</b>, RMS: {share:.0} % of what the slider norm leaves ({:.4}).</p>\n",
+             <p class=\"verdict\">With {handles} of {} landmarks at their true place, the rest of the face has an RMS \
+             error of <b>{:.4}</b>: {share:.0} % of the slider norm's error ({:.4}).</p>\n",
             text(name),
             self.protocol.face.skin.vertex_len(),
             self.protocol.face.skin.shape_len(),
@@ -82,8 +82,8 @@ impl Report<'_> {
             std::iter::once(handles.to_string()).chain(figures).collect::<Vec<_>>()
         });
         let what = "RMS distance of the face to the take's, in the file's unit: the mean over ten draws of \
-                    handles among the landmarks. The slider norm lets no weight know of another (Lewis and Anjyo 2010); the \
-                    prior knows from the take which go together.";
+                    handles among the landmarks. The slider norm treats weights as independent (Lewis and Anjyo 2010); \
+                    the prior has learned from the take which weights move together.";
         table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(what)
     }
 
@@ -92,8 +92,8 @@ impl Report<'_> {
         let pinned = self.protocol.draw(handles, 0);
         let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
         let mut out = paragraph(&format!(
-            "Expressions of the take that move the most. Red dots are the {handles} handles, in white rings where they \
-             are to be. Colours are distances: how far the take moves the face, then how far the other two are off, on one scale."
+            "Expressions of the take that move the most. Red dots are the {handles} handles, white rings their \
+             targets. Colours are distances: first the motion of the take, then the errors of the other two on one scale."
         ));
         for frame in self.strongest(&gram) {
             let truth = narrow(frame);
@@ -117,7 +117,7 @@ impl Report<'_> {
                 figure(&picture, caption, "", &text(caption))
             };
             let caption =
-                |name: &str, solved: &Solved| format!("{name}: off by {:.4}, RMS", solved.rms);
+                |name: &str, solved: &Solved| format!("{name}: RMS error {:.4}", solved.rms);
             let (of_slider, of_prior) = (caption("slider norm", &slider), caption("prior", &prior));
             let own: Vec<_> = pinned
                 .iter()
@@ -132,19 +132,15 @@ impl Report<'_> {
             let heat = |solved: &Solved, caption: &str| -> Result<String, EncodingError> {
                 let paint = Paint::Heat(&solved.errors, scale);
                 let picture = self.photographer.take(&solved.shaped, &paint, &[]);
-                figure(&picture, caption, "", &(colour_bar(&scale, "") + "how far it is off"))
+                figure(&picture, caption, "", &(colour_bar(&scale, "") + "error"))
             };
             let neutral = self.protocol.face.shaped(&vec![0.0; truth.len()])?;
             let nothing = Solved::new(neutral, &shaped, Vec::new(), 0.0);
             let moved = Scale::of(&nothing.errors[self.protocol.vertices.clone()]);
             let picture =
                 self.photographer.take(&shaped, &Paint::Heat(&nothing.errors, moved), &[]);
-            let first = figure(
-                &picture,
-                "how far the take moves",
-                "",
-                &(colour_bar(&moved, "") + "how far it moves"),
-            )?;
+            let first =
+                figure(&picture, "motion of the take", "", &(colour_bar(&moved, "") + "motion"))?;
             out += &side_by_side(3, &[first, heat(&slider, &of_slider)?, heat(&prior, &of_prior)?]);
         }
         Ok(out)
@@ -158,17 +154,17 @@ impl Report<'_> {
             return Ok(String::new());
         };
         let rest = vec![0.0; frame.len()];
-        let way = |vertex: usize| {
+        let path = |vertex: usize| {
             let (from, to) = (face.place(vertex, &rest), face.place(vertex, frame));
             ((0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>(), from, to)
         };
-        let ways = self.protocol.landmarks.iter().map(|&vertex| (vertex, way(vertex)));
-        let Some((vertex, (_, from, to))) = ways.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+        let paths = self.protocol.landmarks.iter().map(|&vertex| (vertex, path(vertex)));
+        let Some((vertex, (_, from, to))) = paths.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
             return Ok(String::new());
         };
         let mut out = paragraph(&format!(
-            "Vertex {vertex} alone is dragged from where it is in the neutral face to where the first expression above has \
-             it, weights between their bounds. Above the slider norm, below the prior."
+            "Vertex {vertex} alone is dragged from its place in the neutral face to its place in the first expression above, \
+             with weights between their bounds. Above the slider norm, below the prior."
         ));
         let both = [("slider", "slider norm", &self.protocol.slider), ("prior", "prior", face)];
         for (method, name, solver) in both {
@@ -209,7 +205,7 @@ impl Report<'_> {
         out
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a solve and its measure take")]
+    #[expect(clippy::too_many_arguments, reason = "inputs of a solve and of its error")]
     fn solve(
         &self,
         solver: &BakedFace<'_>,

@@ -107,18 +107,6 @@ impl Solved {
     }
 }
 
-fn column(of: &[f64]) -> Mat<f64> {
-    Mat::from_fn(of.len(), 1, |i, _| of[i])
-}
-
-fn scaled(of: &[f64], units: &[f64]) -> Mat<f64> {
-    Mat::from_fn(of.len(), 1, |i, _| units[i] * of[i])
-}
-
-fn dot(a: &[f64], b: &Mat<f64>) -> f64 {
-    a.iter().zip(b.col(0).iter()).map(|(a, b)| a * b).sum()
-}
-
 /// A norm on the span of given functions h_i, for regularised fits (S0 Eq. 15, Prop. 3).
 ///
 /// A positive definite matrix S gives f = Σ c_i h_i the norm ‖f‖² = cᵀSc, with the reproducing kernel K(p, q) =
@@ -154,7 +142,6 @@ impl Norm {
 
     /// Computes the inner product of two functions from their coefficients, n each.
     pub fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
-        let column = |of: &[f64]| Mat::from_fn(of.len(), 1, |i, _| of[i]);
         (column(a).transpose() * &self.s * column(b))[(0, 0)]
     }
 
@@ -162,7 +149,18 @@ impl Norm {
     ///
     /// - `at`: values of the h_i at q, n.
     pub fn reproducing(&self, at: &[f64]) -> Vec<f64> {
-        let right = Mat::from_fn(at.len(), 1, |i, _| at[i]);
-        self.llt.solve(right).col(0).iter().copied().collect()
+        self.llt.solve(column(at)).col(0).iter().copied().collect()
     }
+}
+
+fn column(of: &[f64]) -> Mat<f64> {
+    Mat::from_fn(of.len(), 1, |i, _| of[i])
+}
+
+fn scaled(of: &[f64], units: &[f64]) -> Mat<f64> {
+    Mat::from_fn(of.len(), 1, |i, _| units[i] * of[i])
+}
+
+fn dot(a: &[f64], b: &Mat<f64>) -> f64 {
+    a.iter().zip(b.col(0).iter()).map(|(a, b)| a * b).sum()
 }

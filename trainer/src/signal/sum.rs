@@ -203,7 +203,7 @@ impl<'a> Compared<'a> {
     }
 
     /// Returns the suggested change if f32 rounding causes the deviation; `None` otherwise.
-    pub fn rounding_remedy(&self, deviation: f64) -> Option<Remedy> {
+    fn rounding_remedy(&self, deviation: f64) -> Option<Remedy> {
         let reason = REASON * self.limit * self.range;
         let [least, most] = self.values;
         let magnitude = least.abs().max(most.abs());
