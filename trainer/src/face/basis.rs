@@ -115,7 +115,7 @@ impl Basis {
         skin
     }
 
-    /// Checks that there are shapes with unique names and finite numbers.
+    /// Checks the shapes: at least one, unique names and finite numbers.
     ///
     /// # Errors
     /// [`FaceError::NoShapes`], [`FaceError::Twice`] and [`FaceError::NotFinite`].

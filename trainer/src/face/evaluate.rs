@@ -27,7 +27,7 @@ pub struct Protocol<'a> {
     pub slider: BakedFace<'a>,
     /// Baseline: the skin with the slider norm around the learned mean.
     pub slider_mean: BakedFace<'a>,
-    /// Vertices from which handles are drawn.
+    /// Candidate vertices for handles.
     pub landmarks: &'a [usize],
     /// Vertices at which distances are measured.
     pub vertices: Range<usize>,
@@ -80,7 +80,7 @@ pub struct Evaluation {
     pub chosen_on: usize,
     /// Range of measured vertices.
     pub vertices: [usize; 2],
-    /// Number of landmarks from which handles were drawn.
+    /// Number of candidate vertices for handles.
     pub landmarks: usize,
     /// Number of draws.
     pub draws: u64,

@@ -1,5 +1,5 @@
-//! Faces: a skin with shapes, and a prior over their weights, which predicts the rest of a face from a few pins
-//! (S0 §3, METHOD §5.1).
+//! Faces: a skin with shapes, and a prior over the weights of the shapes (S0 §3, METHOD §5.1). The prior predicts the
+//! rest of a face from a few pins.
 //!
 //! | file | contents |
 //! |---|---|

@@ -1,10 +1,10 @@
 //! Reads faces from every supported format.
 //!
-//! Arrays of a face in a `.npz`: `neutral` (V, 3), `expression_deltas` (S, V, 3) and `expression_names` (S); faces
-//! `quads` and `tris`; texture coordinates `uv`, and their faces `uv_quads` and `uv_tris`; `identity_deltas` (I, V, 3);
-//! `landmarks`.
+//! A face in a `.npz` has these arrays. Shapes: `neutral` (V, 3), `expression_deltas` (S, V, 3) and `expression_names`
+//! (S). Faces: `quads` and `tris`. Texture: `uv`, with faces `uv_quads` and `uv_tris`. Others: `identity_deltas` (I, V,
+//! 3) and `landmarks`.
 //!
-//! Arrays of example meshes: `meshes` (N, V, 3), or (N, V, 2) for points in a plane; faces `quads` and `tris`.
+//! Example meshes have `meshes` (N, V, 3), or (N, V, 2) for points in a plane, and faces `quads` and `tris`.
 
 use super::basis::{Basis, ExampleMeshes};
 use super::error::FaceError;

@@ -27,8 +27,9 @@ const STIFFNESS: &str = "stiffness";
 /// - `vertex_len`: number of the face's vertices, V.
 ///
 /// # Errors
-/// Errors of the table, with the line; [`FaceError::Cell`] if a frame is not a whole number, a vertex is not in 0..V,
-/// or a stiffness is not positive.
+/// - Errors of the table, with the line.
+/// - [`FaceError::Cell`] for a frame that is not a whole number, a vertex outside 0..V, or a stiffness that is not
+///   positive.
 pub fn read(path: &Path, vertex_len: usize) -> Result<Track, FaceError> {
     of_table(&csv::read(path)?, vertex_len)
 }

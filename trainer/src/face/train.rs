@@ -227,7 +227,7 @@ mod tests {
         let (basis, model) = of_meshes(&meshes(), Some(2), &options()).unwrap();
         assert_eq!(basis.mesh.positions[2], [10.0; 3]);
         let first = &basis.mesh.shapes[0].deltas;
-        // RMS of 1 over three vertices, two of which move.
+        // RMS of 1 over three vertices; the third does not move.
         let each = 1.5_f64.sqrt();
         assert!(
             (first[0][0].abs() - each).abs() < 1e-12 && (first[1][0] - first[0][0]).abs() < 1e-12
