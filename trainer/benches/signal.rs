@@ -10,13 +10,13 @@ use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::signal::bake::part;
 use sinew_trainer::signal::choose::{TAPS, of_images};
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::image::Image;
+use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::Process;
-use sinew_trainer::signal::mean::Mean;
 use sinew_trainer::signal::model::FilterModel;
+use sinew_trainer::signal::model::part;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 

@@ -1,26 +1,28 @@
 //! Examples: posed meshes of one character, and its joints.
 
 use crate::mesh::{EngineMesh, Surface, normals};
+use crate::space::Conversion;
 use crate::space::millimetres;
+use rayon::prelude::*;
 use sinew_runtime::format::Space;
 use std::ops::Range;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
 pub type Matrix3x4 = [[f64; 4]; 3];
 
-/// Which use a frame is put to.
+/// Use of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// Read by the fit and by every choice.
+    /// Training: the fit and every choice read the frame.
     Train,
-    /// Read only to report, after every choice is made.
+    /// Test: read only for reports, after every choice is made.
     HeldOut,
-    /// Reported apart: poses beyond the range of motion of the training frames.
+    /// Test with poses outside the training range, reported separately.
     Extreme,
 }
 
 impl Split {
-    /// Returns its name, as on the command line.
+    /// Returns the name used on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Train => "train",
@@ -30,28 +32,28 @@ impl Split {
     }
 }
 
-/// The joints of a character: one reference root, every other joint with one parent.
+/// Joints of a character: a tree with one root.
 #[derive(Clone, Debug)]
 pub struct Skeleton {
-    /// J names.
+    /// Names, J.
     pub names: Vec<String>,
-    /// Parent of each joint; `None` for the reference root alone. Parents may follow children.
+    /// Parent of each joint, J; `None` only for the root. A parent may come after its children.
     pub parents: Vec<Option<usize>>,
-    /// Joints that have no parent where they come from, and here hang under the reference root.
+    /// Joints without a parent in the source, which became children of the root.
     pub roots: Vec<usize>,
-    /// Joints of which the source does not say where they are at rest: [`Examples::place_joints`] finds it.
+    /// Joints without a rest position in the source. [`Examples::place_joints`] estimates the position.
     pub unplaced: Vec<usize>,
-    /// Model-space rest frame of each joint (rigid); its last column is the rest origin.
+    /// Rest frame of each joint in model space, J, rigid. The last column is the rest origin.
     pub rest: Vec<Matrix3x4>,
 }
 
 impl Skeleton {
-    /// Gives the reference root, the first joint without a parent.
+    /// Returns the root: the first joint without a parent.
     pub fn root(&self) -> usize {
         self.parents.iter().position(Option::is_none).unwrap_or(0)
     }
 
-    /// Gives the parent of each joint where it comes from; several may have none.
+    /// Returns the parent of each joint in the source, J; several joints may have none.
     pub fn own_parents(&self) -> Vec<Option<usize>> {
         let own = |(joint, parent): (usize, &Option<usize>)| {
             parent.filter(|_| !self.roots.contains(&joint))
@@ -60,55 +62,54 @@ impl Skeleton {
     }
 }
 
-/// N poses of one mesh of V vertices and T triangles on J joints, in the units of the input.
+/// N poses of a mesh with V vertices and T triangles on J joints, in the input's units.
 #[derive(Clone, Debug)]
 pub struct Examples {
     /// Rest positions, V.
     pub rest: Vec<[f64; 3]>,
-    /// Vertex numbers of each triangle, T; quads are split along their first diagonal.
+    /// Vertex numbers of each triangle, T. Quads are split along their first diagonal.
     pub triangles: Vec<[usize; 3]>,
-    /// The vertices that an engine draws it with, and what the artist authored of them: normals, tangents,
-    /// texture coordinates. Without, they are the V, and nothing is authored.
+    /// Engine vertices, with authored normals, tangents and texture coordinates. `None` if the engine vertices are the
+    /// V and nothing is authored.
     pub engine: Option<EngineMesh>,
     /// The joints.
     pub skeleton: Skeleton,
     /// Posed positions, N x V, frame-major.
     pub vertices: Vec<[f64; 3]>,
-    /// Whether the posed positions are those of the scene's own skin and shapes, so that each mesh belongs to its pose.
+    /// Whether the posed positions come from the scene's own skin and shapes. Then every mesh matches its pose.
     pub own_skin: bool,
-    /// Map from the rest pose to the pose of each joint, N x J, frame-major, model space.
+    /// Map from the rest pose to the posed joint, N x J, frame-major, model space.
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
-    /// The meshes that were joined, by name: ranges of vertices, one after the other; none where there
-    /// was one, or nothing is known of them.
+    /// Names and consecutive vertex ranges of the joined meshes; empty for a single mesh, or if unknown.
     pub ranges: Vec<(String, Range<usize>)>,
-    /// First frame of each clip, ascending from 0: neighbours across one are no more alike than others.
+    /// First frame of each clip, ascending from 0. Frames on either side of a clip's start are not neighbours in time.
     pub clip_starts: Vec<usize>,
-    /// Axes, handedness and unit, as far as they are known.
+    /// Axes, handedness and unit, where known.
     pub space: Space,
-    /// Joint weights as an artist painted them, V x J, vertex-major: which joints are near a vertex, where poses do not
-    /// tell which it follows. A vertex may have none.
+    /// Painted joint weights, V x J, vertex-major. They show which joints are near a vertex if the poses do not. A
+    /// vertex may have none.
     pub joint_weights: Option<Vec<f64>>,
-    /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
-    /// alike without. [`Examples::weigh`] sets it.
+    /// Weight of each vertex in fits and in measured errors, V, of mean 1; `None` for equal weights. Set by
+    /// [`Examples::weigh`].
     pub importance: Option<Vec<f64>>,
-    /// How often each frame counts in a fit, N; once without. [`Examples::repeat`] sets it.
+    /// Number of times each frame counts in a fit, N; `None` for once. Set by [`Examples::repeat`].
     pub frame_weights: Option<Vec<u8>>,
 }
 
 impl Examples {
-    /// Counts the vertices, V.
+    /// Returns the number of vertices, V.
     pub fn vertex_len(&self) -> usize {
         self.rest.len()
     }
 
-    /// Counts the frames, N.
+    /// Returns the number of frames, N.
     pub fn frame_len(&self) -> usize {
         self.split.len()
     }
 
-    /// The same, some frames no longer among those of training.
+    /// Returns a copy in which some frames no longer train.
     #[must_use]
     pub fn without(&self, frames: &[usize]) -> Self {
         let mut others = self.clone();
@@ -116,7 +117,7 @@ impl Examples {
         others
     }
 
-    /// Returns a copy whose training frames are these; other training frames are held out.
+    /// Returns a copy with these training frames; other training frames become held-out frames.
     #[must_use]
     pub fn trained_on(&self, frames: &[usize]) -> Self {
         let mut others = self.clone();
@@ -129,27 +130,27 @@ impl Examples {
         others
     }
 
-    /// Returns the diagonal of the rest pose's bounding box in millimetres; `None` where the unit is not known.
+    /// Returns the diagonal of the rest mesh's bounding box in millimetres; `None` if the unit is unknown.
     pub fn diagonal_mm(&self) -> Option<f64> {
         millimetres(&self.space).map(|unit| unit * self.diagonal())
     }
 
-    /// Finds the number of the clip that a frame is of.
+    /// Returns the number of the clip that contains a frame, counted from 1.
     pub fn clip_of(&self, frame: usize) -> usize {
         self.clip_starts.partition_point(|&first| first <= frame)
     }
 
-    /// Counts the joints, J.
+    /// Returns the number of joints, J.
     pub fn joint_len(&self) -> usize {
         self.skeleton.names.len()
     }
 
-    /// Gives the rest mesh as an engine draws it.
+    /// Returns the rest mesh with its engine vertices.
     pub fn surface(&self) -> Surface<'_> {
         Surface { positions: &self.rest, triangles: &self.triangles, engine: self.engine.as_ref() }
     }
 
-    /// Computes the V unit normals of frame `index`, weighted by triangle area; zero where there is none.
+    /// Computes the V unit normals of frame `index`, weighted by triangle area; zero for vertices without area.
     ///
     /// # Panics
     /// If `index` is not a frame.
@@ -157,15 +158,15 @@ impl Examples {
         normals(self.frame(index), &self.triangles)
     }
 
-    /// Measures the diagonal of the rest pose's bounding box, to which every error is related.
+    /// Returns the diagonal of the rest mesh's bounding box, the reference length of every error.
     pub fn diagonal(&self) -> f64 {
         let [low, high] = self.bounds();
         let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
         extent.iter().map(|length| length * length).sum::<f64>().sqrt()
     }
 
-    /// Returns the step of single precision at the largest coordinate, as a share of the diagonal; 0 where positions are
-    /// given more finely. Of training frames, which may travel, the median counts.
+    /// Returns the step of f32 at the largest coordinate, relative to the diagonal; 0 if the positions have more digits
+    /// than f32. Training frames may travel, so their median counts.
     pub fn coarseness(&self) -> f64 {
         let farthest = |points: &[[f64; 3]]| {
             let all = points.as_flattened();
@@ -179,7 +180,7 @@ impl Examples {
         f64::from(f32::EPSILON) * farthest(&self.rest).max(median) / self.diagonal()
     }
 
-    /// Gives the lowest and the highest corner of the rest pose's bounding box.
+    /// Returns the lowest and highest corner of the rest mesh's bounding box.
     pub fn bounds(&self) -> [[f64; 3]; 2] {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
@@ -192,7 +193,7 @@ impl Examples {
         [low, high]
     }
 
-    /// Gives the mean of the rest positions.
+    /// Returns the mean of the rest positions.
     pub fn centroid(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for position in &self.rest {
@@ -203,7 +204,7 @@ impl Examples {
         sum.map(|sum| sum / self.vertex_len().max(1) as f64)
     }
 
-    /// Gives the V posed positions of frame `index`.
+    /// Returns the posed positions of frame `index`, V.
     ///
     /// # Panics
     /// If `index` is not a frame.
@@ -212,7 +213,7 @@ impl Examples {
         &self.vertices[index * vertex_len..][..vertex_len]
     }
 
-    /// Gives the J maps from the rest pose to the pose of frame `index`.
+    /// Returns the maps from rest pose to pose of frame `index`, J.
     ///
     /// # Panics
     /// If `index` is not a frame.
@@ -221,8 +222,85 @@ impl Examples {
         &self.transforms[index * joint_len..][..joint_len]
     }
 
-    /// Lists the frames put to one use, in order.
+    /// Lists the frames with one use, in order.
     pub fn frames_of(&self, split: Split) -> Vec<usize> {
         (0..self.frame_len()).filter(|&frame| self.split[frame] == split).collect()
+    }
+
+    /// Converts the examples to another space; texture coordinates stay.
+    pub fn convert(&mut self, conversion: &Conversion, space: Space) {
+        self.rest.iter_mut().for_each(|x| *x = conversion.point(*x));
+        self.vertices.par_iter_mut().for_each(|x| *x = conversion.point(*x));
+        self.skeleton.rest.iter_mut().for_each(|frame| *frame = conversion.transform(frame));
+        self.transforms.par_iter_mut().for_each(|b| *b = conversion.transform(b));
+        conversion.triangles(&mut self.triangles);
+        if let Some(engine) = &mut self.engine {
+            engine.turn(|direction| conversion.direction(direction), conversion.is_mirrored());
+        }
+        self.space = space;
+    }
+
+    /// Converts the examples to a model's space, where both spaces are known. Returns the conversion, which other
+    /// meshes of the same file need too; `None` if nothing changes.
+    pub fn convert_to(&mut self, space: &Space) -> Option<Conversion> {
+        let conversion = Conversion::between(&self.space, space)?;
+        self.convert(&conversion, *space);
+        Some(conversion)
+    }
+
+    /// Removes the engine vertices if a skin has as many vertices as the mesh: the skin was trained without them.
+    pub fn unsplit_for(&mut self, skin_vertex_len: usize) {
+        if skin_vertex_len == self.vertex_len() && skin_vertex_len != self.surface().engine_len() {
+            self.engine = None;
+        }
+    }
+}
+
+/// Returns at most `most` evenly spaced numbers below `len`, ascending.
+pub(crate) fn spread(len: usize, most: usize) -> Vec<usize> {
+    let count = len.min(most);
+    (0..count).map(|number| number * len / count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::triangle;
+    use super::*;
+    use crate::mesh::EngineMesh;
+
+    #[test]
+    fn converting_there_and_back_restores_the_examples() {
+        let mut examples = triangle(2);
+        let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        examples.engine = Some(EngineMesh::of_vertices(&examples.rest, &examples.triangles, &uv));
+        examples.vertices[4] = [0.5, -0.25, 0.125];
+        examples.transforms[3][0][3] = 0.75;
+        examples.space = Space::GLTF;
+        let before = examples.clone();
+        for space in [Space::UNITY, Space::UNREAL] {
+            let there = examples.convert_to(&space).unwrap();
+            assert!(examples.space == space && there.is_mirrored());
+            assert_eq!(examples.triangles, [[0, 2, 1]]);
+            examples.validate().unwrap();
+            // Normals and tangents turn with the surface. A mirrored cross product changes the handedness.
+            assert_eq!(
+                examples.surface().normals(),
+                before.surface().normals().iter().map(|n| there.direction(*n)).collect::<Vec<_>>()
+            );
+            let tangents =
+                before.surface().tangents().unwrap().into_iter().map(|[x, y, z, hand]| {
+                    let [x, y, z] = there.direction([x, y, z]);
+                    [x, y, z, -hand]
+                });
+            assert_eq!(examples.surface().tangents().unwrap(), tangents.collect::<Vec<_>>());
+            examples.convert_to(&Space::GLTF).unwrap();
+            assert_eq!(examples.rest, before.rest);
+            assert_eq!(examples.vertices, before.vertices);
+            assert_eq!(examples.transforms, before.transforms);
+            assert_eq!(examples.skeleton.rest, before.skeleton.rest);
+            assert_eq!(examples.triangles, before.triangles);
+            assert_eq!(examples.engine, before.engine);
+        }
+        assert_eq!(examples.convert_to(&Space::GLTF), None);
     }
 }

@@ -1,6 +1,6 @@
-//! What can be wrong with example poses.
+//! Errors in example poses.
 
-use super::rigidity::Distortion;
+use super::joints::Distortion;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -10,13 +10,13 @@ use crate::formats::scene::{Clip, RATES};
 use crate::formats::{FileError, FormatError};
 use crate::space::SpaceError;
 
-/// A file of examples that could not be used.
+/// An unusable file of examples.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {error}", file.display())]
 pub struct LoadError {
-    /// The file at fault.
+    /// The file.
     pub file: PathBuf,
-    /// What is wrong with it.
+    /// The error in the file.
     pub error: ExamplesError,
 }
 
@@ -26,46 +26,46 @@ impl From<FileError> for LoadError {
     }
 }
 
-/// A fault in examples, with its place.
+/// An error in examples, with its location.
 #[derive(Debug, thiserror::Error)]
 pub enum ExamplesError {
-    /// The description beside the arrays is not the JSON expected.
+    /// The JSON beside the arrays does not have the expected fields.
     #[error("is not a description of examples: {reason}")]
     Json {
-        /// What the parser says, with line and column.
+        /// Message of the parser, with line and column.
         reason: String,
     },
-    /// Two arrays disagree about a count.
+    /// Two arrays have different lengths.
     #[error("{first} has {first_len} {what}, {second} has {second_len}")]
     Mismatch {
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// One array.
+        /// Name of an array.
         first: &'static str,
-        /// Its count.
+        /// Items in the first array.
         first_len: usize,
-        /// The other array.
+        /// Name of the other array.
         second: &'static str,
-        /// Its count.
+        /// Items in the second array.
         second_len: usize,
     },
-    /// An array that may not be empty is.
+    /// A required array is empty.
     #[error("array {array} is empty")]
     Empty {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
     },
     /// A number is NaN or infinite.
     #[error("{} is not finite at {}{element}", named(array), in_frame(*frame))]
     NotFinite {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
-        /// The frame, for arrays that have one: its place, or what its source calls it.
+        /// Frame index or source frame number, for arrays over frames.
         frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
-    /// A number is larger than a model can hold.
+    /// A number exceeds the range of a model.
     #[error(
         "{} exceeds {:e}, the most a model can hold, at {}{element}",
         named(array),
@@ -73,127 +73,127 @@ pub enum ExamplesError {
         in_frame(*frame)
     )]
     TooLarge {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
-        /// The frame, for arrays that have one: its place, or what its source calls it.
+        /// Frame index or source frame number, for arrays over frames.
         frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
-    /// A face names a vertex that does not exist.
+    /// A face has a vertex number out of range.
     #[error("{array} {face} names vertex {vertex} of {vertex_len}")]
     VertexOutOfRange {
-        /// The array of faces.
+        /// Name of the array of faces.
         array: &'static str,
-        /// The face.
+        /// Number of the face.
         face: usize,
-        /// The number it holds.
+        /// The vertex number.
         vertex: i64,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertex_len: usize,
     },
-    /// A vertex has no copy among the engine's.
+    /// A vertex has no copy among the engine vertices.
     #[error("vertex {vertex} has no copy among the engine's vertices")]
     NoCopy {
         /// The vertex.
         vertex: usize,
     },
-    /// A triangle of the engine's is another one than the mesh's.
+    /// An engine triangle differs from the mesh's triangle.
     #[error(
-        "triangle {triangle} has the vertices {expected:?}, by the engine's vertices it has copies of {found:?}"
+        "triangle {triangle} has the vertices {expected:?}, but its engine vertices are copies of {found:?}"
     )]
     OtherCopy {
-        /// The triangle.
+        /// Number of the triangle.
         triangle: usize,
-        /// Its vertices.
+        /// Vertices of the mesh's triangle.
         expected: [usize; 3],
-        /// What its engine vertices are copies of.
+        /// Vertices behind the engine triangle's corners.
         found: [usize; 3],
     },
-    /// No triangle of the rest mesh has an area.
+    /// Every triangle of the rest mesh has zero area.
     #[error("none of the {triangle_len} rest triangles has an area")]
     NoArea {
-        /// How many triangles there are.
+        /// Number of triangles.
         triangle_len: usize,
     },
-    /// A clip or mesh does not begin behind the one before it.
+    /// A clip or mesh does not start after the previous one.
     #[error(
         "array {array} has {found} for {name}, expected 0 for the first, then ascending numbers below {len}"
     )]
     Start {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
-        /// The clip or mesh.
+        /// Name of the clip or mesh.
         name: String,
-        /// What it begins with.
+        /// The start.
         found: i64,
-        /// How many frames or vertices there are.
+        /// Number of frames or vertices.
         len: usize,
     },
-    /// What a frame is called does not ascend in its clip.
+    /// Source frame numbers do not ascend within a clip.
     #[error(
         "array frame_numbers has {found} at frame {frame}, expected {least} to {}: numbers ascend in each clip",
         i32::MAX
     )]
     FrameNumber {
-        /// The frame, by its place.
+        /// Frame index.
         frame: usize,
-        /// What it is called.
+        /// The source frame number.
         found: i64,
-        /// The least that it may be called.
+        /// Least allowed number.
         least: i64,
     },
-    /// A frame counts some number of times that is not whole, none, or too many.
+    /// A frame's weight is not a whole number in the allowed range.
     #[error(
-        "array frame_weights has {number} at frame {frame}, expected a whole number from 1 to {most}; what is not to be \
-             read has split 1 or 2"
+        "array frame_weights has {number} at frame {frame}, expected a whole number from 1 to {most}; to leave a \
+             frame out, give it split 1 or 2"
     )]
     FrameWeight {
-        /// The frame, as its source calls it.
+        /// Source frame number.
         frame: i64,
-        /// The number.
+        /// The weight.
         number: f64,
-        /// The most that it may be.
+        /// Largest allowed weight.
         most: f64,
     },
-    /// Frames follow at no rate that can be played.
+    /// The frame rate is out of range.
     #[error("array fps has {fps}, expected {} to {} frames a second", RATES.start(), RATES.end())]
     Rate {
         /// Frames a second.
         fps: f64,
     },
-    /// A word is none of those that are known.
+    /// A word is not one of the known words.
     #[error("array {array} has {found:?}, expected {expected}")]
     UnknownWord {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
         /// The word.
         found: String,
-        /// What it may be.
+        /// The known words.
         expected: &'static str,
     },
     /// A joint's parent does not exist.
     #[error("joint {joint} has parent {parent}, which does not exist")]
     MissingParent {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Its parent as the file has it.
+        /// The parent as written in the file.
         parent: String,
     },
-    /// Following parents from a joint leads back to it.
+    /// The joints' parents form a cycle.
     #[error("joints are their own ancestors: {}", joints.join(" -> "))]
     JointCycle {
-        /// The joints of the cycle, child before parent, the first repeated at the end.
+        /// Names along the cycle, each child before its parent; the first name is repeated at the end.
         joints: Vec<String>,
     },
-    /// Two joints have one name.
+    /// Two joints have the same name.
     #[error("joints {first} and {second} are both called {name}")]
     DuplicateJoint {
         /// The name.
         name: String,
-        /// One joint.
+        /// Number of the first joint.
         first: usize,
-        /// The other joint.
+        /// Number of the second joint.
         second: usize,
     },
     /// A rest position is given for a joint that does not exist.
@@ -202,48 +202,48 @@ pub enum ExamplesError {
         /// The name.
         name: String,
     },
-    /// A joint's matrix is a reflection, is collapsed, is not affine, or scales or shears too much.
+    /// A joint's matrix is a reflection, singular, not affine, or scales or shears too much.
     #[error("{}, joint {joint} {distortion}", match frame {
         None => "in the rest pose".to_owned(),
         Some(frame) => format!("at frame {frame}"),
     })]
     NonRigidJoint {
-        /// The frame, its place or what its source calls it; none of the rest pose.
+        /// Frame index or source frame number; `None` for the rest pose.
         frame: Option<i64>,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// What its matrix does.
+        /// Kind of distortion.
         distortion: Distortion,
     },
-    /// A frame's split is none of the known codes.
+    /// A code in the split is unknown.
     #[error("array split has code {code} at frame {frame}, expected 0, 1 or 2")]
     UnknownSplit {
-        /// The frame.
+        /// Frame index.
         frame: usize,
         /// The code.
         code: i64,
     },
-    /// There are not enough frames for what is asked.
+    /// There are too few frames.
     #[error("{}", too_few(*found, *needed))]
     TooFewPoses {
-        /// Frames there are.
+        /// Number of frames.
         found: usize,
-        /// Frames needed.
+        /// Required number of frames.
         needed: usize,
     },
-    /// Every frame is held out, or extreme.
+    /// No frame trains.
     #[error("every frame of {frame_len} is held out or extreme: none is left to train")]
     NothingTrains {
-        /// Frames there are.
+        /// Number of frames.
         frame_len: usize,
     },
-    /// A share of frames to hold out is not between 0 and 1.
+    /// The share of held-out frames is not between 0 and 1.
     #[error("the share of held-out frames must lie between 0 and 1, found {share}")]
     BadShare {
         /// The share.
         share: f64,
     },
-    /// A joint cannot weigh so much.
+    /// A joint weight is negative or not finite.
     #[error(
         "array joint_weights has {number} at vertex {vertex}, joint {joint}, expected a number that is finite and not \
              negative"
@@ -251,51 +251,51 @@ pub enum ExamplesError {
     JointWeight {
         /// The vertex.
         vertex: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// What was given.
+        /// The weight.
         number: f64,
     },
-    /// A vertex cannot count so much.
+    /// A vertex's importance is negative or not finite.
     #[error("the importance of vertex {vertex} must be finite and not negative, found {number}")]
     Importance {
         /// The vertex.
         vertex: usize,
-        /// What was given.
+        /// The importance.
         number: f64,
     },
-    /// No vertex counts.
+    /// Every vertex has importance 0.
     #[error("the importance of every vertex is 0")]
     NothingCounts,
-    /// Axes or unit cannot be.
+    /// The axes or the unit are invalid.
     #[error(transparent)]
     Space(#[from] SpaceError),
-    /// A named range of vertices lies outside the mesh or not behind the one before it.
+    /// A named range of vertices is outside the mesh or overlaps the previous range.
     #[error(
         "mesh {name} has the vertices {} to {} (exclusive), expected them from {least} to {vertex_len}",
         range.start,
         range.end
     )]
     Range {
-        /// Its name.
+        /// Name of the mesh.
         name: String,
-        /// Its vertices.
+        /// Range of its vertices.
         range: Range<usize>,
-        /// Where the one before it ends.
+        /// End of the previous range.
         least: usize,
-        /// V.
+        /// Number of vertices, V.
         vertex_len: usize,
     },
     /// A file cannot be read or written.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// A scene cannot become examples.
+    /// A scene cannot be converted to examples.
     #[error(transparent)]
     Import(#[from] ImportError),
 }
 
 impl ExamplesError {
-    /// Names the part of a scene, which has no arrays.
+    /// Replaces array names by parts of a scene, since a scene has no arrays.
     pub(crate) fn of_scene(mut self) -> Self {
         if let Self::NotFinite { array, .. } | Self::TooLarge { array, .. } = &mut self {
             *array = match *array {
@@ -312,7 +312,7 @@ impl ExamplesError {
         self
     }
 
-    /// Calls the frame that it points at as its source does, of frames of these clips.
+    /// Replaces the frame index by the source's frame number.
     pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NotFinite { frame: Some(frame), .. }
         | Self::TooLarge { frame: Some(frame), .. }
@@ -325,12 +325,12 @@ impl ExamplesError {
     }
 }
 
-/// Names an array, or the part of a scene that [`ExamplesError::of_scene`] calls it.
+/// Formats the name of an array, or of a part of a scene after [`ExamplesError::of_scene`].
 fn named(array: &str) -> String {
     if array.contains(' ') { format!("the {array}") } else { format!("array {array}") }
 }
 
-/// Says that frames are too few.
+/// Formats the message about too few frames.
 fn too_few(found: usize, needed: usize) -> String {
     match found {
         0 => "no frame is left to train: all are held out or extreme".to_owned(),
@@ -338,18 +338,18 @@ fn too_few(found: usize, needed: usize) -> String {
     }
 }
 
-/// Gives what the source calls a frame, or its place where the source calls it nothing.
+/// Returns the source's number of a frame; the frame index if the source has no number.
 pub(crate) fn called(frame: i64, clips: &[Clip]) -> i64 {
     let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
     clips.iter().find_map(within).unwrap_or(frame)
 }
 
-/// The part of an example that an error points at.
+/// Location of an error within a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Element {
-    /// A vertex by number.
+    /// A vertex, by number.
     Vertex(usize),
-    /// A joint by name.
+    /// A joint, by name.
     Joint(String),
 }
 
@@ -362,7 +362,7 @@ impl fmt::Display for Element {
     }
 }
 
-/// Says in which frame, before a place in it.
+/// Formats the frame as a prefix of a location.
 pub(super) fn in_frame(frame: Option<i64>) -> String {
     frame.map(|frame| format!("frame {frame}, ")).unwrap_or_default()
 }

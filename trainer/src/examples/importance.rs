@@ -1,47 +1,50 @@
-//! How much each vertex counts, in a fit and in what is measured of it.
-
-use std::path::Path;
+//! Weights of vertices and frames: how much each counts in fits and in measured errors.
 
 use super::validate::{is_weight, same};
 use super::{Examples, ExamplesError, LoadError};
 use crate::formats::numbers;
+use std::path::Path;
 
-/// How much each item counts: all alike, or by numbers whose mean is 1.
+/// Largest weight of a frame.
+const MOST: f64 = 100.0;
+
+/// Weights of items: equal, or numbers of mean 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Importance<'a>(Option<&'a [f64]>);
 
 impl<'a> Importance<'a> {
-    /// Every item counts once.
+    /// Equal weights of 1.
     pub const ALIKE: Self = Self(None);
 
-    /// Each item counts as much as its number says.
+    /// Creates weights from numbers; `None` for equal weights.
     pub fn by(numbers: Option<&'a [f64]>) -> Self {
         Self(numbers)
     }
 
-    /// How much an item counts.
+    /// Returns the weight of an item.
     pub fn of(self, item: usize) -> f64 {
         self.0.map_or(1.0, |numbers| numbers[item])
     }
 
-    /// The numbers of some items; none where all count alike.
+    /// Returns the weights of some items; `None` for equal weights.
     pub fn some(self, items: &[usize]) -> Option<Vec<f64>> {
         self.0.map(|numbers| items.iter().map(|&item| numbers[item]).collect())
     }
 }
 
 impl Examples {
-    /// How much each vertex counts.
+    /// Returns the weights of the vertices.
     pub fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
     }
 
-    /// Lets vertices count differently: V numbers, of which only the ratios matter; or one for each of the E
-    /// of an engine's, of which the first copy's counts.
+    /// Sets the weights of the vertices; only ratios matter.
+    ///
+    /// - `numbers`: V, or one per engine vertex; then the first copy of each vertex counts.
     ///
     /// # Errors
-    /// [`ExamplesError::Mismatch`] for another count than V, [`ExamplesError::Importance`] for a
-    /// number that is negative or not finite, [`ExamplesError::NothingCounts`] if all are zero.
+    /// [`ExamplesError::Mismatch`] for a wrong count; [`ExamplesError::Importance`] for a number that is negative or
+    /// not finite; [`ExamplesError::NothingCounts`] if all numbers are 0.
     pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), ExamplesError> {
         if numbers.len() == self.surface().engine_len() {
             numbers = self.surface().of_first_copies(&numbers);
@@ -50,7 +53,7 @@ impl Examples {
         if let Some(vertex) = numbers.iter().position(|&number| !is_weight(number)) {
             return Err(ExamplesError::Importance { vertex, number: numbers[vertex] });
         }
-        // The largest first, so that no sum overflows.
+        // Dividing by the largest number first keeps the sum finite.
         let largest = numbers.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
             return Err(ExamplesError::NothingCounts);
@@ -63,11 +66,36 @@ impl Examples {
     }
 }
 
-/// Reads one number a vertex: a `.npy` array, or a `.txt` or `.csv` with numbers apart by commas,
-/// spaces or line ends.
+impl Examples {
+    /// Sets the number of times that each frame counts.
+    ///
+    /// - `numbers`: whole numbers from 1 to 100, N.
+    ///
+    /// # Errors
+    /// [`ExamplesError::Mismatch`] for a wrong count; [`ExamplesError::FrameWeight`] for a number that is not allowed.
+    pub fn repeat(&mut self, numbers: &[f64]) -> Result<(), ExamplesError> {
+        same("frames", "vertices", self.frame_len(), "frame_weights", numbers.len())?;
+        let is_whole = |number: &f64| number.fract() == 0.0 && (1.0..=MOST).contains(number);
+        if let Some(frame) = numbers.iter().position(|number| !is_whole(number)) {
+            let (number, most) = (numbers[frame], MOST);
+            return Err(ExamplesError::FrameWeight { frame: frame as i64, number, most });
+        }
+        self.frame_weights = Some(numbers.iter().map(|&number| number as u8).collect());
+        Ok(())
+    }
+
+    /// Repeats frames according to their weights.
+    pub fn repeated(&self, frames: &[usize]) -> Vec<usize> {
+        let weight = |frame: usize| self.frame_weights.as_ref().map_or(1, |all| all[frame].into());
+        frames.iter().flat_map(|&frame| std::iter::repeat_n(frame, weight(frame))).collect()
+    }
+}
+
+/// Reads one number per vertex from a `.npy` array, or from a `.txt` or `.csv` file with numbers between commas, spaces
+/// or line ends.
 ///
 /// # Errors
-/// [`LoadError`] for a file that cannot be read or holds anything else.
+/// [`LoadError`] if the file cannot be read or contains anything else.
 pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
     let numbers = numbers::read(path, "importance");
     numbers.map_err(|error| LoadError { file: path.to_owned(), error: error.into() })
@@ -89,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_may_be_those_of_an_engine_s_vertices() {
+    fn importance_may_be_given_per_engine_vertex() {
         let mut examples = triangle(1);
         examples.engine = Some(EngineMesh {
             copy_of: vec![0, 1, 1, 2],
@@ -104,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_weigh_nothing_are_refused() {
+    fn invalid_importance_is_refused() {
         let mut examples = triangle(1);
         for (numbers, words) in [
             (vec![1.0; 2], "rest has 3 vertices, importance has 2"),
@@ -152,5 +180,23 @@ mod tests {
             assert!(error.contains(words) && error.contains(name), "{error}");
         }
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn frames_repeat_by_their_weight() {
+        let mut examples = triangle(4);
+        assert_eq!(examples.repeated(&[1, 2]), [1, 2]);
+        examples.repeat(&[1.0, 3.0, 1.0, 2.0]).unwrap();
+        assert_eq!(examples.repeated(&[0, 1, 3]), [0, 1, 1, 1, 3, 3]);
+    }
+
+    #[test]
+    fn invalid_frame_weights_are_refused_by_frame() {
+        for bad in [0.0, -1.0, 1.5, 101.0, f64::NAN, f64::INFINITY] {
+            let found = triangle(3).repeat(&[1.0, bad, 1.0]);
+            assert!(matches!(found, Err(ExamplesError::FrameWeight { frame: 1, .. })), "{bad}");
+        }
+        let short = triangle(3).repeat(&[1.0]).unwrap_err().to_string();
+        assert!(short.contains("frame_weights"), "{short}");
     }
 }

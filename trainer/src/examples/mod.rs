@@ -1,24 +1,16 @@
-//! Example poses of one character: what files become and every fit reads.
+//! Example poses of one character: importers create them, and every fit reads them.
 //!
-//! Which frames train: an `.npz` may say it (`import/npz/fields.rs`), else all do, until `hold_out` sets
-//! some aside. Folds of a cross-validation are cut in `envelope/folds`.
+//! The `split` array of an `.npz` chooses the training frames (`import/npz/fields.rs`). Without the array every frame
+//! trains. [`Examples::hold_out`] replaces the split. Cross-validation folds are in `envelope/folds`.
 
-mod convert;
 mod data;
 pub mod demo;
-mod engine;
 mod error;
-mod frame_name;
-mod hash;
-mod hold_out;
-mod idle;
+mod fingerprint;
+mod frames;
 mod import;
 mod importance;
-mod mark;
-mod origins;
-mod repeat;
-mod rigidity;
-mod sample;
+mod joints;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validate;
@@ -26,16 +18,15 @@ mod warning;
 
 pub use crate::formats::scene::JointNames;
 pub use crate::formats::scene::{Clip, RATES};
+pub(crate) use data::spread;
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub(crate) use error::called;
 pub use error::{Element, ExamplesError, LoadError};
-pub use frame_name::FrameName;
-pub use hash::hash_file;
+pub use fingerprint::{Mark, hash_file, is_same};
+pub use frames::FrameName;
 pub use import::{ImportError, Loaded, Source, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};
-pub use mark::{Mark, is_same};
-pub use rigidity::Distortion;
-pub(crate) use sample::spread;
+pub use joints::Distortion;
 pub use validate::RIGID;
 pub use warning::{Severity, Warning};

@@ -1,4 +1,4 @@
-//! A least set of examples, for tests.
+//! Minimal examples for tests.
 
 use super::{Examples, Matrix3x4, Skeleton, Split};
 use sinew_runtime::format::Space;
@@ -6,7 +6,7 @@ use sinew_runtime::format::Space;
 pub(super) const IDENTITY: Matrix3x4 =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Makes one triangle on two joints, `root` and `tip`, at rest in every frame.
+/// Creates one triangle on two joints, `root` and `tip`, at rest in every frame.
 pub(crate) fn triangle(frame_len: usize) -> Examples {
     let rest = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     Examples {

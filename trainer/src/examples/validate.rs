@@ -1,42 +1,40 @@
-//! The checks that every importer ends with: after `Ok`, a fit need not look again.
+//! Final checks of every importer. Fits rely on them and do not check again.
 
+use super::joints::{Distortion, deviation};
+use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
+use crate::space::SpaceRequest;
 use nalgebra::Vector3;
 use sinew_runtime::format::MAGNITUDE_MAX;
 
-use super::rigidity::{Distortion, deviation};
-use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
-use crate::space::SpaceRequest;
-
-/// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
+/// Largest deviation of a rigid map (METHOD §1.1): covers f32 rounding.
 pub const RIGID: f64 = 1e-4;
 
-/// A map this near to rigid is used through its nearest rotation; beyond, the data is wrong.
+/// Largest deviation that a fit repairs with the nearest rotation; beyond this limit the data is wrong.
 pub(super) const REPAIRABLE: f64 = 1e-2;
 
-/// A triangle whose height is below this share of its longest side has no area: in single precision
-/// its normal would be noise.
+/// Least height of a triangle relative to its longest side. Below this ratio an f32 normal is noise, so the triangle
+/// counts as having no area.
 const LEAST_HEIGHT: f64 = 1e-7;
 
 impl Examples {
-    /// Checks counts, joints, finiteness, faces and rigidity, in that order.
+    /// Checks counts, joints, finiteness, faces and rigidity, in this order.
     ///
-    /// A map within 1e-4 of rigid passes; within 1e-2 it is warned of and a fit uses the rotation
-    /// nearest to it; beyond that it is an error in a training frame. In other frames, which no fit
-    /// reads, it stays a warning.
+    /// A map within 1e-4 of rigid passes. A map within 1e-2 gives a warning, and a fit uses the nearest rotation.
+    /// Beyond 1e-2 a training frame gives an error. Other frames, which no fit reads, give a warning.
     ///
     /// # Errors
-    /// - [`ExamplesError::Mismatch`], [`ExamplesError::Empty`] and [`ExamplesError::NothingTrains`]
-    ///   for counts that disagree or are zero, and without a training frame.
-    /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and
-    ///   [`ExamplesError::JointCycle`] for a skeleton that is no tree.
-    /// - [`ExamplesError::Space`] for axes along one line, [`ExamplesError::Range`] for a named range.
-    /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame, and
-    ///   [`ExamplesError::TooLarge`] for what a model cannot hold.
+    /// - [`ExamplesError::Mismatch`] and [`ExamplesError::Empty`] for counts that differ or are 0,
+    ///   [`ExamplesError::NothingTrains`] without a training frame.
+    /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and [`ExamplesError::JointCycle`] if the
+    ///   skeleton is not a tree.
+    /// - [`ExamplesError::Space`] for parallel axes, [`ExamplesError::Range`] for a named range.
+    /// - [`ExamplesError::NotFinite`] for NaN and infinity in any frame, [`ExamplesError::TooLarge`] for numbers
+    ///   outside the range of a model.
     /// - [`ExamplesError::JointWeight`] for a joint weight that is negative or not finite.
     /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
-    /// - The first of these, [`ExamplesError::Mismatch`], [`ExamplesError::NotFinite`],
-    ///   [`ExamplesError::NoCopy`] and [`ExamplesError::OtherCopy`] for the engine's vertices.
-    /// - [`ExamplesError::NonRigidJoint`] for a map that is no rigid motion.
+    /// - [`ExamplesError::VertexOutOfRange`], [`ExamplesError::Mismatch`], [`ExamplesError::NotFinite`],
+    ///   [`ExamplesError::NoCopy`] and [`ExamplesError::OtherCopy`] for engine vertices.
+    /// - [`ExamplesError::NonRigidJoint`] for a map that is not rigid.
     pub fn validate(&self) -> Result<Vec<Warning>, ExamplesError> {
         self.check_counts()?;
         self.check_joints()?;
@@ -55,8 +53,8 @@ impl Examples {
         Ok(warnings)
     }
 
-    /// Checks that the joints of some frames are within 1e-2 of rigid; [`Examples::validate`] asks it
-    /// of the training frames.
+    /// Checks that the joints of some frames are within 1e-2 of rigid. [`Examples::validate`] checks the training
+    /// frames.
     ///
     /// # Errors
     /// [`ExamplesError::NonRigidJoint`]
@@ -73,7 +71,7 @@ impl Examples {
         Ok(())
     }
 
-    /// Gives the triangles that have an area in the rest pose: those that carry an equation.
+    /// Returns the triangles with an area in the rest pose. Only these enter the equations of a fit.
     pub fn solid_triangles(&self) -> Vec<[usize; 3]> {
         (0..self.triangles.len())
             .filter(|&triangle| self.has_area(triangle))
@@ -81,7 +79,7 @@ impl Examples {
             .collect()
     }
 
-    /// Lists the triangles that have no area in the rest pose and so carry no equation.
+    /// Lists the triangles without area in the rest pose, which do not enter the equations of a fit.
     pub fn degenerate_triangles(&self) -> Vec<usize> {
         (0..self.triangles.len()).filter(|&triangle| !self.has_area(triangle)).collect()
     }
@@ -119,7 +117,7 @@ impl Examples {
         Ok(())
     }
 
-    /// Checks that the named ranges of vertices lie inside the mesh, one after the other.
+    /// Checks that the named ranges of vertices are within the mesh and do not overlap.
     fn check_ranges(&self) -> Result<(), ExamplesError> {
         let vertex_len = self.vertex_len();
         let mut least = 0;
@@ -169,8 +167,7 @@ impl Examples {
         Ok(())
     }
 
-    /// Checks every number: finite in any frame, and of a magnitude that a model can hold in the
-    /// rest pose and the training frames.
+    /// Checks that all numbers are finite, and that the rest pose and training frames are within the range of a model.
     fn check_numbers(&self) -> Result<(), ExamplesError> {
         let vertex = |number: usize| Element::Vertex(number);
         let joint = |number: usize| Element::Joint(self.skeleton.names[number].clone());
@@ -228,6 +225,59 @@ impl Examples {
         Ok(warnings)
     }
 
+    /// Checks the engine vertices: every vertex has a copy, the triangles match the mesh, and all numbers are finite.
+    fn check_engine(&self) -> Result<(), ExamplesError> {
+        let Some(engine) = &self.engine else { return Ok(()) };
+        let (engine_len, vertex_len) = (engine.copy_of.len(), self.vertex_len());
+        for (array, len) in [
+            ("normals", engine.normals.as_ref().map(Vec::len)),
+            ("tangents", engine.tangents.as_ref().map(Vec::len)),
+            ("uv", engine.uv.as_ref().map(Vec::len)),
+        ] {
+            let len = len.unwrap_or(engine_len);
+            same("vertices", "the engine's mesh", engine_len, array, len)?;
+        }
+        let mut has_copy = vec![false; vertex_len];
+        for (face, &vertex) in engine.copy_of.iter().enumerate() {
+            let outside = ExamplesError::VertexOutOfRange {
+                array: "engine vertex",
+                face,
+                vertex: vertex.try_into().unwrap_or(i64::MAX),
+                vertex_len,
+            };
+            *has_copy.get_mut(vertex).ok_or(outside)? = true;
+        }
+        if let Some(vertex) = has_copy.iter().position(|has| !has) {
+            return Err(ExamplesError::NoCopy { vertex });
+        }
+        let (mesh, own) = (self.triangles.len(), engine.triangles.len());
+        same("triangles", "rest", mesh, "the engine's mesh", own)?;
+        for (triangle, (&expected, corners)) in
+            self.triangles.iter().zip(&engine.triangles).enumerate()
+        {
+            if let Some(&corner) = corners.iter().find(|&&corner| corner >= engine_len) {
+                return Err(ExamplesError::VertexOutOfRange {
+                    array: "engine triangle",
+                    face: triangle,
+                    vertex: corner.try_into().unwrap_or(i64::MAX),
+                    vertex_len: engine_len,
+                });
+            }
+            let found = corners.map(|corner| engine.copy_of[corner]);
+            if found != expected {
+                return Err(ExamplesError::OtherCopy { triangle, expected, found });
+            }
+        }
+        let vertex = |number: usize| Element::Vertex(number);
+        let all = |_| true;
+        let normals = engine.normals.iter().flatten().map(<[_; 3]>::as_slice);
+        numbers("normals", normals, None, vertex, all)?;
+        let tangents = engine.tangents.iter().flatten().map(<[_; 4]>::as_slice);
+        numbers("tangents", tangents, None, vertex, all)?;
+        let uv = engine.uv.iter().flatten().map(<[_; 2]>::as_slice);
+        numbers("uv", uv, None, vertex, all)
+    }
+
     fn has_area(&self, triangle: usize) -> bool {
         let [a, b, c] = self.triangles[triangle].map(|vertex| Vector3::from(self.rest[vertex]));
         let longest =
@@ -235,7 +285,9 @@ impl Examples {
         (b - a).cross(&(c - a)).norm() > LEAST_HEIGHT * longest
     }
 
-    /// Warns of each joint whose maps, one or one a frame, are not quite rigid.
+    /// Adds a warning for each joint with maps that are not quite rigid.
+    ///
+    /// - `maps`: frame-major, or one per joint for the rest pose.
     fn report_rigidity(&self, maps: &[Matrix3x4], posed: bool, warnings: &mut Vec<Warning>) {
         for (number, joint) in self.skeleton.names.iter().enumerate() {
             let deviations =
@@ -254,7 +306,7 @@ impl Examples {
     }
 }
 
-/// Tells whether something may weigh so much.
+/// Returns whether a number is a valid weight.
 pub(super) fn is_weight(number: f64) -> bool {
     number.is_finite() && number >= 0.0
 }
@@ -293,4 +345,50 @@ pub(super) fn numbers<'a>(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::triangle;
+    use crate::mesh::EngineMesh;
+
+    #[test]
+    fn invalid_engine_vertices_are_refused() {
+        let good = EngineMesh {
+            copy_of: vec![0, 1, 1, 2],
+            triangles: vec![[0, 2, 3]],
+            normals: Some(vec![[0.0, 0.0, 1.0]; 4]),
+            tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; 4]),
+            uv: Some(vec![[0.0; 2]; 4]),
+        };
+        let fault = |spoil: &dyn Fn(&mut EngineMesh)| {
+            let mut examples = triangle(1);
+            let mut engine = good.clone();
+            spoil(&mut engine);
+            examples.engine = Some(engine);
+            examples.validate().err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert_eq!(fault(&|_| ()), "");
+        for (spoil, words) in [
+            (
+                &(|m: &mut EngineMesh| m.uv = Some(Vec::new())) as &dyn Fn(&mut EngineMesh),
+                "the engine's mesh has 4 vertices, uv has 0",
+            ),
+            (&|m| m.copy_of[3] = 3, "engine vertex 3 names vertex 3 of 3"),
+            (&|m| m.copy_of[3] = 1, "vertex 2 has no copy among the engine's vertices"),
+            (&|m| m.triangles.clear(), "rest has 1 triangles, the engine's mesh has 0"),
+            (&|m| m.triangles[0][1] = 4, "engine triangle 0 names vertex 4 of 4"),
+            (
+                &|m| m.triangles[0][1] = 3,
+                "triangle 0 has the vertices [0, 1, 2], but its engine vertices are copies of [0, 2, 2]",
+            ),
+            (&|m| m.uv.as_mut().unwrap()[2][1] = f64::NAN, "array uv is not finite at vertex 2"),
+            (
+                &|m| m.tangents.as_mut().unwrap()[1][3] = f64::INFINITY,
+                "array tangents is not finite at vertex 1",
+            ),
+        ] {
+            assert_eq!(fault(spoil), words);
+        }
+    }
 }

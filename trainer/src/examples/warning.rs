@@ -1,4 +1,4 @@
-//! What does not stop a fit and is worth saying.
+//! Warnings: problems in examples that do not stop a fit.
 
 use super::Clip;
 use super::error::called;
@@ -6,111 +6,112 @@ use crate::formats::FormatWarning;
 use crate::formats::scene::RATE;
 use std::fmt;
 
-/// How many triangles a message lists before it only counts.
+/// Triangles that a message lists before the list is cut.
 const LISTED: usize = 8;
 
-/// How much something matters.
+/// Severity of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Worth knowing; a training does without a change.
+    /// Information: needs no change.
     Note,
-    /// Likely a mistake, which costs accuracy.
+    /// Probably a mistake that costs accuracy.
     Warning,
 }
 
-/// Something that does not stop a fit but that the user should know.
+/// A problem that does not stop a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
-    /// What a file holds was left out.
+    /// Some content of a file was ignored.
     Format(FormatWarning),
-    /// A joint's maps are not quite rigid; a fit uses the rotation nearest to each.
+    /// A joint's maps are not quite rigid; a fit uses the nearest rotation of each.
     NonRigidJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// How many of its matrices are off.
+        /// Number of matrices that are not rigid.
         matrix_len: usize,
-        /// The frame of the worst, its place or its number in the source; `None` for the rest pose.
+        /// Frame index or source frame number of the largest deviation; `None` for the rest pose.
         worst_frame: Option<i64>,
-        /// How far the worst is off.
+        /// Largest deviation.
         deviation: f64,
     },
-    /// Triangles that name a vertex twice; they carry no equation.
+    /// Triangles with a repeated vertex, which a fit ignores.
     RepeatedVertex {
         /// The triangles.
         triangles: Vec<usize>,
     },
-    /// Triangles without area in the rest pose; they carry no equation.
+    /// Triangles without area in the rest pose, which a fit ignores.
     ZeroArea {
         /// The triangles.
         triangles: Vec<usize>,
     },
-    /// Several joints have no parent: the first is the reference, the others become its children.
+    /// Several joints have no parent; the first becomes the parent of the others.
     SeveralRoots {
-        /// The roots, the reference first.
+        /// Names of these joints, the root first.
         joints: Vec<String>,
     },
-    /// Joints of the character that an animation does not have.
+    /// An animation lacks joints of the character.
     FollowParents {
-        /// The joints.
+        /// Names of the missing joints.
         joints: Vec<String>,
-        /// What keeps names from matching, and the option that mends it.
+        /// Reason why names do not match, with the option that fixes it.
         mismatch: Option<String>,
     },
-    /// Joints that move nothing are scaled, which was taken out.
+    /// Idle joints had a scale, which was removed.
     IdleScaled {
-        /// The joints.
+        /// Names of the joints.
         joints: Vec<String>,
     },
-    /// An animation's joints stand otherwise where nothing is animated than the character's at rest, which is taken.
+    /// The animation's rest pose differs from the character's, so the character's rest pose is used.
     RestOfCharacter,
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
-    /// Meshes among the targets are none of the scene's, and are left out.
+    /// The targets contain meshes that the scene lacks; these meshes are ignored.
     TargetsLeftOut {
-        /// The meshes.
+        /// Names of the meshes.
         meshes: Vec<String>,
     },
-    /// The targets hold the frames of all clips, of which some are asked for.
+    /// The targets contain the frames of all clips; only the requested clips are used.
     TargetsCut {
-        /// The clips that are.
+        /// Names of the requested clips.
         clips: Vec<String>,
-        /// How many frames those have.
+        /// Number of their frames.
         frames: usize,
-        /// How many the targets hold.
+        /// Number of frames in the targets.
         held: usize,
     },
-    /// The targets follow the clips in another order, and were sorted.
+    /// The targets follow the clips in another order and were sorted.
     ClipsSorted {
-        /// The clips in the order of the targets.
+        /// Names of the clips in the targets' order.
         clips: Vec<String>,
-        /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
+        /// Mean distance of vertices from their positions under one joint each, after sorting and before, in % of the
+        /// diagonal.
         percent: [f64; 2],
     },
-    /// Another share of the frames is held out than was asked for, as each run keeps a frame on both sides.
+    /// The held-out share differs from the requested share, because each run keeps a frame on both sides.
     HoldOutRounded {
-        /// The share that was asked for.
+        /// Requested share.
         share: f64,
-        /// Frames held out.
+        /// Number of held-out frames.
         held: usize,
-        /// Frames held out or training.
+        /// Number of held-out and training frames.
         all: usize,
-        /// Runs that the frames are cut into.
+        /// Number of runs.
         runs: usize,
     },
-    /// Nothing says how fast the frames follow each other.
+    /// The frame rate is unknown.
     NoRate,
-    /// Joints or targets came in other axes or units and were moved.
+    /// Poses, joints or targets were converted from other axes or units.
     Moved {
-        /// What was moved.
+        /// The converted items.
         what: &'static str,
-        /// Where to.
+        /// The conversion.
         how: String,
     },
 }
 
 impl Warning {
-    /// Tells how much it matters: what was put right asks for nothing.
+    /// Returns the severity; fixed problems are notes.
     pub fn severity(&self) -> Severity {
         match self {
             Self::Moved { .. }
@@ -125,7 +126,8 @@ impl Warning {
         }
     }
 
-    /// Returns whether [`Examples::validate`](super::Examples::validate) finds it: a check of examples reports it too.
+    /// Returns whether [`Examples::validate`](super::Examples::validate) reports this warning; a check of examples
+    /// repeats it.
     pub fn is_of_validation(&self) -> bool {
         matches!(
             self,
@@ -133,7 +135,7 @@ impl Warning {
         )
     }
 
-    /// Calls the frame that it points at as its source does, of frames of these clips.
+    /// Replaces the frame index by the source's frame number.
     pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
             *frame = called(*frame, clips);
@@ -205,11 +207,11 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::RestOfCharacter => f.write_str(
-                "its joints without the animation are not at rest: the rest pose of the character is taken",
+                "its pose without animation is not the rest pose: the character's rest pose is used",
             ),
             Warning::PlainSkin => f.write_str(
                 "no shapes move and no targets are given: the meshes are the scene's own linear \
-                 blend skinning, of which there is nothing to learn; give the posed meshes as \
+                 blend skinning, so there is nothing to learn; give the posed meshes as \
                  --targets",
             ),
             Warning::TargetsLeftOut { meshes } => {
@@ -222,7 +224,7 @@ impl fmt::Display for Warning {
             Warning::TargetsCut { clips, frames, held } => {
                 write!(
                     f,
-                    "the targets hold the frames of all clips, {held}, of which the {frames} of {} are taken",
+                    "the targets hold all {held} frames of all clips; the {frames} frames of {} are used",
                     clips.join(", ")
                 )
             }
@@ -244,7 +246,7 @@ impl fmt::Display for Warning {
             ),
             Warning::NoRate => write!(
                 f,
-                "it says no frames a second (fps), and plays at {RATE}: say another rate with --fps"
+                "it gives no frames per second (fps) and plays at {RATE}: give another rate with --fps"
             ),
             Warning::Moved { what, how } => {
                 write!(f, "the {what} came in other axes or units and were moved: {how}")

@@ -1,4 +1,4 @@
-//! A face as its file holds it, evaluated by the runtime.
+//! A loaded face, evaluated by the runtime.
 
 use super::basis::diagonal;
 use super::error::FaceError;
@@ -6,19 +6,19 @@ use sinew_runtime::prior::{Anchor, Edit, Pin, PinJob, Pins, Prior, Temporal};
 use sinew_runtime::skin::{Output, ShapesJob, cells};
 use sinew_runtime::{CallError, Model, Skin};
 
-/// Most pins of a command.
+/// Most pins in one command.
 pub const PINS_MAX: usize = 256;
 
-/// A face of V vertices and S shapes.
+/// A loaded face with V vertices and S shapes.
 #[derive(Clone, Copy)]
 pub struct BakedFace<'a> {
-    /// Its skin.
+    /// The skin.
     pub skin: Skin<'a>,
-    /// Its prior.
+    /// The prior over the skin's shapes.
     pub prior: Prior<'a>,
 }
 
-/// A face with weights.
+/// Vertices of a face at given weights.
 pub struct Shaped {
     /// Positions, V.
     pub positions: Vec<[f64; 3]>,
@@ -26,25 +26,25 @@ pub struct Shaped {
     pub normals: Vec<[f64; 3]>,
 }
 
-/// What is asked of a solve beside its pins.
+/// Options of a solve, beside its pins.
 #[derive(Clone, Copy, Debug)]
-pub struct Terms<'a> {
-    /// What is changed as little as pins allow.
+pub struct SolveOptions<'a> {
+    /// Reference weights; the solve changes them as little as the pins allow.
     pub anchor: Anchor,
-    /// β: the square of the length by which a pin may miss.
+    /// β, the square of the pins' tolerance (a length).
     pub beta: f32,
     /// Whether weights stay between the prior's bounds.
     pub is_bounded: bool,
-    /// What keeps the weights near those of the frame before.
+    /// Penalty on the change since the previous frame.
     pub temporal: Option<Temporal<'a>>,
-    /// How much the prior's symmetry counts.
+    /// Weight of the prior's symmetry penalty.
     pub symmetry: f32,
-    /// Whether of the pairs that cancel the smaller weight is held at 0.
+    /// Whether the smaller weight of each cancelling pair stays at 0.
     pub cancels: bool,
 }
 
 impl<'a> BakedFace<'a> {
-    /// Finds the first face of a file: a prior, and the skin whose shapes it is of.
+    /// Finds the first face in a file: a prior and its skin.
     ///
     /// # Errors
     /// [`FaceError::NoFace`]
@@ -54,19 +54,19 @@ impl<'a> BakedFace<'a> {
         Ok(Self { skin, prior })
     }
 
-    /// Names the shapes.
+    /// Returns the names of the shapes.
     pub fn names(&self) -> Vec<String> {
         let name = |shape| self.skin.shape_name(shape).unwrap_or_default().to_owned();
         (0..self.skin.shape_len()).map(name).collect()
     }
 
-    /// Measures the diagonal of the neutral face's box.
+    /// Returns the diagonal of the neutral face's bounding box.
     pub fn diagonal(&self) -> f64 {
         let rest = |v| self.skin.rest_position(v).unwrap_or_default().map(f64::from);
         diagonal((0..self.skin.vertex_len()).map(rest))
     }
 
-    /// Gives a vertex's neutral place, and how far each shape moves it.
+    /// Returns a vertex's neutral position and its delta in each shape, S.
     pub fn vertex(&self, vertex: usize) -> ([f64; 3], Vec<[f64; 3]>) {
         let rest = self.skin.rest_position(vertex).unwrap_or_default().map(f64::from);
         let mut deltas = vec![[0.0; 3]; self.skin.shape_len()];
@@ -76,16 +76,16 @@ impl<'a> BakedFace<'a> {
         (rest, deltas)
     }
 
-    /// Gives the place of a vertex in a face of S weights.
+    /// Returns a vertex's position at weights, S.
     pub fn place(&self, vertex: usize, weights: &[f64]) -> [f64; 3] {
         let (rest, deltas) = self.vertex(vertex);
         moved(rest, &deltas, weights)
     }
 
-    /// Shapes the whole face.
+    /// Evaluates all positions and normals at weights, S.
     ///
     /// # Errors
-    /// [`CallError`] of weights that are not S or not finite.
+    /// [`CallError`] if the weights are not S finite numbers.
     pub fn shaped(&self, weights: &[f32]) -> Result<Shaped, CallError> {
         let len = self.skin.vertex_len();
         let (mut positions, mut normals) = (vec![[0.0_f32; 3]; len], vec![[0.0_f32; 3]; len]);
@@ -103,17 +103,17 @@ impl<'a> BakedFace<'a> {
         Ok(Shaped { positions: wide(positions), normals: wide(normals) })
     }
 
-    /// Solves weights for pins.
+    /// Solves for the weights that satisfy pins.
     ///
-    /// - `scratch`: kept from one solve to the next, so that those with the same pins are fast.
-    /// - `weights`: S, changed.
+    /// - `scratch`: reused between calls; solves with the same pins are then fast.
+    /// - `weights`: S, changed in place.
     ///
     /// # Errors
-    /// As [`PinJob::run`], and of more pins than [`PINS_MAX`].
+    /// Errors of [`PinJob::run`]; more than [`PINS_MAX`] pins.
     pub fn solve(
         &self,
         pins: &[Pin],
-        terms: &Terms<'_>,
+        options: &SolveOptions<'_>,
         scratch: &mut Vec<f64>,
         weights: &mut [f32],
     ) -> Result<Edit, CallError> {
@@ -121,21 +121,21 @@ impl<'a> BakedFace<'a> {
         pins.iter().try_for_each(|pin| list.add(*pin))?;
         let len = self.prior.counts().pin_scratch_len(list.list().scalar_len());
         scratch.resize(scratch.len().max(len), 0.0);
-        let Terms { anchor, beta, is_bounded, temporal, symmetry, cancels } = *terms;
+        let SolveOptions { anchor, beta, is_bounded, temporal, symmetry, cancels } = *options;
         let job = PinJob::new(self.prior, self.skin, list.list());
         PinJob { anchor, beta, is_bounded, temporal, symmetry, cancels, ..job }
             .run(scratch, weights)
     }
 }
 
-/// Moves a neutral place by S deltas at S weights.
+/// Adds S weighted deltas to a neutral position.
 pub fn moved(rest: [f64; 3], deltas: &[[f64; 3]], weights: &[f64]) -> [f64; 3] {
     [0, 1, 2]
         .map(|axis| rest[axis] + deltas.iter().zip(weights).map(|(u, z)| z * u[axis]).sum::<f64>())
 }
 
-impl Terms<'_> {
-    /// Those of an artist's edit: from the weights now, between the bounds.
+impl SolveOptions<'_> {
+    /// Returns the options for an artist's edit: from the current weights, between the bounds.
     pub fn edit(prior: &Prior<'_>) -> Self {
         Self {
             anchor: Anchor::Current,

@@ -1,75 +1,77 @@
-//! What a face is made of: a neutral mesh and its shapes.
+//! A face's basis: the neutral mesh, its shapes and identities.
 
 use super::error::FaceError;
+use crate::envelope::model::{ShapeNumbers, Shapes, SkinModel};
 use crate::formats::{ShapedMesh, numbers};
-use std::collections::HashSet;
+use crate::mesh::{EngineMesh, Surface, normals};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
 
-/// A face of V vertices and S shapes.
+/// A face with V vertices and S shapes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Basis {
     /// The neutral mesh and its shapes.
     pub mesh: ShapedMesh,
-    /// What each identity adds to the neutral mesh at 1, V each.
+    /// Deltas of each identity at weight 1, V each.
     pub identities: Vec<Vec<[f64; 3]>>,
-    /// Vertices at places of the face that are known by sight: corners of the eyes, of the mouth.
+    /// Landmark vertices, such as the corners of the eyes and the mouth.
     pub landmarks: Vec<usize>,
-    /// Its regions by name, one after the other.
+    /// Consecutive ranges of vertices with their names.
     pub regions: Vec<(String, Range<usize>)>,
 }
 
 /// Example meshes of N expressions, without shapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExampleMeshes {
-    /// The faces and the vertices' count; positions are those of the first mesh, and there are no shapes.
+    /// Topology of all meshes; positions of the first mesh, no shapes.
     pub mesh: ShapedMesh,
     /// Positions, N x V.
     pub positions: Vec<Vec<[f64; 3]>>,
 }
 
 impl Basis {
-    /// Makes a face of a mesh and its shapes alone.
+    /// Creates a basis from a mesh with shapes; no identities, landmarks or regions.
     pub(super) fn of(mesh: ShapedMesh) -> Self {
         Self { mesh, ..Self::default() }
     }
 
-    /// Counts the vertices, V.
+    /// Returns the number of vertices, V.
     pub fn vertex_len(&self) -> usize {
         self.mesh.positions.len()
     }
 
-    /// Measures the diagonal of the neutral mesh's box.
+    /// Returns the diagonal of the neutral mesh's bounding box.
     pub fn diagonal(&self) -> f64 {
         diagonal(self.mesh.positions.iter().copied())
     }
 
-    /// Names the shapes.
+    /// Returns the names of the shapes.
     pub fn names(&self) -> Vec<String> {
         self.mesh.shapes.iter().map(|shape| shape.name.clone()).collect()
     }
 
-    /// Bakes an identity into the neutral mesh: adds it `by` times.
+    /// Adds an identity to the neutral mesh, at weight `by`.
     ///
     /// # Errors
     /// [`FaceError::Identity`]
-    pub fn identify(&mut self, identity: usize, by: f64) -> Result<(), FaceError> {
+    pub fn apply_identity(&mut self, identity: usize, by: f64) -> Result<(), FaceError> {
         let len = self.identities.len();
         let deltas =
             self.identities.get(identity).ok_or(FaceError::Identity { found: identity, len })?;
         for (position, delta) in self.mesh.positions.iter_mut().zip(deltas) {
             *position = [0, 1, 2].map(|axis| position[axis] + by * delta[axis]);
         }
-        // What was authored belongs to another face.
+        // The file's normals belong to the mesh without the identity.
         self.mesh.normals = None;
         Ok(())
     }
 
-    /// Reads its landmarks: vertex numbers in a `.npy`, `.txt` or `.csv` file.
+    /// Reads the landmarks: vertex numbers in a `.npy`, `.txt` or `.csv` file.
     ///
     /// # Errors
-    /// Those of the format; [`FaceError::Vertex`]
-    pub fn mark(&mut self, path: &Path) -> Result<(), FaceError> {
+    /// Errors of the format; [`FaceError::Vertex`]
+    pub fn read_landmarks(&mut self, path: &Path) -> Result<(), FaceError> {
         let len = self.vertex_len();
         let vertex = |x: f64| match x >= 0.0 && x.fract() == 0.0 && x < len as f64 {
             true => Ok(x as usize),
@@ -82,7 +84,38 @@ impl Basis {
         Ok(())
     }
 
-    /// Checks it.
+    /// Creates the skin, with normal slopes of the shaped surface. Vertices and shapes keep the file's order.
+    pub fn skin(&self, name: &str, numbers: ShapeNumbers) -> SkinModel {
+        let mesh = &self.mesh;
+        let welded = Welded::new(mesh);
+        let surface = welded.surface();
+        let rest_normals = match &mesh.normals {
+            Some(normals) => normals.clone(),
+            None => surface.copied(&normals(&welded.positions, &welded.triangles)),
+        };
+        let shapes = Shapes {
+            names: self.names(),
+            deltas: mesh.shapes.iter().map(|shape| shape.deltas.clone()).collect(),
+            slopes: Vec::new(),
+            numbers,
+        };
+        let mut skin = SkinModel {
+            name: name.to_owned(),
+            envelope: None,
+            rest_positions: mesh.positions.clone(),
+            rest_normals,
+            rest_tangents: None,
+            influences: Vec::new(),
+            tangent_coefficients: None,
+            normal_errors: None,
+            ranges: self.regions.clone(),
+            shapes,
+        };
+        skin.tilt_shapes(&surface);
+        skin
+    }
+
+    /// Checks the shapes: at least one, unique names and finite numbers.
     ///
     /// # Errors
     /// [`FaceError::NoShapes`], [`FaceError::Twice`] and [`FaceError::NotFinite`].
@@ -109,7 +142,52 @@ impl Basis {
     }
 }
 
-/// Measures the diagonal of the box of some places; 0 of none.
+/// A mesh whose coincident vertices with equal deltas are merged. Files for engines split vertices along seams.
+struct Welded {
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[usize; 3]>,
+    engine: Option<EngineMesh>,
+}
+
+impl Welded {
+    fn new(mesh: &ShapedMesh) -> Self {
+        let triangles = mesh.triangles();
+        if !mesh.is_split {
+            return Self { positions: mesh.positions.clone(), triangles, engine: None };
+        }
+        let mut known = HashMap::new();
+        let mut positions = Vec::new();
+        let mut copy_of = Vec::with_capacity(mesh.positions.len());
+        for (vertex, position) in mesh.positions.iter().enumerate() {
+            let moved = mesh.shapes.iter().flat_map(|shape| shape.deltas[vertex]);
+            // Adding 0 turns -0 into +0, so that both have the same bits.
+            let key: Vec<u64> =
+                position.iter().copied().chain(moved).map(|x| (x + 0.0).to_bits()).collect();
+            let place = *known.entry(key).or_insert(positions.len());
+            if place == positions.len() {
+                positions.push(*position);
+            }
+            copy_of.push(place);
+        }
+        let welded =
+            triangles.iter().map(|corners| corners.map(|corner| copy_of[corner])).collect();
+        let engine = EngineMesh {
+            copy_of,
+            triangles,
+            normals: mesh.normals.clone(),
+            tangents: None,
+            uv: None,
+        };
+        Self { positions, triangles: welded, engine: Some(engine) }
+    }
+
+    fn surface(&self) -> Surface<'_> {
+        let Self { positions, triangles, engine } = self;
+        Surface { positions, triangles, engine: engine.as_ref() }
+    }
+}
+
+/// Returns the diagonal of a bounding box; 0 without places.
 pub(super) fn diagonal(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for place in places {

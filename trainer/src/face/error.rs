@@ -1,4 +1,4 @@
-//! What can be wrong with a face, a take or a track.
+//! Errors in faces, takes and tracks.
 
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FileError, FormatError, GlbError};
@@ -6,131 +6,131 @@ use sinew_runtime::CallError;
 use std::fmt::Display;
 use std::path::PathBuf;
 
-/// How many items of a list are told; the others are counted.
+/// Items that a message lists; further items are counted.
 const LISTED: usize = 5;
 
-/// A face, a take or a track that cannot be used.
+/// An unusable face, take or track.
 #[derive(Debug, thiserror::Error)]
 pub enum FaceError {
-    /// The file cannot be read, or is no such file.
+    /// The file cannot be read or has the wrong format.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// A file of a folder cannot be read.
+    /// A file in a folder cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
     /// The face has no shape.
     #[error("has no shape: a face needs a neutral mesh and at least one")]
     NoShapes,
-    /// Two shapes have one name.
+    /// Two shapes have the same name.
     #[error("two shapes are named {name:?}")]
     Twice {
         /// The name.
         name: String,
     },
-    /// Two arrays do not fit each other.
+    /// An array has the wrong length.
     #[error("array {array}: expected {expected} {what}, found {found}")]
     Count {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// How many there must be.
+        /// Expected number.
         expected: usize,
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
-    /// Something names a vertex that is not there.
+    /// A vertex number is out of range.
     #[error("{place} names vertex {found} of {len}")]
     Vertex {
-        /// Where.
+        /// Location of the number.
         place: String,
         /// The number found.
         found: i64,
-        /// How many there are.
+        /// Number of vertices.
         len: usize,
     },
     /// A number of the face is not finite.
     #[error("array {array} holds a number that is not finite")]
     NotFinite {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
     },
-    /// An identity is asked for that is not there.
+    /// The identity does not exist.
     #[error("there is no identity {found}: there are {len}, the first is 0")]
     Identity {
-        /// The number asked for.
+        /// Requested number.
         found: usize,
-        /// How many there are.
+        /// Number of identities.
         len: usize,
     },
-    /// Columns of a take are neither shapes of the face nor known to have none.
+    /// Columns of a take are not shapes of the face, and not known as columns without a shape.
     #[error("unknown {}: name each column after a shape of the face, or remove the column", listed(.unknown.iter()))]
     Names {
-        /// Each, with those that are most like it.
+        /// Unknown names with suggestions.
         unknown: Vec<Unknown>,
     },
-    /// A take drives no shape.
+    /// A take drives no shape of the face.
     #[error("no column drives a shape of the face; its shapes are {}", listed(.known.iter()))]
     NoColumns {
-        /// The shapes.
+        /// Names of the face's shapes.
         known: Vec<String>,
     },
-    /// Columns of a take drive one shape and differ.
+    /// Two columns of a take drive the same shape with different weights.
     #[error(
         "columns {:?} and {:?} both drive shape {shape:?}, and differ in {place}: {} and {}: remove one of {}",
         .columns[0], .columns[1], .found[0], .found[1],
         if *.pairs > 1 { format!("each of {} such pairs", .pairs) } else { "them".to_owned() }
     )]
     Contradiction {
-        /// The shape.
+        /// Name of the shape.
         shape: String,
         /// Names of the columns.
         columns: [String; 2],
-        /// The first line of a table, or frame of an array, where they differ.
+        /// First difference: line of a table or frame of an array.
         place: String,
-        /// The weights there.
+        /// Weights at the first difference.
         found: [f64; 2],
-        /// Pairs of columns that differ.
+        /// Number of contradicting pairs of columns.
         pairs: usize,
     },
-    /// The tracking is lost in every row of a take.
+    /// Tracking is lost in every row of a take.
     #[error("has no frame: the tracking is lost in all {len} rows")]
     Lost {
-        /// Rows.
+        /// Number of rows.
         len: usize,
     },
-    /// A range of frames or vertices is empty or reaches beyond what is there.
+    /// A range of frames or vertices is empty or out of bounds.
     #[error("{what} {first}..{end}: expected a range within 0..{len} that is not empty")]
     Range {
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// The first.
+        /// Start of the range.
         first: usize,
-        /// The end.
+        /// End of the range, exclusive.
         end: usize,
-        /// How many there are.
+        /// Number of items.
         len: usize,
     },
-    /// A file holds no face.
+    /// The file holds no face.
     #[error("has no face: no prior over the shapes of a skin; `sinew face train` makes one")]
     NoFace,
-    /// A face has not as many landmarks as handles are asked for.
+    /// There are fewer landmarks than requested handles, or no handles are requested.
     #[error("{found} handles: expected 1 to {len}, as many as the face has landmarks")]
     Handles {
-        /// Handles asked for.
+        /// Requested handles.
         found: usize,
-        /// Landmarks.
+        /// Number of landmarks.
         len: usize,
     },
-    /// Meshes have not as many principal components as shapes are asked for.
+    /// The meshes have fewer principal components than requested shapes.
     #[error("rank {found}: the meshes have {most} principal components")]
     Rank {
-        /// Shapes asked for.
+        /// Requested shapes.
         found: usize,
-        /// Components.
+        /// Principal components.
         most: usize,
     },
-    /// A file cannot hold the tolerance of pins.
+    /// The tolerance of pins is outside the range that a file can hold.
     #[error(
         "tolerance of pins {found:e}: expected {:e} to {:e}; the default is {share} of the face's diagonal: \
          give a tolerance, or scale the face",
@@ -139,7 +139,7 @@ pub enum FaceError {
     Tolerance {
         /// The tolerance.
         found: f64,
-        /// Its default, in diagonals of the neutral mesh.
+        /// Default tolerance, as a fraction of the neutral mesh's diagonal.
         share: f64,
         /// Least and greatest tolerance.
         range: [f64; 2],
@@ -147,52 +147,52 @@ pub enum FaceError {
     /// A scene cannot be written.
     #[error(transparent)]
     Glb(GlbError),
-    /// What was learned cannot be baked.
+    /// The trained face cannot be baked.
     #[error(transparent)]
     Bake(#[from] BakeError),
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] png::EncodingError),
-    /// A face has no faces to draw.
+    /// The mesh has no faces to draw.
     #[error("has points alone, no faces: give an .obj to write, not a picture or a scene")]
     NoFaces,
-    /// The mesh beside a face is another's.
+    /// The mesh beside the file has the wrong number of vertices.
     #[error("{}: expected {expected} vertices, as the face beside it has, found {found}", file.display())]
     Beside {
-        /// The mesh.
+        /// The mesh file.
         file: PathBuf,
         /// Vertices of the face.
         expected: usize,
         /// Vertices of the mesh.
         found: usize,
     },
-    /// The runtime refuses what is asked.
+    /// The runtime refuses the call.
     #[error(transparent)]
     Call(#[from] CallError),
-    /// A cell must be a whole number, or a positive one, and is not.
+    /// A cell is not a whole number, or not positive.
     #[error("line {line}, column {column:?}: expected {expected}, found {found}")]
     Cell {
-        /// The line, the first being 1.
+        /// Line number, from 1.
         line: u64,
-        /// The column.
+        /// Name of the column.
         column: &'static str,
-        /// What it must be.
+        /// Allowed values.
         expected: String,
-        /// What it is.
+        /// Value of the cell.
         found: f64,
     },
 }
 
-/// A name that is unknown.
+/// An unknown name.
 #[derive(Debug)]
 pub struct Unknown {
     /// The name.
     pub name: String,
-    /// Known names that are like it, the most like it first.
+    /// Similar known names, the most similar first.
     pub nearest: Vec<String>,
 }
 
-/// Joins the first of some items, and counts the others.
+/// Joins the first items of a list and counts the rest.
 pub fn listed(items: impl ExactSizeIterator<Item = impl Display>) -> String {
     let more = items.len().saturating_sub(LISTED);
     let first: Vec<String> = items.take(LISTED).map(|item| item.to_string()).collect();

@@ -1,8 +1,9 @@
-//! What a few handles reach: the protocol of `sinew face eval`, which FACE.md states.
+//! Measures the accuracy with a few handles, by the protocol of `sinew face eval` in FACE.md; and distances between
+//! faces.
 
-use super::baked::{BakedFace, Terms, moved};
+use super::baked::{BakedFace, SolveOptions, moved};
 use super::error::FaceError;
-use super::measure::{Gram, cardinality, roughness};
+use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -11,89 +12,89 @@ use sinew_runtime::prior::{Anchor, Pin};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Draws of handles, and the seed that they come from.
+/// Number of random draws of handles.
 pub const DRAWS: u64 = 10;
-/// See [`DRAWS`].
+/// Seed of the draws.
 pub const SEED: u64 = 0;
-/// Tolerances of pins that are tried, in diagonals of the face.
+/// Tolerances of pins to try, as fractions of the face's diagonal.
 const TOLERANCES: [f64; 7] = [1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3];
 
-/// A face, the same with a prior that knows nothing, and what both are measured on.
+/// A face, two baselines and the data of a measurement.
 pub struct Protocol<'a> {
-    /// The face, with the prior that was learned.
+    /// The face with its learned prior.
     pub face: BakedFace<'a>,
-    /// The same skin with the slider norm.
+    /// Baseline: the skin with the slider norm.
     pub slider: BakedFace<'a>,
-    /// The slider norm around the learned mean.
+    /// Baseline: the skin with the slider norm around the learned mean.
     pub slider_mean: BakedFace<'a>,
-    /// Vertices of which handles are drawn.
+    /// Candidate vertices for handles.
     pub landmarks: &'a [usize],
-    /// Vertices of which distances are measured.
+    /// Vertices at which distances are measured.
     pub vertices: Range<usize>,
-    /// Weights of the frames on which each method's β is chosen, S each; the file's β without any.
+    /// Weights (S) of the frames that choose each method's β; if empty, the file's β is used.
     pub chosen_on: Vec<&'a [f64]>,
-    /// Weights of the frames that are measured, S each.
+    /// Weights (S) of the measured frames.
     pub frames: Vec<&'a [f64]>,
-    /// Frames of the measured range in which the tracking is lost.
+    /// Frames of the measured range without tracking.
     pub lost_frames: usize,
 }
 
-/// What was measured with so many handles; RMS distances in the file's unit, means over draws.
+/// Results for one number of handles: RMS distances in the file's unit, averaged over draws.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Row {
     /// The neutral face.
     pub nothing: f64,
-    /// The slider norm, from the neutral face.
+    /// The slider norm around the neutral face.
     pub slider: f64,
-    /// The slider norm, from the mean of the training.
+    /// The slider norm around the mean of the training frames.
     pub slider_mean: f64,
-    /// The prior, from its mean.
+    /// The prior around its mean.
     pub prior: f64,
-    /// The same between bounds.
+    /// The prior around its mean, with weights between the bounds.
     pub bounded: f64,
-    /// More of each method.
+    /// Further figures of each method.
     pub methods: BTreeMap<&'static str, Figures>,
 }
 
-/// More of a method, means over draws.
+/// Further figures of a method, averaged over draws.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Figures {
     /// β.
     pub beta: f64,
-    /// Weights above 0.01 in a frame.
+    /// Weights above 0.01 per frame.
     pub cardinality: f64,
-    /// RMS over weights of the second difference from one measured frame to the next.
+    /// RMS second difference of the weights between measured frames.
     pub roughness: f64,
-    /// Share of the weights that are outside of [0, 1].
+    /// Fraction of weights outside [0, 1].
     pub outside: f64,
 }
 
-/// All that was measured.
+/// Results of a measurement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
-    /// Frames measured.
+    /// Number of measured frames.
     pub frames: usize,
-    /// Frames of the measured range in which the tracking is lost.
+    /// Frames of the measured range without tracking.
     pub lost_frames: usize,
-    /// Frames on which β was chosen.
+    /// Number of frames that chose β.
     pub chosen_on: usize,
-    /// Vertices measured: the first and the end.
+    /// Range of measured vertices.
     pub vertices: [usize; 2],
-    /// Landmarks of which handles were drawn.
+    /// Number of candidate vertices for handles.
     pub landmarks: usize,
-    /// Draws.
+    /// Number of draws.
     pub draws: u64,
-    /// Their seed.
+    /// Seed of the draws.
     pub seed: u64,
-    /// Weights above 0.01 in a frame of the take itself.
+    /// Weights above 0.01 per frame of the take.
     pub take_cardinality: f64,
-    /// Roughness of the take itself.
+    /// Roughness of the take.
     pub take_roughness: f64,
-    /// By the number of handles.
+    /// Results by number of handles.
     pub handles: BTreeMap<usize, Row>,
 }
 
-/// A way to make weights of pins.
+/// A method that turns pins into weights.
 #[derive(Clone, Copy)]
 struct Method<'a> {
     name: &'static str,
@@ -103,10 +104,10 @@ struct Method<'a> {
 }
 
 impl Protocol<'_> {
-    /// Measures each number of handles.
+    /// Measures the accuracy for each number of handles.
     ///
     /// # Errors
-    /// [`FaceError::Handles`]: more handles than landmarks; those of the runtime.
+    /// [`FaceError::Handles`] for 0 handles or more than there are landmarks; errors of the runtime.
     pub fn run(&self, handles: &[usize]) -> Result<Evaluation, FaceError> {
         let gram = Gram::new(&self.face, self.vertices.clone());
         let owned =
@@ -148,7 +149,7 @@ impl Protocol<'_> {
         };
         for (name, face, anchor, is_bounded) in methods {
             let method = Method { name, face, anchor, is_bounded };
-            let beta = self.best(&method, &handles, gram, &chosen_on)?;
+            let beta = self.best_beta(&method, &handles, gram, &chosen_on)?;
             row.add(&method, beta, method.measure(&handles, beta, gram, frames)?);
             if name == "prior" {
                 let method = Method { name: "bounded", is_bounded: true, ..method };
@@ -158,7 +159,7 @@ impl Protocol<'_> {
         Ok(row)
     }
 
-    /// Draws handles among the landmarks, without taking any twice.
+    /// Draws handles from the landmarks, without replacement.
     pub fn draw(&self, count: usize, draw: u64) -> Vec<usize> {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         random.set_stream(draw);
@@ -166,8 +167,8 @@ impl Protocol<'_> {
         (0..count).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect()
     }
 
-    /// Chooses the β with which a method is nearest to the frames that it is chosen on.
-    fn best(
+    /// Chooses the β with the smallest error on the given frames.
+    fn best_beta(
         &self,
         method: &Method<'_>,
         handles: &[Vec<usize>],
@@ -203,7 +204,7 @@ impl Row {
 }
 
 impl Method<'_> {
-    /// Solves every frame with the handles of each draw, and gives the mean over draws of the RMS distance.
+    /// Returns the mean over draws of the RMS distance, and further figures.
     fn measure(
         &self,
         handles: &[Vec<usize>],
@@ -236,7 +237,7 @@ impl Method<'_> {
         Ok((mean(&|draw| draw.0), figures))
     }
 
-    /// Solves frames, each from the neutral face, with handles where they truly are.
+    /// Solves each frame from the neutral face, with handles at their true positions.
     fn solve(
         &self,
         handles: &[usize],
@@ -244,7 +245,8 @@ impl Method<'_> {
         frames: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, FaceError> {
         let Self { anchor, is_bounded, .. } = *self;
-        let terms = Terms { anchor, beta, is_bounded, ..Terms::edit(&self.face.prior) };
+        let options =
+            SolveOptions { anchor, beta, is_bounded, ..SolveOptions::edit(&self.face.prior) };
         let of_handles: Vec<_> =
             handles.iter().map(|&vertex| (vertex, self.face.vertex(vertex))).collect();
         let mut scratch = Vec::new();
@@ -254,7 +256,7 @@ impl Method<'_> {
             };
             let pins: Vec<Pin> = of_handles.iter().map(pin).collect();
             let mut weights = vec![0.0; frame.len()];
-            self.face.solve(&pins, &terms, &mut scratch, &mut weights)?;
+            self.face.solve(&pins, &options, &mut scratch, &mut weights)?;
             Ok(weights.into_iter().map(f64::from).collect())
         };
         frames.iter().map(solve).collect()
@@ -265,4 +267,70 @@ impl Method<'_> {
 fn rms(gram: &Gram, found: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
     let squares = found.iter().zip(truth).map(|(a, b)| gram.mean_square(a, b));
     (squares.sum::<f64>() / truth.len().max(1) as f64).sqrt()
+}
+
+/// Inner products of shapes over some vertices. A face is linear in its weights, so the products give all distances.
+pub struct Gram {
+    matrix: Mat<f64>,
+}
+
+impl Gram {
+    /// Computes the products from the deltas in the file.
+    pub fn new(face: &BakedFace<'_>, vertices: Range<usize>) -> Self {
+        let (len, shapes) = (vertices.len().max(1), face.skin.shape_len());
+        let mut matrix = Mat::<f64>::zeros(shapes, shapes);
+        for vertex in vertices {
+            let moved: Vec<(usize, [f64; 3])> =
+                face.skin.deltas_of(vertex).map(|(shape, u)| (shape, u.map(f64::from))).collect();
+            for (a, u) in &moved {
+                for (b, v) in &moved {
+                    matrix[(*a, *b)] += (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / len as f64;
+                }
+            }
+        }
+        Self { matrix }
+    }
+
+    /// Computes the mean square distance over the vertices between the faces of two weight vectors.
+    pub fn mean_square(&self, a: &[f64], b: &[f64]) -> f64 {
+        let by: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        let row = |i: usize| (0..by.len()).map(|j| self.matrix[(i, j)] * by[j]).sum::<f64>();
+        (0..by.len()).map(|i| by[i] * row(i)).sum::<f64>().max(0.0)
+    }
+}
+
+/// Counts the weights above 0.01, averaged over frames.
+pub fn cardinality(frames: &[Vec<f64>]) -> f64 {
+    const AT_WORK: f64 = 0.01;
+    let count = frames.iter().flatten().filter(|weight| weight.abs() > AT_WORK).count();
+    count as f64 / frames.len().max(1) as f64
+}
+
+/// Computes the RMS second difference in time over weights and frames; 0 for fewer than three frames.
+pub fn roughness(frames: &[Vec<f64>]) -> f64 {
+    let mut sum = 0.0;
+    let mut len = 0;
+    for three in frames.windows(3) {
+        for ((a, b), c) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            sum += (a - 2.0 * b + c).powi(2);
+            len += 1;
+        }
+    }
+    if len == 0 { 0.0 } else { (sum / f64::from(len)).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_smooth_and_a_zigzag_rough() {
+        let line: Vec<Vec<f64>> = (0..5).map(|k| vec![0.1 * f64::from(k), 0.3]).collect();
+        assert!(roughness(&line) < 1e-15);
+        let zigzag: Vec<Vec<f64>> = (0..5).map(|k| vec![f64::from(k % 2), 0.0]).collect();
+        // Second difference of 2 in one of two weights.
+        assert!((roughness(&zigzag) - 2.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(roughness(&line[..2]), 0.0);
+        assert_eq!(cardinality(&line), 9.0 / 5.0);
+    }
 }

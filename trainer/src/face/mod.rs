@@ -1,31 +1,27 @@
-//! Faces: a skin with shapes, and a prior over their weights that says how the rest of a face follows a few pins
-//! (S0 §3, METHOD §5.1).
+//! Faces: a skin with shapes, and a prior over the weights of the shapes (S0 §3, METHOD §5.1). The prior predicts the
+//! rest of a face from a few pins.
 //!
-//! | file | what it does |
+//! | file | contents |
 //! |---|---|
-//! | [`basis`], [`source`] | the neutral mesh, its shapes and identities, read from any of the formats |
-//! | [`names`] | which shapes a column of a take drives |
-//! | [`take`], [`track`] | an animation of weights; points that are followed |
-//! | [`prior`] | what a take says of the weights of all shapes, and how a file holds it |
-//! | [`train`] | from all these to a file, and the mesh beside it: [`outline`] |
-//! | [`baked`] | a face as its file holds it, solved and shaped by the runtime |
-//! | [`measure`], [`evaluate`] | how far faces are apart; what a few handles reach |
+//! | [`source`], [`basis`] | reads the neutral mesh, its shapes and identities from any format |
+//! | [`names`] | finds the shapes that a column of a take drives |
+//! | [`take`], [`track`] | an animation of weights; tracked points |
+//! | [`prior`] | learns the mean and covariance of weights from a take |
+//! | [`train`], [`outline`] | bakes a face; the mesh beside the file |
+//! | [`baked`] | a loaded face: pins to weights, weights to vertices |
+//! | [`evaluate`] | measures distances between faces, and the accuracy with a few handles |
 //! | [`scene`], [`picture`], [`report`] | a face as binary glTF, as pixels, as a page |
 
 pub mod baked;
 pub mod basis;
 mod error;
 pub mod evaluate;
-pub mod measure;
-mod meshes;
 pub mod names;
-mod npz;
 pub mod outline;
 pub mod picture;
 pub mod prior;
 pub mod report;
 pub mod scene;
-mod skin;
 pub mod source;
 pub mod take;
 #[cfg(test)]

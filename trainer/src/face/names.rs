@@ -1,9 +1,8 @@
-//! Names of expressions: what a column of a take drives.
+//! Matches the columns of a take with the shapes of a face.
 
 use super::error::{FaceError, Unknown};
 
-/// What ARKit names and no column of a face's weights is: angles of the head and of the eyes, which are turned by
-/// joints.
+/// ARKit's rotation angles of head and eyes. Joints carry these rotations, so no shape has these names.
 const ANGLES: [&str; 9] = [
     "headyaw",
     "headpitch",
@@ -16,16 +15,16 @@ const ANGLES: [&str; 9] = [
     "righteyeroll",
 ];
 
-/// The column that counts the weights of a row.
+/// Column with the number of weights in a row.
 const COUNT: &str = "blendshapecount";
-/// Columns of a take that are no weights; one without a name is the end of a line.
+/// Columns of a take that are not weights. A separator at the end of a line makes a column without a name.
 const OTHERS: [&str; 6] = ["timecode", COUNT, "frame", "time", "norm", ""];
-/// Characters between the name of a node or a mesh and that of a shape.
+/// Characters between the name of a node or mesh and the name of a shape.
 const PREFIX_ENDS: [char; 4] = ['.', ':', '|', '/'];
-/// Characters that end a prefix or part the words of a name.
+/// Characters that end a prefix or separate the words of a name.
 const WORD_ENDS: [char; 3] = ['_', '-', ' '];
 
-/// The expressions of ARKit by their stems; those of the second list have a side.
+/// Stems of ARKit's expressions: without a side, and with a side.
 const ARKIT: [&[&str]; 2] = [
     &[
         "jawforward",
@@ -65,21 +64,21 @@ const ARKIT: [&[&str]; 2] = [
     ],
 ];
 
-/// How many known names are told beside an unknown one.
-const TOLD: usize = 3;
-/// Least Jaro-Winkler similarity of a suggestion: misspelt names have 0.7 and more, others 0.63 and less.
-const ALIKE: f64 = 0.7;
+/// Most suggestions for an unknown name.
+const SUGGESTIONS: usize = 3;
+/// Least Jaro-Winkler similarity of a suggestion: misspelt names have 0.7 and more, other names 0.63 and less.
+const LEAST_SIMILARITY: f64 = 0.7;
 
-/// A name apart from how it is written.
+/// A parsed name, independent of its spelling.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Expression {
-    /// What it is called, in small letters, without its side.
+    /// Name in lower case, letters and digits only, without the side.
     pub stem: String,
     /// Its side: left or right.
     pub side: Option<Side>,
 }
 
-/// A side of a face, its owner's.
+/// A side of a face, as seen by the face's owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Left.
@@ -88,17 +87,17 @@ pub enum Side {
     Right,
 }
 
-/// What the columns of a take are to a face.
+/// Match of a take's columns with a face's shapes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Columns {
-    /// The shapes that each column drives; none where it is skipped.
+    /// Shapes that each column drives; empty for a skipped column.
     pub driven: Vec<Vec<usize>>,
-    /// Expressions and angles that the face has no shape for.
+    /// Names of expressions and angles without a shape.
     pub skipped: Vec<String>,
 }
 
 impl Expression {
-    /// Takes a name apart: `EyeBlinkLeft`, `eyeBlink_L` and `eye_blink.l` are one.
+    /// Parses a name: `EyeBlinkLeft`, `eyeBlink_L` and `eye_blink.l` are equal.
     pub fn of(name: &str) -> Self {
         let small = name.to_lowercase();
         let sides = [
@@ -114,16 +113,16 @@ impl Expression {
         Self { stem: stem.chars().filter(|c| c.is_alphanumeric()).collect(), side }
     }
 
-    /// Takes a name apart as [`Expression::of`] does, without the name of a node or a mesh before it:
-    /// `blendShape1.eyeBlink_L`, `Head|eyeBlink.L` and `BS_EyeBlinkLeft` are `eyeBlink_L`.
+    /// Parses a name like [`Expression::of`], without the prefix of a node or mesh: `blendShape1.eyeBlink_L`,
+    /// `Head|eyeBlink.L` and `BS_EyeBlinkLeft` are `eyeBlink_L`.
     pub fn without_prefix(name: &str) -> Self {
-        // A character also parts words, so that a known name must follow it.
+        // These characters also separate words, so a known name must follow.
         let name = after(name, &PREFIX_ENDS).last().unwrap_or(name);
         let known = after(name, &WORD_ENDS).map(Self::of).find(Self::is_known);
         known.unwrap_or_else(|| Self::of(name))
     }
 
-    /// Whether a take may have this column, whatever the face.
+    /// Returns whether this column is allowed in a take for any face.
     fn is_known(&self) -> bool {
         self.is_arkit() || self.is_angle() || self.is_other()
     }
@@ -141,24 +140,25 @@ impl Expression {
     }
 }
 
-/// Lists the rest of a name after each of some characters, the longest first. A side alone is left out.
+/// Lists the rest of a name after each of the given characters, the longest rest first. Skips rests that are only a
+/// side.
 fn after<'a>(name: &'a str, ends: &'a [char]) -> impl Iterator<Item = &'a str> {
     let rests = name.match_indices(ends).map(|(at, end)| &name[at + end.len()..]);
     rests.filter(|rest| !["", "l", "r"].contains(&Expression::of(rest).stem.as_str()))
 }
 
-/// Tells whether a column counts the weights of a row.
+/// Returns whether a column holds the number of weights in a row.
 pub(super) fn is_count(name: &str) -> bool {
     Expression::without_prefix(name).stem == COUNT
 }
 
-/// Finds what columns drive: the shape of the same name, or of the same expression and side; one without a side, as
-/// `BrowInnerUp`, drives both sides of a shape. Prefixes of nodes and meshes are left out where names with them match
-/// no shape.
+/// Finds the shapes that columns drive. The first rule that matches applies: equal name; equal expression and side;
+/// equal expression, if the column has no side (`BrowInnerUp` drives both sides). Names are compared with their
+/// prefixes first, then without.
 ///
 /// # Errors
-/// - [`FaceError::Names`]: columns that are neither shapes nor known to have none.
-/// - [`FaceError::NoColumns`]: there is no shape among them.
+/// - [`FaceError::Names`]: columns that are not shapes, and not known as columns without a shape.
+/// - [`FaceError::NoColumns`]: no column drives a shape.
 pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError> {
     let readings: [fn(&str) -> Expression; 2] = [Expression::of, Expression::without_prefix];
     let own = readings.map(|read| shapes.iter().map(|shape| read(shape)).collect::<Vec<_>>());
@@ -197,14 +197,15 @@ pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError
     Ok(Columns { driven, skipped })
 }
 
-/// Lists the names most like one; none where no name is like it.
+/// Lists the most similar names; empty if no name is similar.
 fn nearest(name: &str, shapes: &[String]) -> Vec<String> {
     let small = name.to_lowercase();
-    let like = |shape: &String| strsim::jaro_winkler(&small, &shape.to_lowercase());
-    let mut order: Vec<(f64, &String)> = shapes.iter().map(|shape| (like(shape), shape)).collect();
-    order.retain(|(alike, _)| *alike >= ALIKE);
+    let similarity = |shape: &String| strsim::jaro_winkler(&small, &shape.to_lowercase());
+    let mut order: Vec<(f64, &String)> =
+        shapes.iter().map(|shape| (similarity(shape), shape)).collect();
+    order.retain(|(similarity, _)| *similarity >= LEAST_SIMILARITY);
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
-    order.into_iter().take(TOLD).map(|(_, shape)| shape.clone()).collect()
+    order.into_iter().take(SUGGESTIONS).map(|(_, shape)| shape.clone()).collect()
 }
 
 #[cfg(test)]
@@ -266,13 +267,13 @@ mod tests {
         ] {
             assert_eq!(Expression::without_prefix(name), blink, "{name}");
         }
-        // Of two meshes each has its shape; a name that is there as it stands is that shape alone.
+        // Each mesh has its own shape of the same expression. An exact name selects only that shape.
         let shapes = owned(&["head.jawOpen", "teeth.jawOpen", "head.jawLeft", "jawLeft"]);
         let found = columns(&owned(&["JawOpen", "JawLeft", "headYaw", "HEADROLL", ""]), &shapes);
         let found = found.unwrap();
         assert_eq!(found.driven, [vec![0, 1], vec![3], vec![], vec![], vec![]]);
         assert_eq!(found.skipped, ["headYaw", "HEADROLL"]);
-        // Angles and columns that are no weights have the same prefixes.
+        // Angles and other known columns may have these prefixes too.
         for prefix in ["BS_", "CTRL_expressions_", "bs_node_", "head_geo.", "head|BS_", "Face "] {
             let names = ["Timecode", "BlendShapeCount", "EyeBlinkLeft", "HeadYaw", "LeftEyeRoll"];
             let names = names.map(|name| format!("{prefix}{name}"));
@@ -281,13 +282,13 @@ mod tests {
             assert_eq!(found.skipped, names[3..], "{prefix}");
             assert!(is_count(&names[1]), "{prefix}");
         }
-        // A take may have the prefix, and the face none.
+        // The take may have a prefix that the face lacks.
         let found = columns(&owned(&["blendShape1.jawOpen"]), &owned(&["JawOpen"])).unwrap();
         assert_eq!(found.driven, [[0]]);
     }
 
     #[test]
-    fn unknown_names_are_told_with_those_most_like_them() {
+    fn unknown_names_get_suggestions() {
         let shapes = owned(&["eyeBlink_L", "eyeBlink_R", "jawOpen", "mouthSmile_L"]);
         let error = columns(&owned(&["JawOpen", "jawOpn", "EyeBlnkLeft"]), &shapes).unwrap_err();
         assert_eq!(
@@ -295,7 +296,7 @@ mod tests {
             "unknown \"jawOpn\" (did you mean jawOpen?), \"EyeBlnkLeft\" (did you mean eyeBlink_L, \
              eyeBlink_R?): name each column after a shape of the face, or remove the column"
         );
-        // A name that is like no shape has no suggestion, and of many the first are told.
+        // Names without a similar shape get no suggestion, and a long list is cut.
         let others = ["Confidence", "FrameNumber", "Date", "Name", "Index", "Comment", "Quality"];
         let error = columns(&owned(&[&["JawOpen"], &others[..]].concat()), &shapes).unwrap_err();
         assert_eq!(

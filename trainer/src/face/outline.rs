@@ -1,5 +1,5 @@
-//! The mesh beside a face's file: faces and texture coordinates, which the runtime does without, and landmarks. It is
-//! an OBJ with the vertices of the face's skin, its landmarks as points.
+//! The mesh beside a face's file: an OBJ with the skin's vertices, faces, texture coordinates, and landmarks as points.
+//! The runtime does not need this mesh.
 
 use super::basis::Basis;
 use super::error::FaceError;
@@ -10,15 +10,15 @@ use std::path::{Path, PathBuf};
 
 /// The mesh beside a face's file.
 pub struct Outline {
-    /// What the file says.
+    /// Text of the OBJ file.
     pub text: String,
-    /// What that is, if it has faces.
+    /// The parsed mesh; `None` without faces.
     pub mesh: Option<Mesh>,
-    /// Its landmarks.
+    /// Landmark vertices.
     pub landmarks: Vec<usize>,
 }
 
-/// Says where the mesh beside a face is.
+/// Returns the path of the mesh beside a face.
 pub fn beside(face: &Path) -> PathBuf {
     match face.extension().is_some_and(|ending| ending == "sinew") {
         true => face.with_extension("obj"),
@@ -26,7 +26,7 @@ pub fn beside(face: &Path) -> PathBuf {
     }
 }
 
-/// Writes the mesh beside a face.
+/// Formats the mesh beside a face as OBJ.
 pub fn text(basis: &Basis) -> String {
     let mesh = &basis.mesh;
     let mut text = write::text(&mesh.positions, &mesh.uv, &mesh.faces, &mesh.uv_faces);
@@ -40,11 +40,11 @@ pub fn text(basis: &Basis) -> String {
 impl Outline {
     /// Reads the mesh beside a face.
     ///
-    /// - `vertex_len`: vertices of the face, V.
+    /// - `vertex_len`: number of the face's vertices, V.
     ///
     /// # Errors
-    /// [`FaceError::File`], which names the mesh: it cannot be read or is damaged; [`FaceError::Beside`]: it has not
-    /// the face's vertices.
+    /// [`FaceError::File`], with the path, if the mesh cannot be read or is damaged; [`FaceError::Beside`] if the
+    /// number of vertices differs from V.
     pub fn read(face: &Path, vertex_len: usize) -> Result<Self, FaceError> {
         let file = beside(face);
         let mesh = match obj::load(&file) {
@@ -65,15 +65,15 @@ impl Outline {
         Ok(Self { text, mesh, landmarks })
     }
 
-    /// Gives the mesh, where the face has faces.
+    /// Returns the mesh.
     ///
     /// # Errors
-    /// [`FaceError::NoFaces`]
+    /// [`FaceError::NoFaces`] without faces.
     pub fn faces(&self) -> Result<&Mesh, FaceError> {
         self.mesh.as_ref().ok_or(FaceError::NoFaces)
     }
 
-    /// Writes the mesh with its vertices elsewhere.
+    /// Formats the mesh with new positions, V.
     pub fn moved(&self, positions: &[[f64; 3]]) -> String {
         write::moved(&self.text, positions)
     }

@@ -1,4 +1,4 @@
-//! Pictures of a face, with its pins.
+//! Pictures of a face with its pins.
 
 use super::baked::{BakedFace, Shaped};
 use crate::formats::Mesh;
@@ -9,34 +9,34 @@ use crate::page::picture::Picture;
 use crate::page::render::{Look, ShadedMesh};
 use sinew_runtime::format::{Axis, Space};
 
-/// Clay, and what pins and their targets are drawn in.
+/// Colours of the face, of pins and of their targets.
 const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 const PIN: Colour = [0xd0, 0x30, 0x30];
 const TARGET: Colour = [0xff, 0xff, 0xff];
-/// Light and shadow of clay, and of colours that stand for something.
+/// Contrast of the shading: for clay, and for heat maps.
 const RELIEF: [f64; 2] = [1.0, 0.35];
-/// Radius of a pin and width of the line to its target, pixels, and by how many widths of a picture they grow.
+/// Radius of a pin and width of the line to its target: pixels, plus a fraction of the picture's width.
 const SIZES: [(f64, f64); 2] = [(3.0, 0.006), (1.5, 0.002)];
 
-/// What colours stand for.
+/// Colouring of a face.
 pub enum Paint<'a> {
-    /// Nothing.
+    /// One colour.
     Clay,
-    /// A number a vertex of the face.
+    /// A heat map: one number per vertex.
     Heat(&'a [f64], Scale),
 }
 
-/// Takes pictures of a face from one place.
+/// Camera for pictures of one face.
 pub struct Photographer<'a> {
     mesh: &'a Mesh,
     camera: Camera,
 }
 
 impl<'a> Photographer<'a> {
-    /// Looks at a face from before it, so that its neutral mesh fits.
+    /// Places the camera in front of a face, so that the neutral mesh fits.
     ///
-    /// - `vertices`: what is to fit: those of the face, without what stands around it.
-    /// - `width`: pixels in a row.
+    /// - `vertices`: range of vertices that must fit, for example the face without the body.
+    /// - `width`: width of the picture, pixels.
     pub fn new(
         face: &BakedFace<'_>,
         space: &Space,
@@ -52,16 +52,16 @@ impl<'a> Photographer<'a> {
         Self { mesh, camera: Camera::fit(&view, &rest, width) }
     }
 
-    /// Returns the projection from a place (x, y, z, 1) to pixels, from the upper left.
+    /// Returns the projection from a place (x, y, z, 1) to pixels from the upper left.
     pub fn projection(&self) -> [[f64; 4]; 2] {
         let [origin_x, origin_y, _] = self.camera.project(&[0.0; 3]);
         let [right, up, _] = self.camera.axes.map(|axis| axis * self.camera.scale);
         [[right.x, right.y, right.z, origin_x], [-up.x, -up.y, -up.z, origin_y]]
     }
 
-    /// Takes a picture.
+    /// Draws a picture.
     ///
-    /// - `pins`: where each is, and where it is to be.
+    /// - `pins`: position and target of each pin.
     pub fn take(
         &self,
         shaped: &Shaped,
@@ -98,10 +98,10 @@ impl<'a> Photographer<'a> {
     }
 }
 
-/// A little from the side, so that depth is seen.
+/// Azimuth in degrees: slightly from the side, to show depth.
 const AZIMUTH: f64 = 20.0;
 
-/// Lays what is not covered on white.
+/// Composites a picture over white.
 fn over_white(mut picture: Picture) -> Picture {
     for pixel in picture.rgba.as_chunks_mut::<4>().0 {
         let share = f64::from(pixel[3]) / 255.0;

@@ -1,9 +1,8 @@
-//! A page that shows what a prior does: a face by a few handles, with it and without, and a drag.
+//! An HTML page that shows the prior's effect: a face by a few handles, with and without the prior, and a drag.
 
-use super::baked::{BakedFace, Shaped, Terms};
+use super::baked::{BakedFace, Shaped, SolveOptions};
 use super::error::FaceError;
-use super::evaluate::{Evaluation, Protocol, Row};
-use super::measure::Gram;
+use super::evaluate::{Evaluation, Gram, Protocol, Row};
 use super::picture::{Paint, Photographer};
 use crate::page::bars::colour_bar;
 use crate::page::colour::Scale;
@@ -11,24 +10,24 @@ use crate::page::html::{self, figure, paragraph, section, side_by_side, table, t
 use png::EncodingError;
 use sinew_runtime::prior::{Anchor, Pin};
 
-/// Pictures of a drag.
+/// Pictures of the drag.
 const STEPS: usize = 6;
-/// Frames that are shown.
+/// Frames to show.
 const SHOWN: usize = 3;
 
-/// A report on what a protocol measured.
+/// A page about a measurement.
 pub struct Report<'a> {
-    /// What was measured, and on what.
+    /// Faces and data of the measurement.
     pub protocol: &'a Protocol<'a>,
-    /// The figures.
+    /// Results of the measurement.
     pub evaluation: &'a Evaluation,
-    /// Takes the pictures.
+    /// Camera of the pictures.
     pub photographer: &'a Photographer<'a>,
-    /// What the take is called.
+    /// Name of the take.
     pub take: &'a str,
 }
 
-/// A face that was solved, and how far each vertex is from the truth.
+/// A solved face, and each vertex's distance from the true face.
 struct Solved {
     shaped: Shaped,
     errors: Vec<f64>,
@@ -37,10 +36,10 @@ struct Solved {
 }
 
 impl Report<'_> {
-    /// Writes the page: one HTML file that needs neither network nor script.
+    /// Renders the page as one HTML file without scripts or external resources.
     ///
     /// # Errors
-    /// Those of the runtime, and [`FaceError::Picture`].
+    /// Errors of the runtime; [`FaceError::Picture`].
     pub fn html(&self) -> Result<String, FaceError> {
         let Some((&handles, row)) = self.evaluation.handles.iter().next() else {
             return Err(FaceError::Handles { found: 0, len: self.protocol.landmarks.len() });
@@ -49,8 +48,8 @@ impl Report<'_> {
         let share = 100.0 * row.prior / row.slider;
         let head = format!(
             "<h1>{} by a few handles</h1>\n<p class=\"under\">{} vertices, {} shapes; measured on {} frames of {}</p>\n\
-             <p class=\"verdict\">With {handles} of {} landmarks at their true place the rest of the face is off by \
-             <b>{:.4}</b>, RMS: {share:.0} % of what the slider norm leaves ({:.4}).</p>\n",
+             <p class=\"verdict\">With {handles} of {} landmarks at their true place, the rest of the face has an RMS \
+             error of <b>{:.4}</b>: {share:.0} % of the slider norm's error ({:.4}).</p>\n",
             text(name),
             self.protocol.face.skin.vertex_len(),
             self.protocol.face.skin.shape_len(),
@@ -83,18 +82,18 @@ impl Report<'_> {
             std::iter::once(handles.to_string()).chain(figures).collect::<Vec<_>>()
         });
         let what = "RMS distance of the face to the take's, in the file's unit: the mean over ten draws of \
-                    handles among the landmarks. The slider norm lets no weight know of another (Lewis and Anjyo 2010); the \
-                    prior knows from the take which go together.";
+                    handles among the landmarks. The slider norm treats weights as independent (Lewis and Anjyo 2010); \
+                    the prior has learned from the take which weights move together.";
         table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(what)
     }
 
-    /// The frames that move the most, as they are, by the slider norm and by the prior.
+    /// Shows the most expressive frames: the take, the slider norm and the prior.
     fn frames(&self, handles: usize, row: &Row) -> Result<String, FaceError> {
         let pinned = self.protocol.draw(handles, 0);
         let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
         let mut out = paragraph(&format!(
-            "Expressions of the take that move the most. Red dots are the {handles} handles, in white rings where they \
-             are to be. Colours are distances: how far the take moves the face, then how far the other two are off, on one scale."
+            "Expressions of the take that move the most. Red dots are the {handles} handles, white rings their \
+             targets. Colours are distances: first the motion of the take, then the errors of the other two on one scale."
         ));
         for frame in self.strongest(&gram) {
             let truth = narrow(frame);
@@ -117,9 +116,9 @@ impl Report<'_> {
                 let picture = self.photographer.take(shaped, &Paint::Clay, pins);
                 figure(&picture, caption, "", &text(caption))
             };
-            let told =
-                |name: &str, solved: &Solved| format!("{name}: off by {:.4}, RMS", solved.rms);
-            let (of_slider, of_prior) = (told("slider norm", &slider), told("prior", &prior));
+            let caption =
+                |name: &str, solved: &Solved| format!("{name}: RMS error {:.4}", solved.rms);
+            let (of_slider, of_prior) = (caption("slider norm", &slider), caption("prior", &prior));
             let own: Vec<_> = pinned
                 .iter()
                 .map(|&vertex| (shaped.positions[vertex], shaped.positions[vertex]))
@@ -133,25 +132,21 @@ impl Report<'_> {
             let heat = |solved: &Solved, caption: &str| -> Result<String, EncodingError> {
                 let paint = Paint::Heat(&solved.errors, scale);
                 let picture = self.photographer.take(&solved.shaped, &paint, &[]);
-                figure(&picture, caption, "", &(colour_bar(&scale, "") + "how far it is off"))
+                figure(&picture, caption, "", &(colour_bar(&scale, "") + "error"))
             };
             let neutral = self.protocol.face.shaped(&vec![0.0; truth.len()])?;
             let nothing = Solved::new(neutral, &shaped, Vec::new(), 0.0);
             let moved = Scale::of(&nothing.errors[self.protocol.vertices.clone()]);
             let picture =
                 self.photographer.take(&shaped, &Paint::Heat(&nothing.errors, moved), &[]);
-            let first = figure(
-                &picture,
-                "how far the take moves",
-                "",
-                &(colour_bar(&moved, "") + "how far it moves"),
-            )?;
+            let first =
+                figure(&picture, "motion of the take", "", &(colour_bar(&moved, "") + "motion"))?;
             out += &side_by_side(3, &[first, heat(&slider, &of_slider)?, heat(&prior, &of_prior)?]);
         }
         Ok(out)
     }
 
-    /// One landmark, dragged from the neutral face to where an expression has it.
+    /// Shows one landmark dragged from the neutral face to its place in an expression.
     fn drag(&self, row: &Row) -> Result<String, FaceError> {
         let face = &self.protocol.face;
         let gram = Gram::new(face, self.protocol.vertices.clone());
@@ -159,17 +154,17 @@ impl Report<'_> {
             return Ok(String::new());
         };
         let rest = vec![0.0; frame.len()];
-        let way = |vertex: usize| {
+        let path = |vertex: usize| {
             let (from, to) = (face.place(vertex, &rest), face.place(vertex, frame));
             ((0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>(), from, to)
         };
-        let ways = self.protocol.landmarks.iter().map(|&vertex| (vertex, way(vertex)));
-        let Some((vertex, (_, from, to))) = ways.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+        let paths = self.protocol.landmarks.iter().map(|&vertex| (vertex, path(vertex)));
+        let Some((vertex, (_, from, to))) = paths.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
             return Ok(String::new());
         };
         let mut out = paragraph(&format!(
-            "Vertex {vertex} alone is dragged from where it is in the neutral face to where the first expression above has \
-             it, weights between their bounds. Above the slider norm, below the prior."
+            "Vertex {vertex} alone is dragged from its place in the neutral face to its place in the first expression above, \
+             with weights between their bounds. Above the slider norm, below the prior."
         ));
         let both = [("slider", "slider norm", &self.protocol.slider), ("prior", "prior", face)];
         for (method, name, solver) in both {
@@ -180,9 +175,9 @@ impl Report<'_> {
                 let target = [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]));
                 let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
                 weights.fill(0.0);
-                let terms = Terms { beta, ..Terms::edit(&solver.prior) };
+                let options = SolveOptions { beta, ..SolveOptions::edit(&solver.prior) };
                 let pin = Pin::new(vertex as u32, target.map(|x| x as f32));
-                solver.solve(&[pin], &terms, &mut scratch, &mut weights)?;
+                solver.solve(&[pin], &options, &mut scratch, &mut weights)?;
                 let shaped = face.shaped(&weights)?;
                 let pins = [(shaped.positions[vertex], target)];
                 let picture = self.photographer.take(&shaped, &Paint::Clay, &pins);
@@ -194,7 +189,7 @@ impl Report<'_> {
         Ok(out)
     }
 
-    /// Lists frames that move the face the most and are not alike.
+    /// Picks frames that are far from the neutral face and from each other.
     fn strongest(&self, gram: &Gram) -> Vec<&[f64]> {
         let rest = vec![0.0; self.protocol.face.skin.shape_len()];
         let mut out: Vec<&[f64]> = Vec::new();
@@ -210,7 +205,7 @@ impl Report<'_> {
         out
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a solve and its measure take")]
+    #[expect(clippy::too_many_arguments, reason = "inputs of a solve and of its error")]
     fn solve(
         &self,
         solver: &BakedFace<'_>,
@@ -222,7 +217,8 @@ impl Report<'_> {
         gram: &Gram,
     ) -> Result<Solved, FaceError> {
         let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
-        let terms = Terms { anchor, beta, is_bounded: false, ..Terms::edit(&solver.prior) };
+        let options =
+            SolveOptions { anchor, beta, is_bounded: false, ..SolveOptions::edit(&solver.prior) };
         let places: Vec<[f64; 3]> =
             pinned.iter().map(|&vertex| solver.place(vertex, frame)).collect();
         let pin = |(&vertex, place): (&usize, &[f64; 3])| {
@@ -230,7 +226,7 @@ impl Report<'_> {
         };
         let pins: Vec<Pin> = pinned.iter().zip(&places).map(pin).collect();
         let mut weights = vec![0.0; frame.len()];
-        solver.solve(&pins, &terms, &mut Vec::new(), &mut weights)?;
+        solver.solve(&pins, &options, &mut Vec::new(), &mut weights)?;
         let shaped = self.protocol.face.shaped(&weights)?;
         let truth = self.protocol.face.shaped(&narrow(frame))?;
         let pins =

@@ -1,4 +1,4 @@
-//! A face as binary glTF: its mesh with morph targets, and their weights, still or played.
+//! A face as binary glTF: a mesh with morph targets and their weights, still or animated.
 
 use super::baked::BakedFace;
 use super::error::FaceError;
@@ -7,23 +7,23 @@ use crate::formats::gltf::write::{ArrayKind, ChannelKeys, Document, F32, Placed,
 use crate::mesh::Surface;
 use serde_json::json;
 
-/// What the file says of itself.
+/// Description in the file.
 const NOTE: &str = "A face with its shapes as morph targets, by their names.";
 
-/// What the weights of a file are.
+/// Weights of the morph targets.
 pub enum Weights<'a> {
     /// A still face: S.
     Still(&'a [f32]),
-    /// One key a frame: at a time in seconds, S.
+    /// An animation: time in seconds and weights (S) of each frame.
     Played(&'a [(f64, Vec<f32>)]),
 }
 
-/// Writes a face.
+/// Exports a face as binary glTF.
 ///
-/// - `mesh`: the mesh beside it, whose vertices are the skin's.
+/// - `mesh`: the mesh beside the file, with the skin's vertices.
 ///
 /// # Errors
-/// [`FaceError::Glb`], and those of the runtime.
+/// [`FaceError::Glb`]; errors of the runtime.
 pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<Vec<u8>, FaceError> {
     let surface = Surface { positions: &mesh.positions, ..mesh.surface() };
     let shape_len = face.skin.shape_len();

@@ -1,8 +1,8 @@
-//! A take: the weights of a face's shapes, frame by frame.
+//! Takes: weights of a face's shapes, frame by frame.
 
 use super::error::FaceError;
 use super::names::{Columns, columns, is_count};
-use super::npz::count;
+use super::source::count;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::npz::Archive;
 use crate::formats::{CsvError, FormatError, csv};
@@ -12,13 +12,13 @@ use std::path::Path;
 /// Weights of S shapes over N frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Take {
-    /// Weights, N x S; 0 of what no column drives.
+    /// Weights, N x S; 0 for shapes without a column.
     pub frames: Vec<Vec<f64>>,
-    /// Number of each frame in the file, ascending, N; the first row has 0.
+    /// Row number of each frame in the file, from 0, ascending, N.
     pub numbers: Vec<usize>,
-    /// Lines in which the tracking is lost, which give no frame.
+    /// Lines without tracking, which give no frame.
     pub lost: Vec<u64>,
-    /// Expressions and angles of the file that the face has no shape for.
+    /// Names of expressions and angles without a shape.
     pub skipped: Vec<String>,
     /// The weight of the largest magnitude; `None` if all are 0.
     pub largest: Option<Largest>,
@@ -29,29 +29,29 @@ pub struct Take {
 pub struct Largest {
     /// The weight.
     pub weight: f64,
-    /// The column that has it first.
+    /// Name of the first column with the weight.
     pub column: String,
-    /// The line of a table, or the frame of an array.
+    /// Line of a table, or frame of an array.
     pub place: String,
 }
 
-/// Columns of a take that drive shapes.
-struct Driving<'a> {
+/// Columns that drive shapes, with their weights.
+struct DrivingColumns<'a> {
     names: Vec<&'a str>,
-    /// The columns that drive each shape, S.
+    /// Columns that drive each shape, S.
     drivers: Vec<Vec<usize>>,
-    /// Numbers of the columns, row by row.
+    /// Weights of the columns, row by row.
     rows: Vec<Vec<f64>>,
-    /// Where each row is in the file.
+    /// Location of each row in the file.
     places: Vec<String>,
 }
 
-/// Reads a take of a face: a `.csv` of named columns, or a `.npz` with `weights` (N, C) and, where they are not the
-/// face's shapes in order, `names` (C).
+/// Reads a take: a `.csv` with named columns; or a `.npz` with `weights` (N, C) and `names` (C). Without `names`, the
+/// columns are the face's shapes in order.
 ///
 /// # Errors
-/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Contradiction`];
-/// [`FaceError::Lost`]; [`FaceError::Count`] where a `.npz` has not as many columns as names.
+/// Errors of the formats; [`FaceError::Names`], [`FaceError::NoColumns`], [`FaceError::Contradiction`] and
+/// [`FaceError::Lost`]; [`FaceError::Count`] if a `.npz` has different numbers of columns and names.
 pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     match extension(path).as_str() {
         "csv" => of_table(&csv::read(path)?, shapes),
@@ -61,15 +61,15 @@ pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
 }
 
 impl Take {
-    /// Counts the frames of the file, those in which the tracking is lost included.
+    /// Counts the rows of the file, including rows without tracking.
     pub fn file_len(&self) -> usize {
         self.frames.len() + self.lost.len()
     }
 
-    /// Picks every n-th frame of a range of numbers in the file, from one on, without the lost ones.
+    /// Picks every n-th frame of a range of row numbers; skips `from` rows first, and rows without tracking.
     ///
     /// # Errors
-    /// [`FaceError::Range`]: the range is empty or reaches beyond the take, or has no frame.
+    /// [`FaceError::Range`] if the range is empty, out of bounds or without a frame.
     pub fn pick(
         &self,
         range: &Range<usize>,
@@ -86,7 +86,7 @@ impl Take {
         Ok(picked)
     }
 
-    /// Picks frames as [`Take::pick`] does, perhaps none.
+    /// Picks frames like [`Take::pick`]; the result may be empty.
     pub fn every(&self, range: &Range<usize>, from: usize, every: usize) -> Vec<&[f64]> {
         let numbers = range.clone().skip(from).step_by(every.max(1));
         let places = numbers.filter_map(|number| self.numbers.binary_search(&number).ok());
@@ -122,10 +122,10 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
     }
     let names = used.iter().map(|&at| table.names[at].as_str()).collect();
     let drivers = drivers(used.iter().map(|&at| driven[at].as_slice()), shapes.len());
-    Driving { names, drivers, rows, places }.weigh(take, shapes)
+    DrivingColumns { names, drivers, rows, places }.into_take(take, shapes)
 }
 
-/// Says that the line of names is missing where most names are numbers.
+/// Replaces an error about unknown names if the first line holds numbers: the line of names is missing.
 fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
     let FaceError::Names { unknown } = &error else { return error };
     let mut numbers =
@@ -138,14 +138,14 @@ fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
     }
 }
 
-/// Whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
+/// Returns whether a row has no tracking: its count of weights is 0 or absent, or a used cell is empty.
 ///
-/// - `count`: the column of the count, where there is one.
+/// - `count`: column with the number of weights, if there is one.
 fn is_lost(table: &csv::Table, row: &csv::Row, count: Option<usize>, used: &[usize]) -> bool {
     let has = |column: usize| table.cell(row, column).is_some();
     let is_counted =
         |column: usize| table.cell(row, column).is_some_and(|cell| cell.parse::<f64>() != Ok(0.0));
-    // Without a count a short row is not lost but wrong.
+    // In a file without counts, a short row is an error, not a row without tracking.
     count.is_some_and(|column| !is_counted(column))
         || row.len() == table.names.len() && !used.iter().all(|&column| has(column))
 }
@@ -164,18 +164,18 @@ fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
     let names = names.as_deref().unwrap_or(shapes);
     let Columns { driven, skipped } = columns(names, shapes)?;
-    let driving = Driving {
+    let driving = DrivingColumns {
         names: names.iter().map(String::as_str).collect(),
         drivers: drivers(driven.iter().map(Vec::as_slice), shapes.len()),
         rows: rows.data.as_flattened().chunks(width.max(1)).map(<[f64]>::to_vec).collect(),
         places: (0..n).map(|row| format!("frame {row}")).collect(),
     };
-    driving.weigh(Take { numbers: (0..n).collect(), skipped, ..Take::default() }, shapes)
+    driving.into_take(Take { numbers: (0..n).collect(), skipped, ..Take::default() }, shapes)
 }
 
 /// Lists the columns that drive each shape, S.
 ///
-/// - `driven`: the shapes of each column.
+/// - `driven`: shapes of each column.
 fn drivers<'a>(driven: impl Iterator<Item = &'a [usize]>, shape_len: usize) -> Vec<Vec<usize>> {
     let mut drivers = vec![Vec::new(); shape_len];
     for (column, shapes) in driven.enumerate() {
@@ -184,12 +184,12 @@ fn drivers<'a>(driven: impl Iterator<Item = &'a [usize]>, shape_len: usize) -> V
     drivers
 }
 
-impl Driving<'_> {
-    /// Gives each shape the numbers of the column that drives it.
+impl DrivingColumns<'_> {
+    /// Gives each shape the weights of its first column.
     ///
     /// # Errors
     /// [`FaceError::Contradiction`]
-    fn weigh(self, take: Take, shapes: &[String]) -> Result<Take, FaceError> {
+    fn into_take(self, take: Take, shapes: &[String]) -> Result<Take, FaceError> {
         self.check(shapes)?;
         let weight = |row: &[f64], drivers: &[usize]| drivers.first().map_or(0.0, |&at| row[at]);
         let frame = |row: &Vec<f64>| self.drivers.iter().map(|all| weight(row, all)).collect();
@@ -197,23 +197,23 @@ impl Driving<'_> {
         Ok(Take { frames, largest: self.largest(), ..take })
     }
 
-    /// Checks that columns which drive one shape agree.
+    /// Checks that all columns of a shape agree.
     fn check(&self, shapes: &[String]) -> Result<(), FaceError> {
         let pairs = self.drivers.iter().zip(shapes).flat_map(|(drivers, shape)| {
             drivers.windows(2).map(move |pair| (shape, [pair[0], pair[1]]))
         });
-        let mut apart = pairs.filter_map(|(shape, pair)| {
-            // The runtime has weights in f32; programs may write those with fewer or with more digits.
+        let mut differing = pairs.filter_map(|(shape, pair)| {
+            // The runtime holds weights in f32, and programs write different numbers of digits.
             let differs = |row: &Vec<f64>| row[pair[0]] as f32 != row[pair[1]] as f32;
             self.rows.iter().position(differs).map(|row| (shape, pair, row))
         });
-        let Some((shape, pair, row)) = apart.next() else { return Ok(()) };
+        let Some((shape, pair, row)) = differing.next() else { return Ok(()) };
         Err(FaceError::Contradiction {
             shape: shape.clone(),
             columns: pair.map(|at| self.names[at].to_owned()),
             place: self.places[row].clone(),
             found: pair.map(|at| self.rows[row][at]),
-            pairs: 1 + apart.count(),
+            pairs: 1 + differing.count(),
         })
     }
 
@@ -224,7 +224,7 @@ impl Driving<'_> {
             .iter()
             .zip(&self.places)
             .flat_map(|(row, place)| columns().map(move |&at| (row[at], at, place)));
-        // The first of equal ones.
+        // Keeps the first of equal weights.
         let largest =
             all.reduce(|most, next| if next.0.abs() > most.0.abs() { next } else { most });
         largest.filter(|(weight, ..)| *weight != 0.0).map(|(weight, at, place)| Largest {
@@ -235,7 +235,7 @@ impl Driving<'_> {
     }
 }
 
-/// Writes weights as a table: a line of names, then a frame a line, its number first.
+/// Formats weights as CSV: a line of names, then a line per frame with its number first.
 pub fn to_csv(shapes: &[String], frames: &[(usize, Vec<f64>)]) -> Result<Vec<u8>, FormatError> {
     let wrong = |error: ::csv::Error| FormatError::Write(error.into());
     let mut out = ::csv::Writer::from_writer(Vec::new());

@@ -1,4 +1,4 @@
-//! Faces and takes as arrays, and what is refused of them.
+//! Tests of faces and takes as arrays, and of refused arrays.
 
 use super::basis::Basis;
 use super::error::FaceError;
@@ -9,7 +9,7 @@ use crate::formats::testing::{Folder, shared};
 use std::fs::File;
 use std::path::PathBuf;
 
-/// Arrays of a face in the making: three vertices, one face, two shapes.
+/// Arrays of a small face: three vertices, one face, two shapes.
 struct Arrays {
     neutral: Vec<f64>,
     tris: Vec<i64>,
@@ -98,15 +98,15 @@ fn an_identity_moves_the_neutral_mesh_alone() {
     let mut basis = Arrays::sound().read("face-identity").unwrap();
     basis.identities = vec![vec![[1.0, 0.0, 0.0]; 3], vec![[0.0, 0.0, 2.0]; 3]];
     let shapes = basis.mesh.shapes.clone();
-    basis.identify(1, -0.5).unwrap();
-    basis.identify(0, 2.0).unwrap();
+    basis.apply_identity(1, -0.5).unwrap();
+    basis.apply_identity(0, 2.0).unwrap();
     assert_eq!(basis.mesh.positions[1], [3.0, 0.0, -1.0]);
     assert_eq!(basis.mesh.shapes, shapes);
-    let error = basis.identify(2, 1.0).unwrap_err().to_string();
+    let error = basis.apply_identity(2, 1.0).unwrap_err().to_string();
     assert_eq!(error, "there is no identity 2: there are 2, the first is 0");
 }
 
-/// Writes weights as arrays, and reads them as a take.
+/// Writes weights as arrays and reads them as a take.
 fn weights(
     test: &str,
     width: u64,
@@ -172,7 +172,7 @@ fn frames_are_picked_within_a_take() {
     for (range, from) in [(3..3, 0), (4..11, 0), (2..5, 3)] {
         assert!(matches!(picked(range, from, 1), Err(FaceError::Range { .. })));
     }
-    // Frames keep their numbers where some are lost.
+    // Frames keep their row numbers if others are lost.
     let mut holed = whole.clone();
     holed.frames.drain(5..7);
     holed.numbers.drain(5..7);
@@ -182,7 +182,7 @@ fn frames_are_picked_within_a_take() {
     assert!(matches!(picked_of(&holed, 5..7, 0, 1), Err(FaceError::Range { .. })));
 }
 
-/// Its README says where the narrow face ends, and its list of landmarks has 68.
+/// The end of the narrow face is from the kit's README; the kit's list has 68 landmarks.
 #[test]
 fn the_head_of_ict_facekit_is_known() {
     let Some(file) = shared("ict-facekit/ict_head.npz") else { return };

@@ -1,34 +1,35 @@
-//! Points that are followed: where vertices of a face are seen, frame by frame.
+//! Tracks: observed positions of vertices, frame by frame.
 
 use super::error::FaceError;
 use crate::formats::csv;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Where a vertex is seen.
+/// An observed position of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The vertex.
     pub vertex: usize,
-    /// Its place.
+    /// The observed position.
     pub at: [f64; 3],
-    /// How much it counts beside others.
+    /// Weight relative to other points.
     pub stiffness: f64,
 }
 
-/// Points by their frames, ascending.
+/// Points by frame number, ascending.
 pub type Track = BTreeMap<usize, Vec<Point>>;
 
 const COLUMNS: [&str; 5] = ["frame", "vertex", "x", "y", "z"];
 const STIFFNESS: &str = "stiffness";
 
-/// Reads a `.csv` with the columns frame, vertex, x, y, z and, where there is one, stiffness.
+/// Reads a `.csv` with the columns frame, vertex, x, y, z and, optionally, stiffness.
 ///
-/// - `vertex_len`: vertices of the face, V.
+/// - `vertex_len`: number of the face's vertices, V.
 ///
 /// # Errors
-/// Those of the table, each with its line; [`FaceError::Cell`]: a frame or a vertex is no whole number, a vertex is
-/// none of the V, a stiffness is not positive.
+/// - Errors of the table, with the line.
+/// - [`FaceError::Cell`] for a frame that is not a whole number, a vertex outside 0..V, or a stiffness that is not
+///   positive.
 pub fn read(path: &Path, vertex_len: usize) -> Result<Track, FaceError> {
     of_table(&csv::read(path)?, vertex_len)
 }
@@ -72,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn points_stand_by_frame_in_the_order_of_lines() {
+    fn points_are_grouped_by_frame_in_file_order() {
         let text = "vertex,frame,x,y,z,stiffness\n3,7,1,2,3,2\n1,2,0,0,0,1\n9,7,4,5,6,0.5\n";
         let track = of_table(&Table::parse(text.as_bytes()).unwrap(), 10).unwrap();
         let point = |vertex, at, stiffness| Point { vertex, at, stiffness };

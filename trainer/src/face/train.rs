@@ -1,45 +1,45 @@
-//! From a face's shapes and a take to what a file holds of both.
+//! Trains a face: from shapes and a take to a file.
 
 use super::baked::BakedFace;
 use super::basis::{Basis, ExampleMeshes};
 use super::error::FaceError;
 use super::evaluate::Protocol;
-use super::prior::{PriorModel, learned, pairs, slider};
+use super::prior::{learned, pairs, slider};
 use crate::bake::BakeError;
-use crate::envelope::model::{FileModel, ShapeNumbers};
+use crate::envelope::model::{FileModel, PriorModel, ShapeNumbers};
 use crate::formats::{NamedShape, ShapedMesh};
 use faer::Mat;
 use sinew_runtime::Model;
 
-/// The length by which a pin may miss, in diagonals of the face, where none is given.
+/// Default tolerance of pins, as a fraction of the face's diagonal.
 pub const TOLERANCE: f64 = 5e-4;
-/// Least and greatest tolerance of pins: the file holds its square, a positive f32 of at most 1e9.
+/// Least and greatest tolerance of pins. The file holds the square as a positive f32 of at most 1e9.
 const TOLERANCES: [f64; 2] = [1e-18, 3e4];
-/// Share of the energy of example meshes that their shapes keep, where no rank is given.
+/// Fraction of the example meshes' variance that the default number of shapes keeps.
 pub const ENERGY: f64 = 0.999;
-/// Bounds of blendshape weights, and of the weights of shapes found in meshes, in standard deviations.
+/// Bounds of blendshape weights; and of principal components, in standard deviations.
 const BOUNDS: ([f64; 2], f64) = ([0.0, 1.0], 3.0);
 
-/// Handles of which a file states what they reach.
+/// Number of handles whose accuracy the file states.
 pub const HANDLES: usize = 8;
-/// Every so many frames are measured, and least frames to measure at all.
+/// Measures every 25th frame; takes with fewer than `LEAST` frames are not measured.
 const EVERY: usize = 25;
 const LEAST: usize = 8 * EVERY;
 
-/// How a face is baked.
+/// Options of baking.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// What its skin is called.
+    /// Name of the skin.
     pub name: String,
-    /// The length by which a pin may miss; [`TOLERANCE`] without.
+    /// Tolerance of pins, a length; `None` takes [`TOLERANCE`].
     pub tolerance: Option<f64>,
-    /// What the file holds deltas in.
+    /// Number format of deltas.
     pub numbers: ShapeNumbers,
 }
 
-/// Makes a file of a face and the prior that frames of weights teach.
+/// Creates the file of a face, with a prior learned from frames of weights.
 ///
-/// - `frames`: N x S weights.
+/// - `frames`: weights, N x S.
 ///
 /// # Errors
 /// [`FaceError::Tolerance`]
@@ -55,13 +55,13 @@ pub fn of_take(
     Ok(file(basis, prior, options))
 }
 
-/// Finds shapes in example meshes, by principal components (S0 Eq. 8), and the prior that they are: the mean mesh is
-/// the neutral one, and a shape at weight 1 moves the vertices by one unit of length, RMS.
+/// Finds shapes in example meshes, by principal components (S0 Eq. 8), and their prior. The mean mesh becomes the
+/// neutral mesh. A shape at weight 1 has an RMS displacement of one unit of length.
 ///
-/// - `rank`: how many shapes; as many as keep [`ENERGY`] without.
+/// - `rank`: number of shapes; `None` keeps [`ENERGY`].
 ///
 /// # Errors
-/// [`FaceError::Rank`]: the meshes have not so many components. [`FaceError::Tolerance`]
+/// [`FaceError::Rank`] if the meshes have fewer components; [`FaceError::Tolerance`]
 pub fn of_meshes(
     meshes: &ExampleMeshes,
     rank: Option<usize>,
@@ -78,7 +78,7 @@ pub fn of_meshes(
     });
     let none = || FaceError::Rank { found: rank.unwrap_or(1), most: 0 };
     let svd = centred.thin_svd().map_err(|_| none())?;
-    // Of N meshes there are N - 1 components.
+    // N meshes have N - 1 components.
     let energies: Vec<f64> =
         svd.S().column_vector().iter().take(n - 1).map(|s| s * s / n as f64).collect();
     let least = 1e-12 * energies.first().copied().unwrap_or(0.0);
@@ -115,12 +115,11 @@ pub fn of_meshes(
     Ok((basis, model))
 }
 
-/// Measures what [`HANDLES`] of a face's landmarks reach on the last quarter of the frames, of which the prior that is
-/// measured knows nothing, and states it in the file. Where there are not so many landmarks, or too few frames, it states
-/// nothing.
+/// Measures the accuracy with [`HANDLES`] landmarks on the last quarter of the frames and records the errors in the
+/// file. The measured prior is learned from the other frames. Measures nothing if landmarks or frames are too few.
 ///
 /// # Errors
-/// Those of the protocol and of baking.
+/// Errors of the protocol and of baking.
 pub fn measure(
     model: &mut FileModel,
     basis: &Basis,
@@ -160,8 +159,8 @@ pub fn measure(
     Ok(())
 }
 
-/// Gives the same file twice more, its prior that of the slider norm (Lewis and Anjyo 2010): from 0, and around the
-/// mean that was learned.
+/// Returns two copies of a file with the prior of the slider norm (Lewis and Anjyo 2010): around 0, and around the
+/// learned mean.
 pub fn sliders(model: &FileModel) -> [FileModel; 2] {
     let with = |keeps_mean: bool| {
         let mut model = model.clone();
@@ -204,7 +203,7 @@ mod tests {
         Options { name: "face".to_owned(), tolerance: None, numbers: ShapeNumbers::F32 }
     }
 
-    /// Meshes of three points that move by two patterns alone, twice as far by the first.
+    /// Creates meshes of three points that move by two patterns; the first pattern is twice as large.
     fn meshes() -> ExampleMeshes {
         let patterns =
             [[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]], [[0.0; 3], [0.0, 1.0, 0.0], [0.0; 3]]];
@@ -224,24 +223,24 @@ mod tests {
     }
 
     #[test]
-    fn components_are_the_patterns_by_which_meshes_move() {
+    fn components_match_the_patterns_of_motion() {
         let (basis, model) = of_meshes(&meshes(), Some(2), &options()).unwrap();
         assert_eq!(basis.mesh.positions[2], [10.0; 3]);
         let first = &basis.mesh.shapes[0].deltas;
-        // One unit RMS over three vertices of which two move.
+        // RMS of 1 over three vertices; the third does not move.
         let each = 1.5_f64.sqrt();
         assert!(
             (first[0][0].abs() - each).abs() < 1e-12 && (first[1][0] - first[0][0]).abs() < 1e-12
         );
         assert!(first[2].iter().all(|x| x.abs() < 1e-12));
-        // The energy of a pattern: the mean over meshes of its square, over vertices.
+        // Variance of a pattern: its mean square over meshes, averaged over vertices.
         let prior = &model.priors[0];
         assert!((prior.covariance[(0, 0)] - 2.0 * 4.0 * 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert!((prior.covariance[(1, 1)] - 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert_eq!(prior.mean, [0.0; 2]);
     }
 
-    /// A face of one vertex has a diagonal of 0.
+    /// The diagonal of a face with one vertex is 0.
     #[test]
     fn a_face_without_extent_needs_a_tolerance() {
         let shape = NamedShape { name: "up".to_owned(), deltas: vec![[0.0, 1.0, 0.0]] };
@@ -272,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rank_beyond_the_components_is_refused_and_energy_chooses_without() {
+    fn too_high_a_rank_is_refused_and_energy_sets_the_default() {
         let error = of_meshes(&meshes(), Some(3), &options()).unwrap_err().to_string();
         assert_eq!(error, "rank 3: the meshes have 2 principal components");
         let (basis, _) = of_meshes(&meshes(), None, &options()).unwrap();

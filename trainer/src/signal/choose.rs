@@ -1,11 +1,11 @@
-//! The covariance under which a signal is likeliest, of the family that predicts it best (METHOD §4).
+//! Chooses the covariance of a signal: the family that predicts the signal best, with its likeliest parameters (METHOD
+//! §4).
 
 use super::covariance::Covariance;
 use super::error::SignalError;
 use super::functional::Functional;
 use super::grid::Sample;
-use super::kriging::{Process, gram};
-use super::mean::Mean;
+use super::kriging::{Mean, Process, gram};
 use super::repeated::least_distance;
 use super::table::{Estimator, Table, autocovariance};
 use crate::numeric::columns::ends;
@@ -13,44 +13,44 @@ use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
-/// Samples of a block, by which a signal is predicted from itself, and those at its ends that are not measured.
+/// Samples in a block, and samples at each end of a block that the left-out error does not count.
 const BLOCK: usize = 96;
 const END: usize = 2;
-/// Lengths that are tried first, in samples, each so many times the one before.
+/// Lengths to try, in samples: the shortest, the ratio of neighbours, and their number.
 const FIRST: f64 = 0.5;
 const RATIO: f64 = 1.5;
 const LENGTHS: usize = 10;
-/// Most lengths below those, down to half the least distance.
+/// Most lengths below the usual ones, down to half the least distance.
 const SHORT_LENGTHS: f64 = 12.0;
-/// Halvings of the step between lengths about the best.
+/// Refinement steps around the best length; each halves the ratio's logarithm.
 const HALVINGS: usize = 4;
-/// Periods that a period of a signal is looked for among, each so many times the one before.
+/// Ratio of neighbouring periods to try, and their number on each side of the spectrum's peak.
 const PERIOD_RATIO: f64 = 1.03;
 const PERIODS: i32 = 10;
-/// Least share of an observation's deviation that those before it leave open.
+/// Least conditional deviation of an observation given the earlier ones, relative to its own deviation.
 const PIVOT: f64 = 1e-6;
-/// Largest share of its samples up to which the covariance of a signal is estimated, and most lags.
+/// Lags of an estimated covariance: at most this fraction of the samples, and at most this number.
 const SHARE: usize = 4;
 const LAGS: usize = 256;
 
-/// Taps of a window where none are asked for: more change images by less than 0.01 dB (*measured*).
+/// Default number of taps. More taps change images by less than 0.01 dB (*measured*).
 pub const TAPS: usize = 7;
 
-/// Returns the covariance that images have where none is asked for: on the rendered faces of `ict-views` it is the best
-/// of the families with a length, whatever that is from 2 pixels on (*measured*).
+/// Returns the default covariance of images. On the rendered faces of `ict-views` this family is the best of those with
+/// a length, for every length from 2 pixels on (*measured*).
 pub const fn of_images() -> Covariance {
     Covariance::OrnsteinUhlenbeck { length: 3.0 }
 }
 
-/// Chooses of each family the numbers under which a signal is likeliest, about a constant, and of the families the one
-/// that predicts each sample best from the others of its block; distances are in samples. Of a constant signal all are
-/// as good: it has Ornstein's and Uhlenbeck's.
+/// Chooses the covariance of a signal; distances are in samples. Each family takes its likeliest parameters around a
+/// constant mean. The family with the smallest left-out error within blocks wins. A constant signal gets the
+/// Ornstein-Uhlenbeck covariance, since every family fits equally well.
 ///
-/// The likelihood alone would choose by how much a signal changes at all: of animation curves, which mostly rest,
-/// families so rough that a cubic spline is up to a fifth better (*measured*).
+/// The likelihood alone is not enough. Animation curves mostly rest, and their likeliest families are so rough that a
+/// cubic spline is up to a fifth better (*measured*).
 ///
 /// # Errors
-/// [`SignalError::TooShort`] of fewer samples than two.
+/// [`SignalError::TooShort`] for fewer than two samples.
 pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> {
     if samples.len() < 2 {
         return Err(SignalError::TooShort { found: samples.len(), least: 2 });
@@ -87,13 +87,13 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
     Ok(best.covariance)
 }
 
-/// Lengths to try, each a number of times the one before.
+/// Geometric sequence of lengths to try.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder {
     first: f64,
     ratio: f64,
     len: usize,
-    /// Lengths are those whose kernel multiplies places by a power of 2, as f32 does without rounding.
+    /// Rounds lengths so that the kernel's scale is a power of 2, by which f32 multiplies exactly.
     exact: bool,
 }
 
@@ -102,13 +102,13 @@ impl Ladder {
         Self { first, ratio: RATIO, len: LENGTHS, exact: false }
     }
 
-    /// Lengths about the mean distance of observations.
+    /// Returns lengths around the mean distance of observations.
     pub fn usual(functionals: &[Functional]) -> Self {
         Self::of_samples(FIRST * unit(functionals))
     }
 
-    /// Lengths from half the least distance of observations up to the usual ones: for clusters far apart. None if the
-    /// usual ones begin there.
+    /// Returns lengths from half the least distance of observations up to the usual lengths, for clusters that are far
+    /// apart. `None` if the usual lengths start there.
     pub fn short(functionals: &[Functional]) -> Option<Self> {
         let first = FIRST * least_distance(functionals)?;
         let octaves = libm::log2(FIRST * unit(functionals) / first);
@@ -117,7 +117,7 @@ impl Ladder {
         (len >= 1.0).then_some(Self { first, ratio, len: len as usize, exact: true })
     }
 
-    /// Returns that of a family.
+    /// Returns the sequence for a family; exact sequences depend on the family's kernel.
     fn of(self, name: &str) -> Self {
         let one = Covariance::named(name, &[1.0]).and_then(|one| one.kernel());
         let Some((_, factor)) = one.filter(|_| self.exact) else { return self };
@@ -125,11 +125,11 @@ impl Ladder {
     }
 }
 
-/// Chooses, among families of these names, the covariance under which values of functionals anywhere are likeliest:
-/// they are too few, and of too many units, to leave some out. None where none is sound.
+/// Chooses the likeliest covariance of scattered observations among named families. There are too few observations, in
+/// too many units, for a left-out error. `None` if no covariance is accepted.
 ///
 /// - `noise`: τ.
-/// - `sound`: whether a function of a covariance can be had.
+/// - `sound`: accepts or rejects a covariance, for example if its function cannot be solved for.
 pub fn likeliest_of(
     noise: f64,
     (functionals, values): (&[Functional], &[f64]),
@@ -157,7 +157,7 @@ pub fn likeliest_of(
     best.map(|(_, covariance)| covariance)
 }
 
-/// Returns the mean distance from a functional to the next; 1 where all are at one place.
+/// Returns the mean distance between neighbouring observations; 1 if all are at one place.
 pub fn unit(functionals: &[Functional]) -> f64 {
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let [low, high] = ends(&places);
@@ -165,24 +165,24 @@ pub fn unit(functionals: &[Functional]) -> f64 {
     if spacing > 0.0 { spacing } else { 1.0 }
 }
 
-/// Estimates the variance of a signal's process: the likeliest; 0 of a covariance that rounding makes singular.
+/// Estimates the likeliest variance of a signal's process; 0 if rounding makes the covariance singular.
 pub fn variance(samples: &[f64], sample: Sample, covariance: &Covariance) -> f64 {
     let block = Block::new(&block(samples, sample), covariance);
     block.map_or(0.0, |block| block.variance(samples))
 }
 
-/// Estimates a covariance as a table, by the biased estimator; distances are in samples. Also returns the share of its
-/// spectrum that had to be clipped.
+/// Estimates a covariance as a table, by the biased estimator; distances are in samples. Also returns the clipped share
+/// of the spectrum.
 ///
 /// # Errors
-/// Those of [`Table::new`].
+/// Errors of [`Table::new`].
 pub fn estimated(samples: &[f64]) -> Result<(Covariance, f64), SignalError> {
     let lags = (samples.len() / SHARE).clamp(2, LAGS);
     let (table, clipped) = Table::new(&autocovariance(samples, lags, Estimator::Biased), 1.0)?;
     Ok((Covariance::Table(table), clipped))
 }
 
-/// The covariance of the greatest score that was offered.
+/// The covariance with the largest score so far.
 struct Best {
     score: f64,
     covariance: Covariance,
@@ -193,13 +193,13 @@ impl Best {
         Self { score: f64::NEG_INFINITY, covariance }
     }
 
-    /// Offers one with its likelihood.
+    /// Scores a covariance by its likelihood.
     fn offer_likely(&mut self, of: &[Functional], values: &[f64], covariance: Covariance) -> f64 {
         let found = Block::new(of, &covariance).map(|block| block.likelihood(values));
         self.offer(found, covariance)
     }
 
-    /// Returns the score, minus infinity of none.
+    /// Keeps the covariance if its score is the largest so far. Returns the score; minus infinity for `None`.
     fn offer(&mut self, score: Option<f64>, covariance: Covariance) -> f64 {
         let score = score.unwrap_or(f64::NEG_INFINITY);
         if score > self.score {
@@ -209,17 +209,17 @@ impl Best {
     }
 }
 
-/// Offers a family's covariances by their length.
+/// Turns a function of covariances into a function of one family's length.
 fn named(name: &str, mut offer: impl FnMut(Covariance) -> f64) -> impl FnMut(f64) -> f64 {
     move |length| Covariance::named(name, &[length]).map_or(f64::NEG_INFINITY, &mut offer)
 }
 
-/// Lists what the samples of a block observe.
+/// Lists the functionals that the samples of the first block observe.
 fn block(samples: &[f64], sample: Sample) -> Vec<Functional> {
     (0..samples.len().min(BLOCK)).map(|i| sample.functional(i, 0, 1)).collect()
 }
 
-/// Tries lengths on a ladder, then about the best; returns the best that was found.
+/// Maximises a function of length: along the sequence, then in shrinking steps around the best. Returns the maximum.
 fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f64) -> f64 {
     let mut best = (f64::NEG_INFINITY, first);
     for step in 0..len {
@@ -238,25 +238,25 @@ fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f
     best.0
 }
 
-/// A block of observations under a covariance.
+/// Factored covariance matrix of a block of observations.
 struct Block {
     llt: Llt<f64>,
-    /// The mean's basis: 1 of values and averages, 0 of derivatives; whitened, m x 1.
+    /// Whitened basis of the constant mean, m x 1: 1 for values and averages, 0 for derivatives.
     ones: Mat<f64>,
 }
 
 impl Block {
-    /// Factors the covariances of observations; none of a covariance that rounding makes singular.
+    /// Factors the covariance matrix of observations; `None` if rounding makes the matrix singular.
     fn new(functionals: &[Functional], covariance: &Covariance) -> Option<Self> {
         Self::with_noise(functionals, covariance, 0.0)
     }
 
-    /// Factors those of noisy ones.
+    /// Factors the covariance matrix of noisy observations; `None` if rounding makes the matrix singular.
     fn with_noise(functionals: &[Functional], covariance: &Covariance, noise: f64) -> Option<Self> {
         let process = Process { covariance: covariance.clone(), mean: Mean::Constant, noise };
         let matrix = gram(&process, functionals);
         let llt = matrix.llt(Side::Lower).ok()?;
-        // Each pivot has its observation's unit. NaN is not open.
+        // Each pivot has the unit of its observation. NaN fails the comparison.
         let is_open = |i: usize| llt.L()[(i, i)] >= PIVOT * matrix[(i, i)].sqrt();
         if !(0..functionals.len()).all(is_open) {
             return None;
@@ -267,7 +267,7 @@ impl Block {
         Some(Self { llt, ones })
     }
 
-    /// Computes the logarithm of the likelihood of a signal, block by block, mean and variance the likeliest.
+    /// Computes the logarithm of a signal's likelihood over all blocks, at the likeliest mean and variance.
     fn likelihood(&self, samples: &[f64]) -> f64 {
         let pivots = self.llt.L().diagonal().column_vector().iter();
         let determinant: f64 = pivots.map(|pivot| libm::log(*pivot)).sum();
@@ -276,7 +276,7 @@ impl Block {
         -blocks * (0.5 * len as f64 * libm::log(self.variance(samples)) + determinant)
     }
 
-    /// Computes the likeliest variance of a signal; samples that fill no block at its end are left out.
+    /// Computes the likeliest variance of a signal; an incomplete last block is left out.
     fn variance(&self, samples: &[f64]) -> f64 {
         let len = self.ones.nrows();
         let blocks = whitened(&self.llt, columns(samples, len));
@@ -289,8 +289,8 @@ impl Block {
         rest.sum::<f64>() / (len * blocks.ncols()) as f64
     }
 
-    /// Computes the mean square by which samples are missed that the others of their block predict: with P = K⁻¹ -
-    /// K⁻¹1 1ᵀK⁻¹/1ᵀK⁻¹1 sample i by (P y)_i / P_ii.
+    /// Computes the mean square left-out error: each sample is predicted from the others of its block. With P = K⁻¹ -
+    /// K⁻¹1 1ᵀK⁻¹/1ᵀK⁻¹1, the error of sample i is (P y)_i / P_ii.
     fn left_out(&self, samples: &[f64]) -> f64 {
         let len = self.ones.nrows();
         let inverse = self.llt.inverse();
@@ -305,7 +305,7 @@ impl Block {
     }
 }
 
-/// Cuts a signal into columns of a length.
+/// Cuts a signal into columns of `len` samples.
 fn columns(samples: &[f64], len: usize) -> Mat<f64> {
     Mat::from_fn(len, samples.len() / len, |i, b| samples[b * len + i])
 }
@@ -315,7 +315,7 @@ fn whitened(llt: &Llt<f64>, mut of: Mat<f64>) -> Mat<f64> {
     of
 }
 
-/// Finds the period, in samples, at which a signal swings most; none of one that is too short.
+/// Finds the strongest period of a signal, in samples; `None` if the signal is too short.
 fn period(samples: &[f64]) -> Option<f64> {
     let n = samples.len().min(16 * BLOCK);
     let samples = &samples[..n];
@@ -340,7 +340,7 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// A sample of a process.
+    /// Draws samples of a process with mean 5 and deviation 2.
     fn drawn(covariance: &Covariance, n: usize, seed: u64) -> Vec<f64> {
         let process = Process { covariance: covariance.clone(), mean: Mean::Zero, noise: 1e-9 };
         let at: Vec<_> = (0..n).map(|i| Sample::Value.functional(i, 0, 1)).collect();
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn left_out_samples_are_those_that_a_fit_without_them_misses() {
+    fn left_out_errors_match_separate_fits() {
         let covariance = Covariance::Matern32 { length: 1.7 };
         let samples = drawn(&covariance, 7, 3);
         let functionals = block(&samples, Sample::Value);

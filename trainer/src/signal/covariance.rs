@@ -1,29 +1,29 @@
-//! Covariances of stationary processes, in f64 (METHOD §4): how alike two values are, by the signed distance
-//! between their places.
+//! Covariances of stationary processes, in f64 (METHOD §4): the correlation of two values as a function of their signed
+//! distance.
 
 use super::error::{SignalError, Subject, check_positive};
 use super::table::Table;
 use sinew_runtime::kernel::Kernel;
 
-/// An even function of a signed distance, 1 at 0 and positive definite.
+/// An even, positive definite function C of a signed distance d, with C(0) = 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Covariance {
-    /// `exp(-d²/2l²)`: smooth without end.
+    /// `exp(-d²/2l²)`: infinitely differentiable.
     SquaredExponential {
         /// l.
         length: f64,
     },
-    /// `exp(-|d|/l)`: continuous, with no derivative.
+    /// `exp(-|d|/l)`: continuous, not differentiable.
     OrnsteinUhlenbeck {
         /// l.
         length: f64,
     },
-    /// `(1 + a) exp(-a)`, `a = √3 |d|/l`: one derivative.
+    /// `(1 + a) exp(-a)`, `a = √3 |d|/l`: once differentiable.
     Matern32 {
         /// l.
         length: f64,
     },
-    /// `(1 + a + a²/3) exp(-a)`, `a = √5 |d|/l`: two derivatives.
+    /// `(1 + a + a²/3) exp(-a)`, `a = √5 |d|/l`: twice differentiable.
     Matern52 {
         /// l.
         length: f64,
@@ -35,12 +35,12 @@ pub enum Covariance {
         /// T.
         period: f64,
     },
-    /// Numbers at even distances, with straight lines between.
+    /// Values at even distances, interpolated linearly.
     Table(Table),
 }
 
 impl Covariance {
-    /// Evaluates C at a signed distance.
+    /// Evaluates C(d).
     pub fn value(&self, d: f64) -> f64 {
         match self {
             Self::SquaredExponential { length } => libm::exp(-0.5 * (d / length) * (d / length)),
@@ -60,7 +60,7 @@ impl Covariance {
         }
     }
 
-    /// Evaluates dC/dd, odd; of what [`Self::is_smooth`] only.
+    /// Evaluates dC/dd, an odd function; NaN unless [`Self::is_smooth`].
     pub fn slope(&self, d: f64) -> f64 {
         match self {
             Self::SquaredExponential { length } => -d / (length * length) * self.value(d),
@@ -81,7 +81,7 @@ impl Covariance {
         }
     }
 
-    /// Evaluates d²C/dd², even; of what [`Self::is_smooth`] only.
+    /// Evaluates d²C/dd², an even function; NaN unless [`Self::is_smooth`].
     pub fn curvature(&self, d: f64) -> f64 {
         match self {
             Self::SquaredExponential { length } => {
@@ -106,12 +106,12 @@ impl Covariance {
         }
     }
 
-    /// Tells whether its functions have a derivative.
+    /// Returns whether functions of this process have a derivative.
     pub const fn is_smooth(&self) -> bool {
         !matches!(self, Self::OrnsteinUhlenbeck { .. } | Self::Table(_))
     }
 
-    /// Returns a distance between whose multiples it is as smooth as a polynomial of low degree.
+    /// Returns the piece length for quadrature: between multiples of this distance a polynomial of low degree fits C.
     pub(super) fn step(&self) -> f64 {
         match self {
             Self::SquaredExponential { length }
@@ -123,7 +123,7 @@ impl Covariance {
         }
     }
 
-    /// Returns the distance beyond which it is nothing to f64.
+    /// Returns the distance beyond which C is negligible in f64.
     pub(super) fn reach(&self) -> f64 {
         match self {
             Self::SquaredExponential { length } => 9.0 * length,
@@ -134,7 +134,7 @@ impl Covariance {
         }
     }
 
-    /// Returns the kernel that it is, and what distances are multiplied by there; none where no kernel is.
+    /// Returns the matching kernel and its factor for distances; `None` if no kernel matches.
     pub fn kernel(&self) -> Option<(Kernel, f64)> {
         Some(match self {
             Self::SquaredExponential { length } => (Kernel::Gaussian, 0.5f64.sqrt() / length),
@@ -145,7 +145,7 @@ impl Covariance {
         })
     }
 
-    /// Returns it for distances in another unit: of those that are so many times as many.
+    /// Converts to another unit of distance, in which distances are `times` as large.
     pub fn scaled(&self, times: f64) -> Self {
         match self.clone() {
             Self::SquaredExponential { length } => {
@@ -163,7 +163,7 @@ impl Covariance {
         }
     }
 
-    /// Returns what it is called.
+    /// Returns the family's name.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::SquaredExponential { .. } => "squared exponential",
@@ -175,7 +175,7 @@ impl Covariance {
         }
     }
 
-    /// Writes it with its numbers, as [`Self::parse`] reads it.
+    /// Formats the name and parameters for [`Self::parse`].
     pub fn describe(&self) -> String {
         let name = self.name();
         let short = |x: &f64| match (1e-2..1e6).contains(x) {
@@ -194,12 +194,13 @@ impl Covariance {
         }
     }
 
-    /// Reads a name with its numbers: `matern 3/2:4`, `oscillating:8,3`.
+    /// Parses a name with parameters: `matern 3/2:4`, `oscillating:8,3`.
     ///
-    /// - `subject`: its use, which an error names.
+    /// - `subject`: the covariance's use, for error messages.
     ///
     /// # Errors
-    /// [`SignalError::Covariance`], and [`SignalError::Number`] of a length that is none.
+    /// [`SignalError::Covariance`] for an unknown name or wrong parameters; [`SignalError::Number`] for a length or
+    /// period that is not positive and finite.
     pub fn parse(text: &str, subject: Subject) -> Result<Self, SignalError> {
         let unknown = || SignalError::Covariance { found: text.to_owned(), subject };
         let (name, numbers) = text.split_once(':').ok_or_else(unknown)?;
@@ -208,7 +209,7 @@ impl Covariance {
         Self::named(name.trim(), &numbers).ok_or_else(unknown)?.checked()
     }
 
-    /// Makes one of its name and its numbers; none where they do not fit each other.
+    /// Creates a covariance from a name and parameters; `None` if the name or the number of parameters is wrong.
     pub(super) fn named(name: &str, numbers: &[f64]) -> Option<Self> {
         Some(match (name, numbers) {
             ("squared exponential" | "gaussian", &[length]) => Self::SquaredExponential { length },
@@ -220,7 +221,10 @@ impl Covariance {
         })
     }
 
-    /// Refuses numbers that make none.
+    /// Checks that lengths and periods are positive and finite.
+    ///
+    /// # Errors
+    /// [`SignalError::Number`].
     pub(super) fn checked(self) -> Result<Self, SignalError> {
         match &self {
             Self::SquaredExponential { length }
@@ -237,7 +241,7 @@ impl Covariance {
     }
 }
 
-/// Returns the angle of a distance, radians.
+/// Returns the phase at a distance, in radians.
 fn turns(d: f64, period: f64) -> f64 {
     std::f64::consts::TAU * d / period
 }
@@ -246,7 +250,7 @@ fn turns(d: f64, period: f64) -> f64 {
 pub(super) mod tests {
     use super::*;
 
-    /// One of each family.
+    /// Returns one covariance per family.
     pub(in crate::signal) fn families() -> Vec<Covariance> {
         let length = 1.3;
         let lags = [1.0, 0.5, 0.1, -0.2, -0.1];
@@ -261,7 +265,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn every_family_is_one_at_zero_even_and_its_derivatives_are_its_own() {
+    fn every_family_is_one_at_zero_and_even_with_exact_derivatives() {
         for covariance in families() {
             assert!((covariance.value(0.0) - 1.0).abs() < 1e-15);
             for d in [0.2, 0.9, 2.3, 4.0] {
@@ -282,7 +286,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn nothing_is_left_beyond_the_reach_and_another_unit_is_the_same() {
+    fn families_vanish_beyond_their_reach_and_scale_with_the_unit() {
         for covariance in families() {
             let reach = covariance.reach();
             assert!(covariance.value(1.001 * reach).abs() < 1e-15, "{covariance:?}");
@@ -293,7 +297,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn names_are_read_back_and_what_is_none_is_refused() {
+    fn descriptions_parse_back_and_unknown_names_are_refused() {
         for covariance in families().into_iter().take(5) {
             assert_eq!(
                 Covariance::parse(&covariance.describe(), Subject::Signal).unwrap(),

@@ -1,4 +1,4 @@
-//! What can be wrong with a signal, with observations, or with what is asked of them.
+//! Errors in signals, observations and requests.
 
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FormatError, JsonError};
@@ -6,19 +6,19 @@ use crate::scattered::solver::condition::described;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 
-/// Numbers of observations that an error lists at most.
+/// Most observation numbers that a message lists.
 const LISTED: usize = 8;
 
-/// A signal, observations or a picture that nothing can be made of; samples count from 0.
+/// An unusable signal, observation set, picture or request; samples and observations count from 0.
 #[derive(Debug, thiserror::Error)]
 pub enum SignalError {
-    /// The file cannot be read, or is no such file.
+    /// The file cannot be read or has the wrong format.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// It is no JSON of this shape.
+    /// The JSON does not have the expected fields.
     #[error(transparent)]
     Json(#[from] JsonError),
-    /// It cannot be written to a model file.
+    /// The result does not fit a model file.
     #[error(transparent)]
     Bake(#[from] BakeError),
     /// A picture cannot be read.
@@ -26,72 +26,72 @@ pub enum SignalError {
     Picture {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         what: String,
     },
-    /// There is nothing to learn from.
+    /// There are no observations.
     #[error("there are no observations")]
     Empty,
-    /// An observation is none.
+    /// An observation is invalid.
     #[error("observation {at}: {what}")]
     Observation {
-        /// Which.
+        /// Observation number.
         at: usize,
-        /// What is wrong with it.
+        /// The problem.
         what: &'static str,
     },
     /// A signal has fewer samples than a window.
     #[error("{found} samples are fewer than a window's {least}: take fewer taps")]
     TooShort {
-        /// Samples of the signal.
+        /// Samples in the signal.
         found: usize,
-        /// Samples of a window.
+        /// Samples in a window.
         least: usize,
     },
-    /// Boxes do not fill a side or a signal.
+    /// A length is not a multiple of the box size.
     #[error("{what}: expected a multiple of {factor}, found {found}")]
     Multiple {
-        /// What is to be filled.
+        /// The side or signal.
         what: &'static str,
         /// Its length.
         found: usize,
-        /// That of a box.
+        /// Length of a box.
         factor: usize,
     },
     /// A number is out of its range.
     #[error("{what}: expected {expected}, found {}", shown(*found))]
     Number {
-        /// What it is.
+        /// The number's name.
         what: &'static str,
-        /// What it may be.
+        /// Allowed values.
         expected: &'static str,
-        /// What it is.
+        /// The number.
         found: f64,
     },
-    /// An observation is written wrongly.
+    /// An observation has the wrong JSON fields.
     #[error(
         "observation {at}: expected {{\"at\": x, \"value\": y}}, {{\"at\": x, \"derivative\": y}} or \
          {{\"from\": a, \"to\": b, \"average\": y}}, found {found}"
     )]
     Written {
-        /// Which.
+        /// Observation number.
         at: usize,
-        /// What there is.
+        /// The observation as written.
         found: String,
     },
-    /// An observation is not as others determine it, whatever the covariance.
+    /// An observation contradicts the value that other observations imply, for any covariance.
     #[error("{}", contradiction(others, *at, *expected, *found))]
     Contradiction {
-        /// Those that determine it; one is of the same thing.
+        /// Observations that imply the value; a single entry measures the same quantity.
         others: Vec<usize>,
-        /// Which.
+        /// Observation number.
         at: usize,
-        /// What those give.
+        /// Value implied by the others.
         expected: f64,
-        /// What it says.
+        /// Value of the observation.
         found: f64,
     },
-    /// No covariance is called so.
+    /// The covariance is unknown.
     #[error(
         "there is no covariance \"{found}\"{}: expected {} squared exponential, ornstein-uhlenbeck, matern 3/2 or \
          matern 5/2 with a length, oscillating with a length and a period, as \"matern 3/2:4\" or \
@@ -100,80 +100,83 @@ pub enum SignalError {
         subject.others()
     )]
     Covariance {
-        /// What was asked for.
+        /// The covariance as written.
         found: String,
-        /// Its use.
+        /// Use of the covariance.
         subject: Subject,
     },
-    /// A derivative is asked for of functions that have none.
+    /// A derivative is observed, but the covariance has no derivative.
     #[error("observation {at}: functions of covariance {covariance} have no derivative")]
     Rough {
-        /// The observation.
+        /// Observation number.
         at: usize,
-        /// The covariance.
+        /// Name of the covariance.
         covariance: &'static str,
     },
-    /// Observations leave the mean open.
-    #[error("these observations do not tell a {mean} mean: take a simpler one, or observe values")]
+    /// The observations do not determine the mean.
+    #[error(
+        "these observations do not determine a {mean} mean: take a simpler one, or observe values"
+    )]
     Mean {
-        /// The mean.
+        /// Name of the mean.
         mean: &'static str,
     },
-    /// Rounding decides what the function is.
+    /// Rounding errors dominate the solution.
     #[error(
         "the observations' covariance is ill-conditioned ({}){}: {remedy}",
         described(*rcond),
-        told.map_or(String::new(), |told| format!(": {told}"))
+        redundant.map_or(String::new(), |redundant| format!(": {redundant}"))
     )]
     IllConditioned {
         /// Reciprocal condition.
         rcond: f64,
-        /// The first observation that is hardly told from others, if one is found.
-        told: Option<Told>,
-        /// What to change.
+        /// The first observation that is nearly redundant, if found.
+        redundant: Option<Redundant>,
+        /// Suggested change.
         remedy: &'static str,
     },
-    /// The file of a function is too far from it.
+    /// The baked function deviates too much from the exact function.
     #[error(
         "in single precision the function is off by {deviation:.1e} of its values' range, more than {limit:.1e}: \
          {remedy}, or allow it by --f32-error"
     )]
     Deviation {
-        /// The largest deviation that was measured, over the range.
+        /// Largest measured deviation, relative to the range of values.
         deviation: f64,
-        /// What is allowed.
+        /// Allowed deviation.
         limit: f64,
-        /// What to change.
+        /// Suggested change.
         remedy: Remedy,
     },
     /// A matrix is not positive definite.
     #[error("{what} is not positive definite")]
     Indefinite {
-        /// The matrix.
+        /// Name of the matrix.
         what: &'static str,
     },
-    /// No kernel part is the function.
+    /// A kernel part cannot represent the function.
     #[error("no part kernel holds {what}: it can hold {can}")]
     NoKernel {
-        /// What it cannot hold.
+        /// The unsupported feature.
         what: String,
-        /// What it can.
+        /// Supported features.
         can: &'static str,
     },
 }
 
-/// What to change where the file of a function is too far from it.
+/// Suggested change if the baked function deviates too much.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remedy {
-    /// Inputs, values or both are so large or so small that f32 does not hold their products.
+    /// Change the units: f32 overflows or underflows.
     Units,
-    /// Values are far from 0 for their range: a value, and how much f32 rounds it.
+    /// Subtract an offset from the values. Fields: a value and its f32 rounding error.
     Values(f64, f64),
-    /// Inputs are far from 0 for their range: an input, and how much f32 rounds it.
+    /// Subtract an offset from the inputs. Fields: an input and its f32 rounding error.
     Inputs(f64, f64),
-    /// Inputs are far apart, others near each other: an input, and how much f32 rounds it.
+    /// Split the function: some inputs are close together and others far away. Fields: an input and its f32 rounding
+    /// error.
     Apart(f64, f64),
-    /// The covariance.
+    /// Change the covariance, as the text says.
     Covariance(&'static str),
 }
 
@@ -194,7 +197,7 @@ impl Display for Remedy {
     }
 }
 
-/// The use of a covariance.
+/// Use of a covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// A signal.
@@ -205,19 +208,19 @@ pub enum Subject {
     Observations,
 }
 
-/// An observation that a covariance hardly tells from those before it.
+/// An observation that earlier ones nearly determine under the covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
-    /// Which.
+pub struct Redundant {
+    /// Observation number.
     pub at: usize,
-    /// What those before it give.
+    /// Prediction from the earlier observations.
     pub expected: f64,
-    /// What it says.
+    /// Value of the observation.
     pub found: f64,
 }
 
 impl Subject {
-    /// Names the use after an unknown covariance; a signal needs no name.
+    /// Returns the phrase that names the use in the message about an unknown covariance.
     const fn named(self) -> &'static str {
         match self {
             Self::Signal => "",
@@ -226,7 +229,7 @@ impl Subject {
         }
     }
 
-    /// Lists the choices beside the families.
+    /// Lists the alternatives to a family.
     const fn others(self) -> &'static str {
         match self {
             Self::Signal => "auto, estimated, a table (.csv), or",
@@ -236,12 +239,12 @@ impl Subject {
     }
 }
 
-impl Display for Told {
+impl Display for Redundant {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let Self { at, expected, found } = *self;
         write!(
             f,
-            "it hardly tells observation {at} from those before it, which give {expected:.6} where it says {found:.6}"
+            "observation {at} says {found:.6} where earlier ones nearly determine {expected:.6}"
         )
     }
 }
@@ -252,17 +255,17 @@ impl From<CsvError> for SignalError {
     }
 }
 
-/// Writes a number, a very large or small one by its power of 10.
+/// Formats a number; very large and very small numbers get an exponent.
 fn shown(number: f64) -> String {
     let is_usual = number == 0.0 || (1e-6..1e15).contains(&number.abs());
     if is_usual { format!("{number}") } else { format!("{number:e}") }
 }
 
-/// Says that an observation contradicts others.
+/// Formats the message about a contradiction.
 fn contradiction(others: &[usize], at: usize, expected: f64, found: f64) -> String {
     let remedy = "leave one out, or give a noise";
     let [first] = others else {
-        // Sums carry the rounding of f64.
+        // Sums have f64 rounding errors, so f32 digits are shown.
         let (others, expected) = (listed(others), expected as f32);
         return format!(
             "observation {at} contradicts observations {others}: they give {expected} and it says {found}; {remedy}"
@@ -274,7 +277,7 @@ fn contradiction(others: &[usize], at: usize, expected: f64, found: f64) -> Stri
     )
 }
 
-/// Lists numbers of observations, the first few of many.
+/// Lists observation numbers; counts those after the first few.
 fn listed(of: &[usize]) -> String {
     let first: Vec<String> = of.iter().take(LISTED).map(usize::to_string).collect();
     let first = first.join(", ");
@@ -284,7 +287,10 @@ fn listed(of: &[usize]) -> String {
     }
 }
 
-/// Refuses a number that is not finite and above 0.
+/// Checks that a number is positive and finite.
+///
+/// # Errors
+/// [`SignalError::Number`].
 pub(super) fn check_positive(what: &'static str, found: f64) -> Result<(), SignalError> {
     let expected = "a finite number above 0";
     let sound = found > 0.0 && found.is_finite();

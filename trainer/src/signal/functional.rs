@@ -1,36 +1,35 @@
-//! Observations as functionals: a value, a derivative or a box average, and how two of them covary (METHOD §4,
-//! S0 Eq. 1).
+//! Observations as functionals: a value, a derivative or a box average; and their covariances (METHOD §4, S0 Eq. 1).
 
 use super::covariance::Covariance;
 use std::sync::OnceLock;
 
-/// Nodes of a quadrature on a piece on which a covariance is as smooth as a polynomial.
+/// Quadrature nodes per piece. Within a piece the covariance is nearly a polynomial.
 pub(super) const NODES: usize = 12;
 
-/// What is observed of a function, or asked for.
+/// A functional: the quantity that an observation measures or a prediction estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Functional {
-    /// Its value.
+    /// The function's value.
     Value {
-        /// Where.
+        /// The place.
         at: f64,
     },
-    /// Its derivative.
+    /// The function's derivative.
     Derivative {
-        /// Where.
+        /// The place.
         at: f64,
     },
-    /// Its mean over a box.
+    /// The function's mean over a box.
     Average {
-        /// Where the box begins.
+        /// Start of the box.
         from: f64,
-        /// Where it ends, farther on.
+        /// End of the box, above `from`.
         to: f64,
     },
 }
 
 impl Functional {
-    /// Returns the middle of where it looks.
+    /// Returns the middle of the functional's support.
     pub const fn middle(&self) -> f64 {
         match *self {
             Self::Value { at } | Self::Derivative { at } => at,
@@ -38,7 +37,7 @@ impl Functional {
         }
     }
 
-    /// Returns where it begins and ends to look: twice the one place of a value or a derivative.
+    /// Returns the ends of the functional's support: for a value or a derivative, its place twice.
     pub const fn ends(&self) -> [f64; 2] {
         match *self {
             Self::Value { at } | Self::Derivative { at } => [at, at],
@@ -46,7 +45,7 @@ impl Functional {
         }
     }
 
-    /// Applies both to a covariance: closed forms, but for averages' own integrals.
+    /// Computes the covariance of two functionals: closed forms, except for integrals over boxes.
     pub fn covariance(&self, other: &Self, of: &Covariance) -> f64 {
         match (*self, *other) {
             (Self::Value { at: p }, Self::Value { at: q }) => of.value(p - q),
@@ -71,15 +70,16 @@ impl Functional {
     }
 }
 
-/// Returns the nodes of a quadrature over a box, and their weights, which sum to 1.
+/// Returns quadrature nodes over a box, with weights that sum to 1.
 pub(super) fn nodes(from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     legendre().iter().map(move |(x, w)| (middle + half * x, 0.5 * w))
 }
 
-/// Integrates a covariance times a weight that is linear between cuts, which ascend.
+/// Integrates a covariance times a weight that is linear between ascending cuts.
 ///
-/// Cut also at multiples of its step, 0 among them, where some have a cone; beyond its reach there is nothing.
+/// Each interval is also cut at multiples of the covariance's step. Multiples include 0, where some covariances have a
+/// kink. The part beyond the covariance's reach counts as 0.
 fn integral(of: &Covariance, cuts: &[f64], weight: impl Fn(f64) -> f64) -> f64 {
     let (step, reach) = (of.step(), of.reach());
     let mut sum = 0.0;
@@ -89,7 +89,7 @@ fn integral(of: &Covariance, cuts: &[f64], weight: impl Fn(f64) -> f64) -> f64 {
         while from < to {
             multiple += 1.0;
             let end = (step * multiple).min(to);
-            // Where it begins at a multiple rounding may say that it is still before it.
+            // At a multiple of the step, rounding may give an empty piece.
             if end > from {
                 let own = nodes(from, end).map(|(t, share)| share * weight(t) * of.value(t));
                 sum += own.sum::<f64>() * (end - from);
@@ -100,7 +100,7 @@ fn integral(of: &Covariance, cuts: &[f64], weight: impl Fn(f64) -> f64) -> f64 {
     sum
 }
 
-/// Returns Gauss' and Legendre's nodes and weights on [-1, 1].
+/// Returns Gauss-Legendre nodes and weights on [-1, 1].
 fn legendre() -> &'static [(f64, f64); NODES] {
     static RULE: OnceLock<[(f64, f64); NODES]> = OnceLock::new();
     RULE.get_or_init(|| {
@@ -108,7 +108,7 @@ fn legendre() -> &'static [(f64, f64); NODES] {
             let n = NODES as f64;
             let mut x = -libm::cos(std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5));
             let mut slope = 1.0;
-            // Newton's steps double the digits each time.
+            // Newton's method doubles the number of correct digits in each step.
             for _ in 0..8 {
                 let (mut before, mut value) = (1.0, x);
                 for k in 2..=NODES {
@@ -129,7 +129,7 @@ mod tests {
     use super::super::covariance::tests::families;
     use super::*;
 
-    /// A sum over a fine grid, which knows nothing of cuts.
+    /// Sums over a fine grid, as a reference without cuts.
     fn brute(of: &Covariance, a: [f64; 2], b: [f64; 2]) -> f64 {
         let steps = 2000;
         let at = |[from, to]: [f64; 2], k: usize| {
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn averages_are_what_a_fine_sum_tends_to() {
+    fn averages_match_a_fine_sum() {
         for of in families() {
             for (a, b) in
                 [([0.0, 1.0], [0.0, 1.0]), ([0.0, 1.0], [2.25, 2.5]), ([0.0, 3.0], [0.5, 0.75])]
@@ -170,13 +170,13 @@ mod tests {
         let value = Functional::Value { at: 0.25 };
         let expected = length * (2.0 - e(0.25) - e(0.75));
         assert!((unit.covariance(&value, &of) - expected).abs() < 1e-14);
-        // A box of a million lengths has the mean of what is in reach.
+        // A box of a million lengths: only the part within reach contributes.
         let wide = Functional::Average { from: -1e6, to: 1e6 };
         assert!((wide.covariance(&value, &of) / (2.0 * length / 2e6) - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn derivatives_are_what_differences_tend_to() {
+    fn derivatives_match_differences() {
         let h = 1e-4;
         for of in families().into_iter().filter(Covariance::is_smooth) {
             let p = Functional::Derivative { at: 0.4 };

@@ -1,60 +1,61 @@
-//! Signals on a grid made finer by an integer factor: weights by phase, with windows of their own at the ends
-//! (METHOD §4).
+//! Filters that refine regular grids by an integer factor: taps by phase, with separate windows at both ends (METHOD
+//! §4).
 
 use super::error::SignalError;
 use super::functional::Functional;
 use super::kriging::{Kriging, Process};
 use serde::Serialize;
 
-/// Most weights of a filter: a file of 256 MB.
+/// Most weights in a filter: a file of 256 MB.
 const WEIGHTS: usize = 1 << 26;
 
-/// What the samples of a signal are.
+/// Meaning of a signal's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sample {
-    /// Values: coarse ones at i, fine ones at i + f / F.
+    /// Point values: coarse samples at i, fine samples at i + f / F.
     Value,
-    /// Averages: coarse ones over [i, i + 1], fine ones over a share of it each.
+    /// Averages: coarse samples over [i, i + 1], fine samples over 1 / F of that interval.
     Average,
 }
 
-/// What a filter is asked to be.
+/// Parameters of a filter.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    /// F, fine samples of each coarse one.
+    /// F, fine samples per coarse sample.
     pub factor: usize,
-    /// N, coarse samples of a window: odd.
+    /// N, coarse samples per window: odd.
     pub taps: usize,
-    /// What samples are.
+    /// Meaning of the samples.
     pub sample: Sample,
 }
 
-/// How samples lie in an array: signals, each of samples, each of lanes that are filtered alike.
+/// Array layout: signals, then samples, then lanes. All lanes get the same filter.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// Samples of a signal.
+    /// Samples per signal.
     pub samples: usize,
-    /// Numbers of a sample.
+    /// Numbers per sample.
     pub lanes: usize,
 }
 
-/// The weights of a grid.
+/// Filter weights for a regular grid.
 #[derive(Clone, Debug)]
 pub struct GridFilter {
-    /// What it was asked to be.
+    /// Parameters of the filter.
     pub grid: Grid,
-    /// How much coarse samples of the window count: places of the window, phases, taps.
+    /// Weights of the window's coarse samples: N places in the window x F phases x N taps.
     pub weights: Vec<f64>,
-    /// The variance of each fine sample, in units of C(0): places, phases.
+    /// Variance of each fine sample, in units of C(0): N places x F phases.
     pub variances: Vec<f64>,
 }
 
 impl GridFilter {
-    /// Computes the weights of a process; distances are in coarse samples.
+    /// Computes the weights for a process; distances are in coarse samples.
     ///
     /// # Errors
-    /// [`SignalError::Number`] of an even number of taps, of no factor or of too many weights, and those of [`Kriging::new`].
+    /// [`SignalError::Number`] for an even number of taps, a factor of 0 or too many weights; errors of
+    /// [`Kriging::new`].
     pub fn new(process: &Process, grid: Grid) -> Result<Self, SignalError> {
         let Grid { factor, taps, sample } = grid;
         if taps % 2 == 0 {
@@ -71,7 +72,7 @@ impl GridFilter {
             return Err(SignalError::Number { what, expected, found });
         }
         let window: Vec<Functional> = (0..taps).map(|tap| sample.functional(tap, 0, 1)).collect();
-        // What the samples are does not matter to their weights.
+        // The weights do not depend on the sample values.
         let kriging = Kriging::new(process, &window, &vec![0.0; taps])?;
         let (mut weights, mut variances) = (Vec::new(), Vec::new());
         for place in 0..taps {
@@ -84,16 +85,17 @@ impl GridFilter {
         Ok(Self { grid, weights, variances })
     }
 
-    /// Returns the window of a coarse sample among n: where it starts, and the sample's place in it.
+    /// Returns the window of a coarse sample in a signal of n samples: the window's start and the sample's place in the
+    /// window.
     pub fn window(&self, sample: usize, n: usize) -> (usize, usize) {
         let start = sample.saturating_sub(self.grid.taps / 2).min(n.saturating_sub(self.grid.taps));
         (start, sample - start)
     }
 
-    /// Makes signals finer: F times the samples of each.
+    /// Refines signals: F fine samples per coarse sample.
     ///
     /// # Errors
-    /// [`SignalError::TooShort`].
+    /// [`SignalError::TooShort`] if a signal is shorter than a window.
     pub fn apply(&self, samples: &[f64], shape: Shape) -> Result<Vec<f64>, SignalError> {
         let Shape { samples: n, lanes } = shape;
         let Grid { factor, taps, .. } = self.grid;
@@ -117,7 +119,7 @@ impl GridFilter {
         Ok(out)
     }
 
-    /// Lists the variance of each fine sample of a signal of n, in units of C(0).
+    /// Lists the variance of each fine sample of a signal with n coarse samples, in units of C(0).
     pub fn variances_of(&self, n: usize) -> Vec<f64> {
         let factor = self.grid.factor;
         let of = |sample: usize| &self.variances[self.window(sample, n).1 * factor..][..factor];
@@ -126,7 +128,7 @@ impl GridFilter {
 }
 
 impl Sample {
-    /// Returns what a fine sample observes of the function: a coarse one is the only one of its factor.
+    /// Returns the functional that a fine sample observes; a factor of 1 gives the coarse sample.
     pub(super) fn functional(self, sample: usize, phase: usize, factor: usize) -> Functional {
         let at = |phase: usize| sample as f64 + phase as f64 / factor as f64;
         match self {
@@ -139,7 +141,7 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::super::covariance::Covariance;
-    use super::super::mean::Mean;
+    use super::super::kriging::Mean;
     use super::*;
 
     fn filter(sample: Sample, factor: usize, taps: usize) -> GridFilter {

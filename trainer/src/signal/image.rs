@@ -1,4 +1,4 @@
-//! Images made finer: columns, then rows, by one filter, for C(x, y) = C(x) C(y) (METHOD §4).
+//! Upsamples images with one filter: columns, then rows, since C(x, y) = C(x) C(y) (METHOD §4).
 
 use super::error::SignalError;
 use super::grid::{GridFilter, Shape};
@@ -7,32 +7,32 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Halvings of a move of numbers until f64 has no digit left.
+/// Bisection steps: enough to exhaust the digits of f64.
 const HALVINGS: usize = 60;
 
-/// Numbers of pixels from the upper left, row by row, as the file has them: sRGB stays sRGB, and covered colours are
-/// multiplied by how far they are covered.
+/// Pixels from the upper left, row by row, in the file's own numbers: sRGB stays sRGB. Colours are premultiplied by
+/// alpha.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// Pixels of a row.
+    /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Numbers of a pixel: grey, or red, green and blue, and how far it is covered where [`Self::has_alpha`].
+    /// Channels per pixel: grey or RGB, then alpha if [`Self::has_alpha`].
     pub channels: usize,
-    /// Whether the last channel says how far a pixel is covered.
+    /// Whether the last channel is alpha.
     pub has_alpha: bool,
-    /// The greatest number: 255 or 65535.
+    /// Largest channel value: 255 or 65535.
     pub most: f64,
-    /// The numbers.
+    /// Channel values, height x width x channels.
     pub samples: Vec<f64>,
 }
 
 impl Image {
-    /// Reads a PNG: 8 or 16 bits a channel, as many as the file has; palettes and fewer bits become 8.
+    /// Reads a PNG with 8 or 16 bits per channel. Palettes and smaller depths become 8 bits.
     ///
     /// # Errors
-    /// [`SignalError::Picture`].
+    /// [`SignalError::Picture`] if the file cannot be read or decoded.
     pub fn read(file: &Path) -> Result<Self, SignalError> {
         let wrong = |what: String| {
             let what = what.trim_end_matches('.').to_owned();
@@ -62,18 +62,18 @@ impl Image {
         };
         let (width, height) = (frame.width as usize, frame.height as usize);
         let mut image = Self { width, height, channels, has_alpha, most, samples };
-        image.cover(|colour, share| colour * share);
+        image.scale_colours(|colour, share| colour * share);
         Ok(image)
     }
 
-    /// Encodes it as PNG: rounded, and kept within what its bits hold.
+    /// Encodes a PNG: rounds channel values and clips them to the bit depth.
     ///
     /// # Errors
-    /// Those of the encoder.
+    /// Errors of the encoder.
     pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
         let mut own = self.clone();
         let most = self.most;
-        own.cover(|colour, share| if share > 0.0 { colour / share } else { 0.0 });
+        own.scale_colours(|colour, share| if share > 0.0 { colour / share } else { 0.0 });
         let numbers = own.samples.iter().map(|x| x.round().clamp(0.0, most));
         let is_wide = most > 255.0;
         let content: Vec<u8> = if is_wide {
@@ -94,10 +94,10 @@ impl Image {
         Ok(bytes)
     }
 
-    /// Makes it finer: neither rounded nor clipped.
+    /// Upsamples the image; does not round or clip.
     ///
     /// # Errors
-    /// [`SignalError::TooShort`] of fewer rows or columns than a window.
+    /// [`SignalError::TooShort`] if the image has fewer rows or columns than a window.
     pub fn finer(&self, filter: &GridFilter) -> Result<Self, SignalError> {
         let Self { width, height, channels, .. } = *self;
         let factor = filter.grid.factor;
@@ -107,16 +107,16 @@ impl Image {
         Ok(Self { width: factor * width, height: factor * height, samples, ..self.clone() })
     }
 
-    /// Clips numbers to the range of the file and colours to their coverage, but keeps the mean of each box of
-    /// `factor` pixels a side: all numbers of a box that clips move by one amount before they are clipped.
+    /// Clips values to the file's range and colours to their alpha, but keeps the mean of each box of `factor` x
+    /// `factor` pixels. If a box needs clipping, all its values first move by one amount.
     ///
     /// # Errors
-    /// [`SignalError::Multiple`] of a side that boxes do not fill.
+    /// [`SignalError::Multiple`] if a side is not a multiple of `factor`.
     pub fn within(&self, factor: usize) -> Result<Self, SignalError> {
         let mut out = self.clone();
         let means = self.coarser(factor)?;
         let colours = self.channels - usize::from(self.has_alpha);
-        // The coverage comes first: it is the greatest colour.
+        // Alpha comes first, because it bounds the colours.
         for channel in (0..self.channels).rev() {
             let is_bound = self.has_alpha && channel < colours;
             for (place, mean) in
@@ -133,7 +133,7 @@ impl Image {
                         [out.samples[at(k) + channel], most]
                     })
                     .collect();
-                for (k, kept) in kept(&own, *mean).into_iter().enumerate() {
+                for (k, kept) in clip_keeping_mean(&own, *mean).into_iter().enumerate() {
                     out.samples[at(k) + channel] = kept;
                 }
             }
@@ -141,10 +141,10 @@ impl Image {
         Ok(out)
     }
 
-    /// Makes it coarser: means of boxes of so many pixels a side, not rounded.
+    /// Downsamples by averaging boxes of `factor` x `factor` pixels; does not round.
     ///
     /// # Errors
-    /// [`SignalError::Multiple`] of a side that boxes do not fill.
+    /// [`SignalError::Multiple`] if a side is not a multiple of `factor`.
     pub fn coarser(&self, factor: usize) -> Result<Self, SignalError> {
         let Self { width, height, channels, .. } = *self;
         for (what, found) in [("the width", width), ("the height", height)] {
@@ -162,8 +162,8 @@ impl Image {
         Ok(Self { width: wide, height: tall, samples, ..self.clone() })
     }
 
-    /// Changes colours by how far they are covered, 0 to 1.
-    fn cover(&mut self, change: impl Fn(f64, f64) -> f64) {
+    /// Applies `change` to every colour and its pixel's alpha, which is scaled to 0..1.
+    fn scale_colours(&mut self, change: impl Fn(f64, f64) -> f64) {
         if !self.has_alpha {
             return;
         }
@@ -177,15 +177,15 @@ impl Image {
     }
 }
 
-/// Clips numbers to 0 and their greatest value, `[number, greatest]`, after moving all by the amount that gives them
-/// their mean again, or the nearest mean that is possible.
-fn kept(numbers: &[[f64; 2]], mean: f64) -> Vec<f64> {
+/// Clips `[number, greatest]` pairs to 0..greatest after a common offset. The offset restores the given mean, or the
+/// nearest possible mean.
+fn clip_keeping_mean(numbers: &[[f64; 2]], mean: f64) -> Vec<f64> {
     if numbers.iter().all(|[number, most]| (0.0..=*most).contains(number)) {
         return numbers.iter().map(|[number, _]| *number).collect();
     }
     let moved = |by: f64| numbers.iter().map(move |[number, most]| (number + by).clamp(0.0, *most));
     let sum = mean * numbers.len() as f64;
-    // Between these ends the sum grows from its least to its most, with the move.
+    // Over this bracket the clipped sum grows from its minimum to its maximum.
     let reach = numbers.iter().map(|[number, most]| number.abs() + most).fold(0.0, f64::max);
     let (mut low, mut high) = (-reach, reach);
     for _ in 0..HALVINGS {
@@ -199,8 +199,8 @@ fn kept(numbers: &[[f64; 2]], mean: f64) -> Vec<f64> {
 mod tests {
     use super::super::covariance::Covariance;
     use super::super::grid::{Grid, Sample};
+    use super::super::kriging::Mean;
     use super::super::kriging::Process;
-    use super::super::mean::Mean;
     use super::*;
 
     fn filter(factor: usize) -> GridFilter {
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_of_what_is_finer_are_what_was_given() {
+    fn downsampling_inverts_upsampling() {
         let image = image(9, 7);
         for factor in 2..=4 {
             let fine = image.finer(&filter(factor)).unwrap();
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// Drawn text: black on white, and the same on nothing.
+    /// Draws stripes like text: black on white, or white on transparent.
     fn drawn(has_alpha: bool) -> Image {
         let (width, height, channels) = (14, 11, if has_alpha { 4 } else { 3 });
         let number =
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_keep_their_mean_when_they_are_kept_within_what_a_file_holds() {
+    fn clipping_keeps_the_mean_of_each_box() {
         for has_alpha in [false, true] {
             let image = drawn(has_alpha);
             for factor in 2..=4 {
@@ -261,14 +261,18 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_a_file_holds_stay_and_others_are_moved_by_as_much() {
-        assert_eq!(kept(&[[3.0, 9.0], [0.0, 9.0]], 1.5), [3.0, 0.0]);
-        // 12 becomes 9, so the others rise by 1 each, and -1 by 1 to 0.
-        let found = kept(&[[12.0, 9.0], [4.0, 9.0], [5.0, 9.0], [-1.0, 9.0]], 5.0);
+    fn values_in_range_stay_and_clipping_moves_the_others() {
+        assert_eq!(clip_keeping_mean(&[[3.0, 9.0], [0.0, 9.0]], 1.5), [3.0, 0.0]);
+        // 12 clips to 9. The others rise by 1 to keep the mean.
+        let found = clip_keeping_mean(&[[12.0, 9.0], [4.0, 9.0], [5.0, 9.0], [-1.0, 9.0]], 5.0);
         for (found, expected) in found.iter().zip([9.0, 5.0, 6.0, 0.0]) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        assert_eq!(kept(&[[12.0, 9.0], [11.0, 9.0]], 11.5), [9.0, 9.0], "no mean above the most");
+        assert_eq!(
+            clip_keeping_mean(&[[12.0, 9.0], [11.0, 9.0]], 11.5),
+            [9.0, 9.0],
+            "no mean above the most"
+        );
     }
 
     #[test]

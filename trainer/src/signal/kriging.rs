@@ -1,30 +1,43 @@
-//! The function that is likeliest, given observations of it (METHOD §4, S0 Eq. 13).
+//! Kriging: the likeliest function given observations (METHOD §4, S0 Eq. 13).
 
 use super::covariance::Covariance;
-use super::error::{SignalError, Told, check_positive};
+use super::error::{Redundant, SignalError, check_positive};
 use super::functional::Functional;
-use super::mean::Mean;
 use super::solved::Solved;
 use crate::numeric::columns::ends;
 use faer::Mat;
+use serde::Deserialize;
 
-/// Share of a column of the mean's basis below which it is none.
+/// Least pivot of the mean's basis, below which the basis counts as rank-deficient.
 const RANK: f64 = 1e-10;
-/// Largest number of an observation: f32's.
+/// Largest magnitude of an observation: the largest f32.
 const MOST: f64 = f32::MAX as f64;
 
-/// What a function is thought to be before it is observed.
+/// Prior model of a function: covariance, mean and noise.
 #[derive(Clone, Debug)]
 pub struct Process {
-    /// C.
+    /// C, the covariance.
     pub covariance: Covariance,
-    /// m.
+    /// m, the mean.
     pub mean: Mean,
-    /// τ, in units of C(0): how noisy observations are.
+    /// τ, the variance of the observations' noise in units of C(0).
     pub noise: f64,
 }
 
-/// A function, after n observations of it.
+/// Form of a process's mean; the observations determine its coefficients.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mean {
+    /// Zero, as in S0.
+    Zero,
+    /// A constant.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear,
+}
+
+/// Posterior of a function after n observations.
 pub struct Kriging {
     process: Process,
     functionals: Vec<Functional>,
@@ -32,17 +45,30 @@ pub struct Kriging {
     solved: Solved,
 }
 
-/// What is predicted of a function.
+/// Predicted value of a functional, with its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// The number.
+    /// The expected value.
     pub value: f64,
-    /// Its variance, in units of C(0).
+    /// The variance, in units of C(0).
     pub variance: f64,
 }
 
+/// Local kriging: each prediction uses only the nearest observations. Serves where one global system is too large
+/// (METHOD §4).
+pub struct Neighbours<'a> {
+    /// Prior model of the function.
+    pub process: &'a Process,
+    /// Observed functionals, n.
+    pub functionals: &'a [Functional],
+    /// Observed values, n.
+    pub values: &'a [f64],
+    /// Observations per prediction.
+    pub count: usize,
+}
+
 impl Process {
-    /// Refuses numbers that make none.
+    /// Checks the covariance's parameters and the noise.
     ///
     /// # Errors
     /// [`SignalError::Number`].
@@ -52,13 +78,42 @@ impl Process {
     }
 }
 
+impl Mean {
+    /// Counts the coefficients.
+    pub const fn term_len(self) -> usize {
+        match self {
+            Self::Zero => 0,
+            Self::Constant => 1,
+            Self::Linear => 2,
+        }
+    }
+
+    /// Returns the name used in JSON and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Zero => "zero",
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
+
+    /// Applies a functional to the mean's basis: 1 and `(x - shift) scale`, up to [`Self::term_len`].
+    pub(super) fn terms(self, of: &Functional, [shift, scale]: [f64; 2]) -> Vec<f64> {
+        let line = (of.middle() - shift) * scale;
+        let both = match of {
+            Functional::Derivative { .. } => [0.0, scale],
+            Functional::Value { .. } | Functional::Average { .. } => [1.0, line],
+        };
+        both.into_iter().take(self.term_len()).collect()
+    }
+}
+
 impl Kriging {
-    /// Fits values (n) of functionals.
+    /// Fits observed values (n) of functionals.
     ///
     /// # Errors
-    /// [`SignalError::Empty`], [`SignalError::Number`] of the process, [`SignalError::Observation`] of a number
-    /// that is none or a box without width, [`SignalError::Rough`], [`SignalError::Mean`], and those of
-    /// [`Solved::new`].
+    /// [`SignalError::Empty`]; [`SignalError::Number`] for the process; [`SignalError::Observation`] for a number out
+    /// of range or a box without width; [`SignalError::Rough`]; [`SignalError::Mean`]; errors of [`Solved::new`].
     pub fn new(
         process: &Process,
         functionals: &[Functional],
@@ -68,8 +123,8 @@ impl Kriging {
         check(process, functionals, values)?;
         match Self::solved(process, functionals, values) {
             Err(SignalError::IllConditioned { rcond, remedy, .. }) => {
-                let told = told(process, functionals, values);
-                Err(SignalError::IllConditioned { rcond, told, remedy })
+                let redundant = first_redundant(process, functionals, values);
+                Err(SignalError::IllConditioned { rcond, redundant, remedy })
             }
             found => found,
         }
@@ -85,39 +140,38 @@ impl Kriging {
         let rows: Vec<Vec<f64>> =
             functionals.iter().map(|of| process.mean.terms(of, scale)).collect();
         let basis = Mat::from_fn(rows.len(), process.mean.term_len(), |i, t| rows[i][t]);
-        if !tells(&basis) {
+        if !determines_mean(&basis) {
             return Err(SignalError::Mean { mean: process.mean.name() });
         }
         let solved = Solved::new(matrix, &basis, values)?;
         Ok(Self { process: process.clone(), functionals: functionals.to_vec(), scale, solved })
     }
 
-    /// Predicts a functional without its variance.
+    /// Predicts a functional's value, without the variance.
     pub fn value(&self, of: &Functional) -> f64 {
         let (r, p) = self.row(of);
         self.solved.value(&r, &p)
     }
 
-    /// Predicts a functional.
+    /// Predicts a functional's value and variance.
     pub fn predict(&self, of: &Functional) -> Prediction {
         let (r, p) = self.row(of);
         let own = of.covariance(of, &self.process.covariance);
         Prediction { value: self.solved.value(&r, &p), variance: self.solved.variance(own, &r, &p) }
     }
 
-    /// Computes how much each observation counts for a functional, n.
+    /// Computes the weight of each observation in the prediction of a functional, n.
     pub fn weights(&self, of: &Functional) -> Vec<f64> {
         let (r, p) = self.row(of);
         self.solved.weights(&r, &p)
     }
 
-    /// Estimates the variance of the process, by which those of predictions are to be multiplied.
+    /// Estimates the variance of the process. Multiply the variances of predictions by this number.
     pub fn variance(&self) -> f64 {
         self.solved.scale()
     }
 
-    /// Returns what it is made of: coefficients of the observations' covariances, n, those of the mean, and what
-    /// is taken off its line's places and what they are multiplied by.
+    /// Returns the coefficients of the covariances (n) and of the mean, and the mean's `[shift, scale]` of places.
     pub fn coefficients(&self) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
         let (kernels, terms) = self.solved.coefficients();
         (kernels, terms, self.scale)
@@ -129,9 +183,30 @@ impl Kriging {
     }
 }
 
-/// Finds the first observation that a covariance hardly tells from those before it, where a system of all cannot be
-/// solved: by halves, since more observations are no better conditioned.
-fn told(process: &Process, functionals: &[Functional], values: &[f64]) -> Option<Told> {
+impl Neighbours<'_> {
+    /// Predicts a functional from the observations with the nearest middles; ties go to the earlier observation.
+    ///
+    /// # Errors
+    /// Errors of [`Kriging::new`].
+    pub fn predict(&self, of: &Functional) -> Result<Prediction, SignalError> {
+        let mut order: Vec<usize> = (0..self.functionals.len()).collect();
+        let distance = |i: &usize| (self.functionals[*i].middle() - of.middle()).abs();
+        order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        order.truncate(self.count);
+        order.sort_unstable();
+        let near: Vec<Functional> = order.iter().map(|i| self.functionals[*i]).collect();
+        let values: Vec<f64> = order.iter().filter_map(|i| self.values.get(*i).copied()).collect();
+        Ok(Kriging::new(self.process, &near, &values)?.predict(of))
+    }
+}
+
+/// Finds the first observation at which the system becomes ill-conditioned: the earlier ones nearly determine this
+/// observation. Bisects, since more observations never improve the condition.
+fn first_redundant(
+    process: &Process,
+    functionals: &[Functional],
+    values: &[f64],
+) -> Option<Redundant> {
     let fails = |len: usize| {
         let found = Kriging::solved(process, &functionals[..len], &values[..len]);
         matches!(found, Err(SignalError::IllConditioned { .. }))
@@ -143,7 +218,7 @@ fn told(process: &Process, functionals: &[Functional], values: &[f64]) -> Option
     }
     let before = Kriging::solved(process, &functionals[..sound], &values[..sound]).ok()?;
     let at = sound;
-    Some(Told { at, expected: before.value(&functionals[at]), found: values[at] })
+    Some(Redundant { at, expected: before.value(&functionals[at]), found: values[at] })
 }
 
 /// Computes K = C₀ + τI, n x n.
@@ -161,7 +236,7 @@ pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
     matrix
 }
 
-/// Refuses observations that are none, or of a function that has them not.
+/// Checks observations: their numbers, the width of boxes, and that derivatives exist.
 ///
 /// # Errors
 /// [`SignalError::Empty`], [`SignalError::Observation`] and [`SignalError::Rough`].
@@ -176,7 +251,7 @@ pub(super) fn check(
     for (at, (of, value)) in functionals.iter().zip(values).enumerate() {
         let wrong = |what| Err(SignalError::Observation { at, what });
         let [from, to] = of.ends();
-        // NaN is none of them.
+        // NaN fails the comparison too.
         if ![from, to, *value].iter().all(|x| x.abs() <= MOST) {
             return wrong(
                 "expected numbers from -3.4e38 to 3.4e38, as single precision holds them",
@@ -192,7 +267,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Returns the middle of all places, as f32 holds it, and one over half their range.
+/// Returns the mean's `[shift, scale]`: the middle of all places, rounded to f32, and 1 over half their range.
 fn scale(functionals: &[Functional]) -> [f64; 2] {
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let [low, high] = ends(&places);
@@ -200,8 +275,8 @@ fn scale(functionals: &[Functional]) -> [f64; 2] {
     [middle, if high > low { 2.0 / (high - low) } else { 1.0 }]
 }
 
-/// Tells whether observations tell the mean's coefficients apart.
-fn tells(basis: &Mat<f64>) -> bool {
+/// Returns whether the observations determine the mean's coefficients.
+fn determines_mean(basis: &Mat<f64>) -> bool {
     let (n, r) = basis.shape();
     if n < r {
         return false;
@@ -216,7 +291,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_observed_is_predicted_without_doubt() {
+    fn observations_are_predicted_exactly() {
         let functionals = [
             Functional::Value { at: 0.3 },
             Functional::Derivative { at: 1.0 },
@@ -268,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_observation_is_refused_by_its_number() {
+    fn invalid_observations_are_refused_by_number() {
         let covariance = Covariance::OrnsteinUhlenbeck { length: 1.0 };
         let process = Process { covariance, mean: Mean::Zero, noise: 0.0 };
         let first = Functional::Value { at: 0.0 };

@@ -1,39 +1,43 @@
-//! A filter with its name and what it reaches on the signal that it was made for.
+//! A named filter, its measured accuracy, and its part of a file.
 
 use super::covariance::Covariance;
 use super::error::SignalError;
 use super::grid::{Grid, GridFilter, Sample, Shape};
 use super::kriging::Process;
+use crate::bake::sections::{floats, names, narrow, words};
+use crate::bake::{BakeError, Part, Sections};
+use sinew_runtime::filter::{FilterCounts, FilterFit};
+use sinew_runtime::format::{Element, PartKind, SectionKind};
 
 /// A filter for a signal.
 #[derive(Clone, Debug)]
 pub struct FilterModel {
-    /// Its name.
+    /// Name of the filter.
     pub name: String,
-    /// The weights.
+    /// Weights of the filter.
     pub filter: GridFilter,
-    /// The variance of the process, by which those of the filter are to be multiplied.
+    /// Variance of the process. Multiply the filter's variances by this number.
     pub variance: f64,
-    /// What it reaches; none of a signal too short to tell.
+    /// Accuracy on left-out samples; `None` if the signal is too short for the measurement.
     pub fit: Option<LeftOut>,
 }
 
-/// How well samples that were left out are predicted: of every F samples one is kept, or their mean.
+/// Accuracy of predicting left-out samples: every F samples are replaced by the first, or by their mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// RMS error of a filter of the same process, in the signal's unit.
+    /// RMS error of a filter for the same process, in the signal's unit.
     pub rms: f64,
-    /// That of lines between the kept samples.
+    /// RMS error of linear interpolation between the kept samples, in the signal's unit.
     pub linear_rms: f64,
-    /// Samples at the end that do not fill a box and took no part.
+    /// Samples in the incomplete last box, which are not measured.
     pub rest: usize,
 }
 
 impl LeftOut {
-    /// Leaves samples out of a signal and predicts them; none where too few are left for a window.
+    /// Measures the prediction of left-out samples; `None` if the kept samples are fewer than a window.
     ///
     /// # Errors
-    /// Those of [`GridFilter::new`].
+    /// Errors of [`GridFilter::new`].
     pub fn new(
         samples: &[f64],
         process: &Process,
@@ -55,7 +59,7 @@ impl LeftOut {
         let filter = GridFilter::new(&Process { covariance, ..process.clone() }, grid)?;
         let found = filter.apply(&kept, Shape { samples: kept.len(), lanes: 1 })?;
         let last = kept.len() - 1;
-        // Lines go between the middles of boxes.
+        // Linear interpolation connects the middles of boxes.
         let middle = if sample == Sample::Average { 0.5 } else { 0.0 };
         let line = |at: usize| {
             let place = (at as f64 + middle) / factor as f64 - middle;
@@ -64,7 +68,7 @@ impl LeftOut {
             kept[from] * (1.0 - share) + kept[(from + 1).min(last)] * share
         };
         let (mut own, mut linear, mut count) = (0.0, 0.0, 0);
-        // Nothing is beyond the last kept value for a line to go to.
+        // Linear interpolation ends at the last kept sample, so later samples are not measured.
         for (at, truth) in samples[..last * factor].iter().enumerate() {
             if sample == Sample::Average || at % factor != 0 {
                 own += (found[at] - truth).powi(2);
@@ -80,9 +84,36 @@ impl LeftOut {
     }
 }
 
+/// Creates the filter part as FORMAT.md defines it.
+///
+/// - `variance`: writes the variance of each fine sample too, in the square of the signal's unit.
+///
+/// # Errors
+/// [`BakeError::Size`] for a count that does not fit the file.
+pub fn part(model: &FilterModel, variance: bool) -> Result<Part, BakeError> {
+    let FilterModel { name, filter, variance: scale, fit } = model;
+    let Grid { factor, taps, .. } = filter.grid;
+    let counts =
+        FilterCounts { factor: narrow("the factor", factor)?, tap_len: narrow("taps", taps)? };
+    let mut sections: Sections = vec![
+        (SectionKind::FilterCounts, true, words(&counts.words())),
+        (SectionKind::Names, true, names(std::iter::once(name))?),
+        (SectionKind::FilterTaps, true, floats(&filter.weights)),
+    ];
+    if variance {
+        let own: Vec<f64> = filter.variances.iter().map(|x| x * scale).collect();
+        sections.push((SectionKind::FilterVariances, true, floats(&own)));
+    }
+    let [left_out_rms, linear_rms] =
+        fit.map_or([0.0; 2], |fit| [fit.rms, fit.linear_rms]).map(|x| x as f32);
+    let fit = FilterFit { step: 1.0, left_out_rms, linear_rms };
+    sections.push((SectionKind::FilterFit, true, floats(&fit.figures().map(f64::from))));
+    Ok(Part { kind: PartKind::Filter, sections, element: Element::F32 })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::mean::Mean;
+    use super::super::kriging::Mean;
     use super::*;
 
     #[test]

@@ -1,51 +1,55 @@
-//! Observations of a function as a person writes them, and the function.
+//! Observations of a function in JSON, and their function as a kernel part.
 
 use super::choose::{Ladder, likeliest_of, unit};
 use super::covariance::Covariance;
-use super::deviation::Compared;
-use super::error::{Remedy, SignalError, Subject, Told, check_positive};
+use super::error::{Redundant, Remedy, SignalError, Subject, check_positive};
 use super::functional::Functional;
-use super::kriging::{Kriging, Process, check};
-use super::mean::Mean;
-use super::repeated::news;
-use super::sum::sum;
+use super::kriging::{Kriging, Mean, Process, check};
+use super::repeated::independent;
+use super::sum::{Compared, input, sum};
 use crate::formats::FormatError;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::json;
+use crate::numeric::columns::ends;
+use crate::regression::fade::Fade;
+use crate::scattered::bound::largest;
 use crate::scattered::deviation::{F32_ERROR, ROOM};
+use crate::scattered::model::{Figures, KernelModel, Output, OutputKind};
+use faer::Mat;
 use serde::Deserialize;
 use serde_json::Value;
+use sinew_runtime::kernel::{Normalise, QueryRule};
 use std::path::Path;
 
-/// Most centres of a function whose covariance is chosen: more take long to measure.
+/// Most centres of a candidate function while the covariance is chosen; larger candidates take too long to measure.
 const CENTRES: usize = 16_384;
 
-/// Families that a part kernel can be, of values alone.
+/// Families that a kernel part can represent for values alone.
 const OF_VALUES: [&str; 4] =
     ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"];
-/// Those that it can be of derivatives and averages too.
+/// Families that a kernel part can represent for derivatives and averages too.
 const OF_ANY: [&str; 1] = ["squared exponential"];
 
-/// Observations of one function, and what it is thought to be.
+/// Observations of a function, with the prior model of the function.
 #[derive(Clone, Debug)]
 pub struct Observations {
     /// The function's name.
     pub name: String,
-    /// What it is thought to be.
+    /// Prior model of the function.
     pub process: Process,
-    /// The variance of the process, where it is known.
+    /// Accepted variance of the process; `None` to estimate the variance.
     pub variance: Option<f64>,
-    /// What is observed, n.
+    /// Observed functionals, n.
     pub functionals: Vec<Functional>,
-    /// What was found, n.
+    /// Observed values, n.
     pub values: Vec<f64>,
-    /// Largest deviation of the file, over the function's range.
+    /// Largest allowed deviation of the file, relative to the function's range.
     pub f32_error: f64,
-    /// The number of each as it is written, n: those that say nothing new are left out.
+    /// Original number of each observation, n; redundant observations are left out.
     pub numbers: Vec<usize>,
-    /// How many say nothing new.
+    /// Number of redundant observations.
     pub repeated: usize,
-    /// The covariance was given, not chosen.
+    /// Whether the user gave the covariance.
     given: bool,
 }
 
@@ -64,14 +68,16 @@ struct Written {
 }
 
 impl Observations {
-    /// Reads JSON: `observations`, each `{"at": x, "value": y}`, `{"at": x, "derivative": y}` or `{"from": a, "to": b,
-    /// "average": y}`, and, where they are given, `name`, `covariance`, `mean`, `noise`, `variance` and `f32_error`.
+    /// Reads JSON with the field `observations`: a list of `{"at": x, "value": y}`, `{"at": x, "derivative": y}` and
+    /// `{"from": a, "to": b, "average": y}`. Optional fields: `name`, `covariance`, `mean`, `noise`, `variance` and
+    /// `f32_error`.
     ///
-    /// - `f32_error`: the largest deviation of the baked file, over the function's range; replaces the one in the JSON.
+    /// - `f32_error`: largest allowed deviation of the baked file, relative to the function's range; replaces the JSON
+    ///   field.
     ///
     /// # Errors
     /// [`SignalError::Format`], [`SignalError::Json`], [`SignalError::Empty`], [`SignalError::Written`],
-    /// [`SignalError::Number`], [`SignalError::Observation`], [`SignalError::Contradiction`], and those of
+    /// [`SignalError::Number`], [`SignalError::Observation`], [`SignalError::Contradiction`], and errors of
     /// [`Covariance::parse`].
     pub fn read(path: &Path, f32_error: Option<f64>) -> Result<Self, SignalError> {
         if extension(path) != "json" {
@@ -82,10 +88,12 @@ impl Observations {
         Self::parse(&text, &stem.unwrap_or_default(), f32_error)
     }
 
-    /// Reads the same of bytes; the name where they have none.
+    /// Parses the JSON of [`Self::read`] from bytes.
+    ///
+    /// - `name`: default for the function's name.
     ///
     /// # Errors
-    /// Likewise.
+    /// The errors of [`Self::read`], except for reading the file.
     pub fn parse(text: &[u8], name: &str, f32_error: Option<f64>) -> Result<Self, SignalError> {
         let Written {
             name: own,
@@ -103,7 +111,7 @@ impl Observations {
             None | Some("auto") => None,
             Some(text) => Some(Covariance::parse(text, Subject::Observations)?),
         };
-        // Until it is chosen: one that has derivatives.
+        // Placeholder until the covariance is chosen; this family has derivatives.
         let first = Covariance::SquaredExponential { length: unit(&functionals) };
         let process = Process { covariance: given.clone().unwrap_or(first), mean, noise };
         check(&process, &functionals, &values)?;
@@ -111,10 +119,10 @@ impl Observations {
         variance.map_or(Ok(()), |variance| check_positive("variance", variance))?;
         let f32_error = f32_error.or(written).unwrap_or(F32_ERROR);
         check_positive("f32 error", f32_error)?;
-        // With noise a repetition says something new.
+        // With noise, a repeated observation adds information.
         let numbers = match noise > 0.0 {
             true => (0..values.len()).collect(),
-            false => news(&functionals, &values)?,
+            false => independent(&functionals, &values)?,
         };
         let mut out = Self {
             name: own.unwrap_or_else(|| name.to_owned()),
@@ -133,9 +141,9 @@ impl Observations {
         Ok(out)
     }
 
-    /// Takes the likeliest covariance whose function can be solved for, and whose file is near it. Short lengths are tried
-    /// if none of the usual ones will do, and no offset is the reason. If none at all will do, the covariance of the nearest
-    /// file is taken.
+    /// Chooses the likeliest covariance that can be solved for and baked within the allowed deviation. Tries short
+    /// lengths only if no usual length works, unless an offset causes the deviation. If nothing works, takes the
+    /// covariance with the smallest deviation.
     fn choose(&mut self) {
         let names: &[&str] = if self.is_of_values() { &OF_VALUES } else { &OF_ANY };
         let observed = (self.functionals.as_slice(), self.values.as_slice());
@@ -170,8 +178,8 @@ impl Observations {
         }
     }
 
-    /// Measures by how much the file of a covariance's function is off, over the function's range; infinite if it has too
-    /// many centres.
+    /// Measures the deviation of a covariance's baked function, relative to the function's range; infinite if there are
+    /// too many centres.
     fn deviation(&self, covariance: &Covariance) -> Result<f64, SignalError> {
         let process = Process { covariance: covariance.clone(), ..self.process.clone() };
         let fit = Kriging::new(&process, &self.functionals, &self.values)?;
@@ -186,14 +194,14 @@ impl Observations {
         self.functionals.iter().all(|of| matches!(of, Functional::Value { .. }))
     }
 
-    /// Says what to change where rounding decides what the function is.
+    /// Returns the suggested change for an ill-conditioned or inaccurate fit.
     pub fn remedy(&self) -> &'static str {
         match (self.given, self.is_of_values()) {
             (false, _) => "give a noise",
             (true, true) => {
                 "take a shorter length, a rougher covariance or a noise, or leave `covariance` out"
             }
-            // Derivatives and averages are kernels of one covariance only.
+            // Only one family represents derivatives and averages.
             (true, false) => "take a shorter length or a noise, or leave `covariance` out",
         }
     }
@@ -201,25 +209,65 @@ impl Observations {
     /// Fits the function.
     ///
     /// # Errors
-    /// Those of [`Kriging::new`].
+    /// Errors of [`Kriging::new`].
     pub fn fit(&self) -> Result<Kriging, SignalError> {
         let found = Kriging::new(&self.process, &self.functionals, &self.values);
         found.map_err(|error| match error {
-            SignalError::IllConditioned { rcond, told, .. } => {
-                let told = told.map(|told| Told { at: self.numbers[told.at], ..told });
-                SignalError::IllConditioned { rcond, told, remedy: self.remedy() }
+            SignalError::IllConditioned { rcond, redundant, .. } => {
+                let redundant = redundant
+                    .map(|redundant| Redundant { at: self.numbers[redundant.at], ..redundant });
+                SignalError::IllConditioned { rcond, redundant, remedy: self.remedy() }
             }
             error => error,
         })
     }
 
-    /// Returns the variance of the process: that which is given, or the likeliest.
+    /// Returns the variance of the process: given, or the likeliest.
     pub fn variance(&self, fit: &Kriging) -> f64 {
         self.variance.unwrap_or_else(|| fit.variance())
     }
 }
 
-/// Reads one observation.
+/// Creates the kernel model of a fitted function. Also returns the largest deviation of the file, relative to the
+/// function's range: at the observations and at 1,000 places between.
+///
+/// # Errors
+/// Errors of [`sum`]; [`SignalError::Deviation`] above the limit.
+pub fn function(
+    observations: &Observations,
+    fit: &Kriging,
+) -> Result<(KernelModel, f64), SignalError> {
+    let Observations { name, process, functionals, values, f32_error, numbers, .. } = observations;
+    let sum = sum(process, functionals, numbers, fit)?;
+    let deviation =
+        Compared::new(functionals, fit, *f32_error).check(&sum, observations.remedy())?;
+    let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
+    let sites = Mat::from_fn(places.len(), 1, |i, _| places[i]);
+    let misses = functionals.iter().zip(values).map(|(of, y)| (fit.value(of) - y).powi(2));
+    let figures = Figures {
+        residual_rms: (misses.sum::<f64>() / values.len() as f64).sqrt(),
+        left_out_rms: 0.0,
+        bound: largest(&sum, &sites).into_iter().fold(0.0, f64::max),
+        rcond: 0.0,
+    };
+    let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
+    let free = OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 };
+    let model = KernelModel {
+        name: name.clone(),
+        inputs: vec![input()],
+        outputs: vec![Output { name: "value".to_owned(), kind: free }],
+        sum,
+        ranges: vec![ends(&places)],
+        query: QueryRule::Free,
+        fade: Fade { start: 0.0, end: 0.0 },
+        normalise: Normalise::Never,
+        variance: None,
+        fit: figures,
+    };
+    Ok((model, deviation))
+}
+
+/// Parses one observation.
 fn observation(at: usize, of: &Value) -> Result<(Functional, f64), SignalError> {
     let number = |key: &str| of.get(key).and_then(Value::as_f64);
     let len = of.as_object().map_or(0, |fields| fields.len());
@@ -261,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_observation() {
         let of =
             |rest: &str| format!("{{\"covariance\": \"matern 1/2:1\", \"observations\": {rest}}}");
         assert_eq!(said(&of("[]")), "there are no observations");
@@ -286,5 +334,43 @@ mod tests {
             .unwrap();
         let found = read.fit().unwrap().predict(&Functional::Value { at: 50.0 });
         assert!((found.value - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn mixed_observations_become_kernels() {
+        let text = br#"{"covariance": "squared exponential:1.5", "mean": "linear", "observations": [
+            {"at": 0, "value": 1}, {"at": 1.5, "derivative": -2}, {"from": 3, "to": 9, "average": 0.5},
+            {"at": 5, "value": 2}, {"at": 8, "value": 1}]}"#;
+        let observations = Observations::parse(text, "f", None).unwrap();
+        let fit = observations.fit().unwrap();
+        let (model, deviation) = function(&observations, &fit).unwrap();
+        for step in -10..=100 {
+            let x = 0.1 * f64::from(step);
+            let found = model.evaluate(&[x]).unwrap().numbers[0];
+            let expected = fit.predict(&Functional::Value { at: x }).value;
+            // Coefficients are rounded to f32.
+            assert!((found - expected).abs() < 1e-5, "{x}: {found} {expected}");
+        }
+        assert!(model.fit.bound < 1e-3 && model.fit.residual_rms < 1e-9 && deviation < 1e-5);
+    }
+
+    #[test]
+    fn unsupported_functions_list_the_supported_ones() {
+        let refused = |covariance: &str, rest: &str| {
+            let text = format!(
+                "{{\"covariance\": \"{covariance}\", \"observations\": [{{\"at\": 0, \"value\": 1}}{rest}]}}"
+            );
+            let observations = Observations::parse(text.as_bytes(), "f", None).unwrap();
+            let fit = observations.fit().unwrap();
+            function(&observations, &fit).map(|_| ()).map_err(|error| error.to_string())
+        };
+        let error = refused("oscillating:3,2", "").unwrap_err();
+        assert!(
+            error.starts_with("no part kernel holds covariance oscillating: it can hold values"),
+            "{error}"
+        );
+        let error = refused("matern 5/2:1", ", {\"at\": 1, \"derivative\": 1}").unwrap_err();
+        assert!(error.contains("observation 1, which is no value"), "{error}");
+        assert!(refused("matern 5/2:1", ", {\"at\": 1, \"value\": 1}").is_ok());
     }
 }

@@ -1,37 +1,37 @@
-//! A curve with its samples and a band of two standard deviations, as a picture.
+//! Plots a curve with its samples and a band of two standard deviations.
 
 use crate::numeric::columns::ends;
 use crate::page::colour::Colour;
 use crate::page::drawing::{Anchor, Drawing};
 use crate::page::picture::Picture;
 
-/// The field, pixels, and what is left free around it: left, right, above, below.
+/// Size of the plot area, and margins left, right, above and below; pixels.
 const FIELD: [usize; 2] = [800, 320];
 const MARGIN: [usize; 4] = [72, 20, 32, 40];
 const BAND: Colour = [0xf6, 0xd5, 0xda];
 const CURVE: Colour = [0xbd, 0x2b, 0x44];
 const PAPER: Colour = [0xff; 3];
-/// Standard deviations to either side.
+/// Half-width of the band, in standard deviations.
 const DEVIATIONS: f64 = 2.0;
 
-/// What is drawn.
+/// Contents of a plot.
 pub struct SignalPlot {
-    /// What it is called.
+    /// Title above the plot.
     pub title: String,
     /// Places along the curve, ascending.
     pub places: Vec<f64>,
-    /// Its value at each.
+    /// Curve's value at each place.
     pub values: Vec<f64>,
-    /// Its standard deviation at each.
+    /// Standard deviation at each place.
     pub deviations: Vec<f64>,
     /// Samples: place and value.
     pub samples: Vec<[f64; 2]>,
-    /// Averages: where they begin and end, and the value.
+    /// Averages: start, end and value.
     pub boxes: Vec<[f64; 3]>,
 }
 
 impl SignalPlot {
-    /// Draws it.
+    /// Draws the plot.
     pub fn draw(&self) -> Drawing {
         let [left, right, above, below] = MARGIN;
         let [width, height] = FIELD;
@@ -48,7 +48,7 @@ impl SignalPlot {
         for &[from, to, value] in &self.boxes {
             out.line(vec![place([from, value]), place([to, value])], 3.0, [0x22; 3]);
         }
-        // More would lie over each other.
+        // Denser dots would overlap.
         if self.samples.len() <= width / 4 {
             self.samples.iter().for_each(|at| out.dot(place(*at), 3.5, PAPER));
         }
@@ -62,7 +62,9 @@ impl SignalPlot {
         out
     }
 
-    /// Paints the band, column by column, by how far down values are.
+    /// Paints the band column by column.
+    ///
+    /// - `down`: maps a value to rows from the top.
     fn band(&self, [low, high]: [f64; 2], down: impl Fn(f64) -> f64) -> Picture {
         let [width, height] = FIELD;
         let mut picture = Picture::filled(width, height, PAPER);
@@ -82,7 +84,7 @@ impl SignalPlot {
         picture
     }
 
-    /// Returns a number between two places; none beyond the curve.
+    /// Interpolates between two places; `None` outside the curve.
     fn between(&self, numbers: &[f64], next: usize, at: f64) -> Option<f64> {
         let before = next.checked_sub(1)?;
         let [from, to] = [*self.places.get(before)?, *self.places.get(next)?];
@@ -90,7 +92,7 @@ impl SignalPlot {
         Some(numbers.get(before)? * (1.0 - share) + numbers.get(next)? * share)
     }
 
-    /// Returns the ends of both sides, all of the curve and of the samples within them, and most of the band.
+    /// Returns the ranges of x and y. They show the whole curve and the samples within; a wide band may be cut.
     fn ranges(&self) -> [[f64; 2]; 2] {
         let boxes = self.boxes.iter().map(|of| of[2]);
         let samples = self.samples.iter().map(|at| at[1]);
@@ -104,7 +106,7 @@ impl SignalPlot {
     }
 }
 
-/// Writes a number in a few letters.
+/// Formats a number in a few characters.
 fn short(value: f64) -> String {
     let text = format!("{value:.2}");
     if text.len() <= 8 { text } else { format!("{value:.1e}") }

@@ -1,28 +1,33 @@
-//! Observations that earlier ones determine, whatever the covariance: repetitions, and averages over boxes that other
+//! Finds observations that earlier ones determine under any covariance: repetitions, and averages over boxes that other
 //! boxes add up to.
 //!
-//! With F an integral of the function, an average over [a, b] times b - a is F(b) - F(a): an edge between two ends of
-//! boxes. It is determined where other edges lead from a to b. Values and derivatives at other places are never
-//! determined by anything.
+//! Let F be an integral of the function. An average over [a, b] times b - a is F(b) - F(a), an edge of a graph between
+//! the ends of boxes. A path of other edges from a to b determines the average. Values and derivatives are determined
+//! only by repetition.
 
 use super::error::SignalError;
 use super::functional::Functional;
 
-/// Two places are one within this share of the largest place's magnitude: f64 rounds a sum by less.
+/// Two places within this fraction of the largest magnitude are the same; the rounding errors of f64 sums are smaller.
 const ONE_PLACE: f64 = 1e-12;
-/// An observation agrees with others within this share of their magnitude: a few units in the last place of f32.
+/// Relative tolerance for agreement of observations: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
 
-/// Lists the observations (n, with their values) that say something new: those that earlier ones do not determine.
+/// Lists the observations that earlier ones do not determine.
+///
+/// - `values`: value of each functional, n.
 ///
 /// # Errors
-/// [`SignalError::Contradiction`] of an observation that is not as others determine it.
-pub(super) fn news(functionals: &[Functional], values: &[f64]) -> Result<Vec<usize>, SignalError> {
-    let mut known = Known::new(functionals);
+/// [`SignalError::Contradiction`] if an observation differs from the value that earlier ones imply.
+pub(super) fn independent(
+    functionals: &[Functional],
+    values: &[f64],
+) -> Result<Vec<usize>, SignalError> {
+    let mut accepted = Accepted::new(functionals);
     let mut out = Vec::with_capacity(values.len());
     for (at, found) in values.iter().copied().enumerate() {
-        let Some(others) = known.determined(at) else {
-            known.learn(at);
+        let Some(others) = accepted.determined(at) else {
+            accepted.insert(at);
             out.push(at);
             continue;
         };
@@ -37,25 +42,25 @@ pub(super) fn news(functionals: &[Functional], values: &[f64]) -> Result<Vec<usi
     Ok(out)
 }
 
-/// Returns the least distance between two ends of observations; none where all are at one place.
+/// Returns the least distance between the ends of observations; `None` if all are at one place.
 pub(super) fn least_distance(functionals: &[Functional]) -> Option<f64> {
     let (order, one) = sorted(functionals);
     let distances = order.windows(2).map(|pair| pair[1].0 - pair[0].0);
     distances.filter(|distance| *distance > one).min_by(f64::total_cmp)
 }
 
-/// Observations that were learned so far.
-struct Known<'a> {
+/// Accepted observations, as a graph of places.
+struct Accepted<'a> {
     functionals: &'a [Functional],
-    /// The places where each observation begins and ends, by number, n.
+    /// Place indices of each observation's ends, n.
     ends: Vec<[usize; 2]>,
-    /// The values and derivatives at each place.
+    /// Accepted values and derivatives at each place.
     at: Vec<Vec<usize>>,
-    /// The averages that begin or end at each place, and where they lead.
+    /// Accepted averages with an end at each place: observation, and the place of the other end.
     boxes: Vec<Vec<(usize, usize)>>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> Accepted<'a> {
     fn new(functionals: &'a [Functional]) -> Self {
         let (order, one) = sorted(functionals);
         let mut ends = vec![[0; 2]; functionals.len()];
@@ -69,7 +74,7 @@ impl<'a> Known<'a> {
         Self { functionals, ends, at, boxes }
     }
 
-    fn learn(&mut self, of: usize) {
+    fn insert(&mut self, of: usize) {
         let [from, to] = self.ends[of];
         match self.functionals[of] {
             Functional::Average { .. } => {
@@ -80,7 +85,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// Lists observations that determine another, each with how much it counts; none where none do.
+    /// Lists accepted observations that determine another, with their weights; `None` if nothing determines the other.
     fn determined(&self, of: usize) -> Option<Vec<(usize, f64)>> {
         let [from, to] = self.ends[of];
         let own = &self.functionals[of];
@@ -88,7 +93,7 @@ impl<'a> Known<'a> {
             let is_same = |other: &&usize| same_kind(own, &self.functionals[**other]);
             return self.at[from].iter().find(is_same).map(|other| vec![(*other, 1.0)]);
         };
-        // How each place was reached: by an observation, from a place.
+        // How the search reached each place: by an observation, from a place.
         let mut reached: Vec<Option<(usize, usize)>> = vec![None; self.boxes.len()];
         let mut open = vec![from];
         while let Some(place) = open.pop() {
@@ -111,7 +116,7 @@ impl<'a> Known<'a> {
 }
 
 /// Lists the ends of observations in ascending order, each with its observation and side. Also returns the distance
-/// within which two ends are one place.
+/// within which two ends are the same place.
 fn sorted(functionals: &[Functional]) -> (Vec<(f64, usize, usize)>, f64) {
     let ends = functionals.iter().enumerate();
     let ends = ends.flat_map(|(of, functional)| {
@@ -154,33 +159,33 @@ mod tests {
             average(1.0, 2.0),
             average(2.0, 3.0),
         ];
-        assert_eq!(news(&functionals, &[2.0, 9.0, 1.0, 3.0, 4.0]).unwrap(), [0, 1, 2, 4]);
-        // A difference of wholes is a part, over ends that rounding takes apart.
+        assert_eq!(independent(&functionals, &[2.0, 9.0, 1.0, 3.0, 4.0]).unwrap(), [0, 1, 2, 4]);
+        // The difference of two averages determines a part; the ends differ by rounding.
         let parts = [average(0.0, 0.1), average(0.0, 0.1 + 0.2), average(0.1, 0.3)];
-        assert_eq!(news(&parts, &[4.0, 2.0, 1.0]).unwrap(), [0, 1]);
-        // Boxes that overlap determine nothing.
+        assert_eq!(independent(&parts, &[4.0, 2.0, 1.0]).unwrap(), [0, 1]);
+        // Overlapping boxes determine nothing.
         let overlapping = [average(0.0, 2.0), average(1.0, 3.0), average(0.0, 3.0)];
-        assert_eq!(news(&overlapping, &[1.0, 5.0, 7.0]).unwrap(), [0, 1, 2]);
+        assert_eq!(independent(&overlapping, &[1.0, 5.0, 7.0]).unwrap(), [0, 1, 2]);
     }
 
     #[test]
-    fn contradictions_name_those_that_determine_and_what_they_give() {
+    fn contradictions_name_the_implying_observations() {
         let functionals =
             [average(0.0, 1.0), average(5.0, 6.0), average(1.0, 2.0), average(0.0, 2.0)];
         let Err(SignalError::Contradiction { others, at, expected, found }) =
-            news(&functionals, &[1.0, 8.0, 3.0, 5.0])
+            independent(&functionals, &[1.0, 8.0, 3.0, 5.0])
         else {
             panic!()
         };
         assert_eq!((others, at, expected, found), (vec![0, 2], 3, 2.0, 5.0));
         let slopes = [Functional::Derivative { at: 1.0 }, value(1.0), value(1.0 + 1e-14)];
-        let found = news(&slopes, &[0.0, 1.0, 1.5]);
+        let found = independent(&slopes, &[0.0, 1.0, 1.5]);
         assert!(matches!(found, Err(SignalError::Contradiction { at: 2, .. })));
-        assert_eq!(news(&slopes, &[0.0, 1.0, 1.0]).unwrap(), [0, 1]);
+        assert_eq!(independent(&slopes, &[0.0, 1.0, 1.0]).unwrap(), [0, 1]);
     }
 
     #[test]
-    fn the_least_distance_is_between_places_that_are_two() {
+    fn the_least_distance_ignores_rounding() {
         let of = [average(0.0, 4.0), value(4.5), value(4.5 + 1e-14), value(7.0)];
         assert_eq!(least_distance(&of), Some(0.5));
         assert_eq!(least_distance(&[value(2.0)]), None);

@@ -1,36 +1,37 @@
-//! The system of observations, whatever they are of: a matrix of covariances and a basis of the mean (METHOD §4).
+//! Solves the linear systems of kriging: a matrix of covariances and a basis of the mean (METHOD §4).
 //!
-//! METHOD has m = 1ᵀK⁻¹f₀/1ᵀK⁻¹1 and the variance as differences of large numbers; with the weights B that reproduce
-//! the mean's basis they are as `kernel::scattered::variance` has them.
+//! METHOD computes m = 1ᵀK⁻¹f₀/1ᵀK⁻¹1, and the variance as a difference of large numbers. To avoid the cancellation,
+//! this module uses weights B that reproduce the mean's basis, as `kernel::scattered::variance` does.
 
 use super::error::SignalError;
 use crate::scattered::solver::fit::{MISSED, RCOND};
 use crate::scattered::solver::system::System;
-use faer::Mat;
+use faer::linalg::solvers::{Llt, Solve, SolveLstsq};
+use faer::{Mat, Side};
 
-/// What to change where covariances of values are ill-conditioned.
+/// Suggested change if the covariances of values are ill-conditioned.
 const REMEDY: &str = "take a shorter length, a rougher covariance, or a noise";
 
-/// Values of n observations, solved for.
+/// A solved system of n observations.
 ///
-/// Values, derivatives and averages have variances of different units. So DKD is solved, D = diag(K)^(-1/2): its
-/// condition does not change with the units.
+/// Variances of values, derivatives and averages have different units. So the system DKD is solved, with D =
+/// diag(K)^(-1/2). Its condition number does not depend on the units.
 pub struct Solved {
-    /// D, n.
+    /// Diagonal of D, n.
     units: Vec<f64>,
-    /// DKD, K = C₀ + τI, n x n.
+    /// DKD with K = C₀ + τI, n x n.
     matrix: Mat<f64>,
     system: System,
-    /// B of DP, n x r.
+    /// B for the scaled basis DP, n x r.
     reproducing: Mat<f64>,
-    /// D times the coefficients of DKD, n x 1.
+    /// D times the solution of the scaled system, n x 1: coefficients of the covariances.
     kernels: Mat<f64>,
     terms: Mat<f64>,
     energy: f64,
 }
 
 impl Solved {
-    /// Solves for values (n) of covariance K (n x n) about a mean of a basis (n x r).
+    /// Solves for values (n) with covariance K (n x n) and the mean's basis (n x r).
     ///
     /// # Errors
     /// [`SignalError::IllConditioned`].
@@ -40,17 +41,20 @@ impl Solved {
         let matrix = Mat::from_fn(n, n, |i, k| units[i] * matrix[(i, k)] * units[k]);
         let basis = Mat::from_fn(n, basis.ncols(), |i, t| units[i] * basis[(i, t)]);
         let system = System::new(&matrix, &basis);
-        let ill_conditioned =
-            || SignalError::IllConditioned { rcond: system.rcond(), told: None, remedy: REMEDY };
+        let ill_conditioned = || SignalError::IllConditioned {
+            rcond: system.rcond(),
+            redundant: None,
+            remedy: REMEDY,
+        };
         if system.rcond().is_nan() || system.rcond() < RCOND {
             return Err(ill_conditioned());
         }
         let y = scaled(values, &units);
-        // A covariance is definite but for rounding.
+        // Only rounding makes a covariance matrix indefinite.
         let whitened = system.whitened(&y).ok_or_else(ill_conditioned)?;
         let (kernels, terms) = system.solve(&y);
-        // Of two observations of one thing that disagree the mean may leave a system of one rounding, which is well
-        // conditioned.
+        // If two observations of the same quantity disagree, the mean can hide the contradiction: the remaining system
+        // is well-conditioned but consists of rounding errors.
         let missed = (&y - &matrix * &kernels - basis * &terms).norm_max();
         if missed.is_nan() || missed > MISSED * y.norm_max() {
             return Err(ill_conditioned());
@@ -67,19 +71,21 @@ impl Solved {
         (list(&self.kernels), list(&self.terms))
     }
 
-    /// Estimates the number by which covariances are to be multiplied: that under which the values are likeliest;
-    /// 0 of values that the mean follows.
+    /// Estimates the likeliest factor of the covariances; 0 if the mean fits the values exactly.
     pub fn scale(&self) -> f64 {
         let free = self.matrix.nrows() - self.terms.nrows();
         if free == 0 { 0.0 } else { self.energy / free as f64 }
     }
 
-    /// Predicts what has covariances r (n) with the observations and numbers p (r) in the mean's basis.
+    /// Predicts a value.
+    ///
+    /// - `r`: covariances with the observations, n.
+    /// - `p`: the mean's basis functions, r.
     pub fn value(&self, r: &[f64], p: &[f64]) -> f64 {
         dot(r, &self.kernels) + dot(p, &self.terms)
     }
 
-    /// Computes how much each observation counts for the same, n.
+    /// Computes the weight of each observation in the prediction of [`Self::value`], n.
     pub fn weights(&self, r: &[f64], p: &[f64]) -> Vec<f64> {
         let followed = &self.reproducing * column(p);
         let left = scaled(r, &self.units) - &self.matrix * &followed;
@@ -88,7 +94,9 @@ impl Solved {
         self.units.iter().zip(weights.col(0).iter()).map(|(unit, weight)| unit * weight).collect()
     }
 
-    /// Computes the variance of the same, whose own is given: never below 0.
+    /// Computes the variance of the prediction of [`Self::value`]; never below 0.
+    ///
+    /// - `own`: prior variance of the predicted value.
     pub fn variance(&self, own: f64, r: &[f64], p: &[f64]) -> f64 {
         let (r, followed) = (scaled(r, &self.units), &self.reproducing * column(p));
         let smoothed = &self.matrix * &followed;
@@ -96,6 +104,52 @@ impl Solved {
         let square = (followed.transpose() * &smoothed)[(0, 0)];
         let explained = self.system.whitened(&(r - smoothed)).map_or(0.0, |x| x.squared_norm_l2());
         (own - 2.0 * linear + square - explained).max(0.0)
+    }
+}
+
+/// A norm on the span of given functions h_i, for regularised fits (S0 Eq. 15, Prop. 3).
+///
+/// A positive definite matrix S gives f = Σ c_i h_i the norm ‖f‖² = cᵀSc, with the reproducing kernel K(p, q) =
+/// h(p)ᵀS⁻¹h(q). If the h_i are the covariances of observations and S = C₀, a fit under this norm is kriging.
+pub struct Norm {
+    s: Mat<f64>,
+    llt: Llt<f64>,
+}
+
+impl Norm {
+    /// Creates the norm of S, n x n.
+    ///
+    /// # Errors
+    /// [`SignalError::Indefinite`].
+    pub fn new(s: Mat<f64>) -> Result<Self, SignalError> {
+        let llt = s.llt(Side::Lower).map_err(|_| SignalError::Indefinite { what: "the norm S" })?;
+        Ok(Self { s, llt })
+    }
+
+    /// Computes the coefficients c (n) of the function f that minimises `|H c - y|² + β cᵀSc`.
+    ///
+    /// - `observed`: H, the observations of each h_i, m x n.
+    /// - `values`: y, the target values, m.
+    ///
+    /// Uses QR of `[H; √β Lᵀ]` with S = LLᵀ, which avoids normal equations.
+    pub fn fit(&self, observed: &Mat<f64>, values: &[f64], beta: f64) -> Vec<f64> {
+        let (m, n) = observed.shape();
+        let penalty = self.llt.L().transpose() * faer::Scale(beta.sqrt());
+        let matrix = faer::concat![[observed], [&penalty]];
+        let right = Mat::from_fn(m + n, 1, |i, _| values.get(i).copied().unwrap_or(0.0));
+        matrix.qr().solve_lstsq(&right).col(0).iter().copied().collect()
+    }
+
+    /// Computes the inner product of two functions from their coefficients, n each.
+    pub fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
+        (column(a).transpose() * &self.s * column(b))[(0, 0)]
+    }
+
+    /// Computes the coefficients of K(·, q), n.
+    ///
+    /// - `at`: values of the h_i at q, n.
+    pub fn reproducing(&self, at: &[f64]) -> Vec<f64> {
+        self.llt.solve(column(at)).col(0).iter().copied().collect()
     }
 }
 

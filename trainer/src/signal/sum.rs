@@ -1,34 +1,49 @@
-//! A function of observations as a sum of kernels, where the kernel library can express it.
+//! Represents a fitted function as a sum of kernels, and measures the deviation of its file (METHOD §2.7).
 //!
-//! The covariance with a value is a kernel about its place. That with an average is an integral of kernels, whose
-//! quadrature is a kernel at each node. That with a derivative is the limit of a difference of eight kernels. Both are
-//! as good as f32 only where the kernel is smooth without end: the gaussian.
+//! A value contributes one kernel at its place. An average contributes an integral of kernels, by quadrature: one
+//! kernel per node. A derivative contributes a central difference of eight kernels. Averages and derivatives reach the
+//! accuracy of f32 only with the Gaussian, which is infinitely differentiable.
 
 use super::covariance::Covariance;
-use super::error::SignalError;
+use super::error::{Remedy, SignalError};
 use super::functional::{Functional, NODES, nodes};
 use super::kriging::{Kriging, Process};
+use crate::numeric::columns::ends;
 use crate::scattered::bound::rounded;
+use crate::scattered::deviation::{F32_ERROR, Probe};
+use crate::scattered::model::{Input, InputKind};
 use crate::scattered::sum::{KernelSum, Term};
 use faer::Mat;
 
-/// Half a central difference of order 8, by steps from the middle.
+/// Right half of the central difference of order 8.
 const DIFFERENCE: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
-/// Its step, as the kernel measures distances: it is off by 2e-8 of a derivative, and f32 rounds 1e-6. As a power of 2
-/// it goes between numbers of f32.
+/// Step of the difference, in the kernel's unit of distance. Its error is 2e-8 of a derivative, and f32 rounding adds
+/// 1e-6. A power of 2 keeps f32 places exact.
 const STEP: f64 = 0.0625;
-/// Longest box that one quadrature is taken of, as the kernel measures distances.
+/// Longest box per quadrature, in the kernel's unit of distance.
 const PIECE: f64 = std::f64::consts::SQRT_2;
 /// Most kernels of a function's averages: 8 MB.
 const CENTRES: f64 = 1e6;
 
-/// Makes the kernels of a fit, rounded to f32.
+/// Values whose range is below this fraction of their magnitude count as constant; the errors of an f64 solve are
+/// smaller.
+const CONSTANT: f64 = 1e-9;
+/// Half a unit in the last place of f32.
+const ROUNDING: f64 = 6e-8;
+/// Fraction of the allowed deviation above which rounding counts as the cause.
+const REASON: f64 = 0.25;
+/// Least and greatest value for which f32 represents the coefficients and squares.
+const LEAST: f64 = 1e-30;
+const MOST: f64 = 1e18;
+
+/// Converts a fit to kernels, rounded to f32.
 ///
-/// - `numbers`: the number of each observation as it is written, n.
+/// - `numbers`: original number of each observation, n, for messages.
 ///
 /// # Errors
-/// [`SignalError::NoKernel`] of a covariance that is no kernel, of derivatives and averages of one that is not the
-/// gaussian, and of averages that take too many kernels; [`SignalError::Number`] of a length that f32 does not hold.
+/// [`SignalError::NoKernel`] for a covariance without a kernel, for derivatives or averages unless the covariance is
+/// Gaussian, and for averages that need too many kernels; [`SignalError::Number`] for a length outside the range of
+/// f32.
 pub fn sum(
     process: &Process,
     functionals: &[Functional],
@@ -53,15 +68,14 @@ pub fn sum(
         )));
     }
     let length = if smooth { 0.5f64.sqrt() / epsilon } else { 1.0 / epsilon };
-    // Rounded as the runtime does it, so that a centre is where an input of its place comes to lie.
+    // The runtime rounds epsilon too. With the rounded value, centres coincide with inputs at the same place.
     let epsilon = f64::from(epsilon as f32);
     if !(f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&epsilon) {
         let expected = "a number from 1e-37 to 1e37, as single precision holds it";
         return Err(SignalError::Number { what: "length", expected, found: length });
     }
     let (kernels, terms, [middle, scale]) = fit.coefficients();
-    // Nothing is rounded where nothing is taken off inputs and they are multiplied by a power of 2. A line far from 0
-    // needs its middle.
+    // Without a shift, and with a power of 2 as scale, inputs are not rounded. A line far from 0 still needs the shift.
     let is_power = epsilon.to_bits() << 12 == 0;
     let is_near = terms.len() < 2 || (middle * scale).abs() <= 2.0;
     let shift = if is_power && is_near { 0.0 } else { middle };
@@ -78,7 +92,7 @@ pub fn sum(
         .flat_map(|(of, c)| centres(of, c, place, epsilon))
         .collect();
     let mut numbers: Vec<f64> = centres.iter().map(|(_, c)| *c).collect();
-    // The mean's line is of (x - middle) scale, the polynomial's of (x - shift) epsilon.
+    // The mean's line is in (x - middle) scale, the polynomial's line in (x - shift) epsilon.
     match terms[..] {
         [constant, line] => {
             numbers.extend([constant + line * (shift - middle) * scale, line * scale / epsilon]);
@@ -97,10 +111,9 @@ pub fn sum(
     }))
 }
 
-/// Lists kernels, each by its place as the kernel measures it and its coefficient, that make the covariance with a
-/// functional, times `c`.
+/// Lists the kernels of a functional's covariance times `c`, as (centre, coefficient).
 ///
-/// - `place`: shifts a place and scales it by `epsilon`, as the runtime does.
+/// - `place`: subtracts the shift from a place and multiplies by `epsilon`, as the runtime does.
 fn centres(of: &Functional, c: f64, place: impl Fn(f64) -> f64, epsilon: f64) -> Vec<(f64, f64)> {
     match *of {
         Functional::Value { at } => vec![(place(at), c)],
@@ -125,7 +138,124 @@ fn centres(of: &Functional, c: f64, place: impl Fn(f64) -> f64, epsilon: f64) ->
     }
 }
 
-/// Counts the quadratures of a box, as the kernel measures it.
+/// Counts the quadratures of a box; ends are in the kernel's unit of distance.
 fn pieces([from, to]: [f64; 2]) -> f64 {
     ((to - from) / PIECE).ceil()
+}
+
+/// A fitted function and its values at the observations, to compare with its file.
+pub struct Compared<'a> {
+    fit: &'a Kriging,
+    /// Start and end of every observation.
+    places: Vec<f64>,
+    /// Least and greatest value at these places.
+    values: [f64; 2],
+    range: f64,
+    limit: f64,
+}
+
+impl<'a> Compared<'a> {
+    /// Evaluates a fit at the ends of its functionals.
+    ///
+    /// - `limit`: largest allowed deviation of the file, relative to the function's range. A constant's range is its
+    ///   magnitude. If all observations are at one place, the range is at least the standard deviation of the process.
+    pub fn new(functionals: &[Functional], fit: &'a Kriging, limit: f64) -> Self {
+        let places: Vec<f64> = functionals.iter().flat_map(Functional::ends).collect();
+        let found: Vec<f64> = places.iter().map(|at| value(fit, *at)).collect();
+        let values @ [least, most] = ends(&found);
+        let magnitude = least.abs().max(most.abs());
+        let one_place = places.iter().all(|place| *place == places[0]);
+        let own = if one_place { fit.variance().sqrt() } else { 0.0 };
+        let range = match (most - least).max(own) {
+            range if range > CONSTANT * magnitude => range,
+            _ if magnitude > 0.0 => magnitude,
+            _ => 1.0,
+        };
+        Self { fit, places, values, range, limit }
+    }
+
+    /// Measures the largest deviation of the file, relative to the function's range: at the observations and at 1,000
+    /// places between.
+    ///
+    /// # Errors
+    /// [`SignalError::Empty`] without places.
+    pub fn deviation(&self, sum: &KernelSum) -> Result<f64, SignalError> {
+        let sites: Vec<Vec<f64>> = self.places.iter().map(|place| vec![*place]).collect();
+        // A fit's places are finite, so the probe fails only without places.
+        let probe = Probe::new(&[input()], &sites, vec![self.range], self.limit);
+        let probe = probe.map_err(|_| SignalError::Empty)?;
+        Ok(probe.deviation(sum, |x| x.iter().map(|at| value(self.fit, *at)).collect()))
+    }
+
+    /// Measures the deviation and compares it with the limit.
+    ///
+    /// - `change`: suggested change if f32 rounding is not the cause.
+    ///
+    /// # Errors
+    /// [`SignalError::Deviation`] above the limit; errors of [`Self::deviation`].
+    pub fn check(&self, sum: &KernelSum, change: &'static str) -> Result<f64, SignalError> {
+        let (deviation, limit) = (self.deviation(sum)?, self.limit);
+        if deviation <= limit {
+            return Ok(deviation);
+        }
+        let remedy = self.rounding_remedy(deviation).unwrap_or(Remedy::Covariance(change));
+        Err(SignalError::Deviation { deviation, limit, remedy })
+    }
+
+    /// Returns the suggested change if f32 rounding causes the deviation; `None` otherwise.
+    fn rounding_remedy(&self, deviation: f64) -> Option<Remedy> {
+        let reason = REASON * self.limit * self.range;
+        let [least, most] = self.values;
+        let magnitude = least.abs().max(most.abs());
+        if deviation.is_infinite() {
+            return Some(Remedy::Units);
+        }
+        if let Some(remedy) = magnitude_remedy(magnitude, self.range, reason) {
+            return Some(remedy);
+        }
+        // Finds the place where rounding the input changes the value most.
+        let moved = |by: &dyn Fn(f64) -> f64| {
+            let off = |at: &f64| (value(self.fit, at + by(*at)) - value(self.fit, *at)).abs();
+            let found = self.places.iter().map(|at| (off(at), *at));
+            let most = found.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(off, _)| *off > reason);
+            most.map(|(_, at)| (at, by(at).abs()))
+        };
+        let (_, _, [middle, _]) = self.fit.coefficients();
+        let [low, high] = ends(&self.places);
+        let read = moved(&|at| f64::from(at as f32) - at);
+        match read {
+            Some((at, by)) if middle.abs() > high - low => Some(Remedy::Inputs(at, by)),
+            _ => read
+                .or_else(|| moved(&|at| ROUNDING * (at - middle)))
+                .map(|(at, by)| Remedy::Apart(at, by)),
+        }
+    }
+}
+
+/// Returns the suggested change if f32 rounds samples by more than a thousandth of their range; `None` otherwise and
+/// for constants.
+pub fn samples_remedy(samples: &[f64]) -> Option<Remedy> {
+    let [least, most] = ends(samples);
+    let (magnitude, range) = (least.abs().max(most.abs()), most - least);
+    let is_constant = range <= CONSTANT * magnitude;
+    (!is_constant).then(|| magnitude_remedy(magnitude, range, F32_ERROR * range)).flatten()
+}
+
+/// Returns the suggested change if f32 rounds values by more than `allowed` or cannot represent their squares.
+fn magnitude_remedy(magnitude: f64, range: f64, allowed: f64) -> Option<Remedy> {
+    let rounding = ROUNDING * magnitude;
+    if !(LEAST..=MOST).contains(&magnitude) {
+        return Some(Remedy::Units);
+    }
+    let is_far = rounding > allowed && magnitude > range;
+    is_far.then(|| Remedy::Values(f64::from(magnitude as f32), rounding))
+}
+
+/// Returns the function's single input.
+pub fn input() -> Input {
+    Input { name: "x".to_owned(), kind: InputKind::Scalar, weight: 1.0 }
+}
+
+fn value(fit: &Kriging, at: f64) -> f64 {
+    fit.value(&Functional::Value { at })
 }

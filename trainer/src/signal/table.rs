@@ -1,37 +1,41 @@
-//! A covariance as a table: estimated from data, and made positive definite (METHOD §4).
+//! Covariances as tables, from estimates or CSV files, made positive definite (METHOD §4); and signals from CSV files.
 
+use super::covariance::Covariance;
 use super::error::{SignalError, check_positive};
+use crate::formats::csv;
+use std::path::Path;
 
-/// Lags of the circle on which a table is made definite, over those that it is given.
+/// Length of the circle on which the spectrum is computed, as a multiple of the number of lags.
 const ROOM: usize = 8;
 
-/// C at even distances, straight lines between, 0 beyond the last: positive definite for places that are no
-/// farther apart than that.
+/// C at even distances, interpolated linearly, and 0 beyond the last: positive definite for places within that
+/// distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     values: Vec<f64>,
     step: f64,
 }
 
-/// How products of so many pairs are divided.
+/// Divisor of an autocovariance's sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
-    /// By the number of samples: positive definite.
+    /// The number of samples: positive definite.
     Biased,
-    /// By the number of pairs: not, as a rule.
+    /// The number of pairs: usually not positive definite.
     Unbiased,
 }
 
 impl Table {
-    /// Makes a table of covariances at lags 0, 1, 2, ... that are `step` apart, divided by the first; also
-    /// returns the share of its spectrum that was negative and was clipped.
+    /// Creates a table from covariances at lags 0, 1, 2, ... with distance `step`, normalised by the first. Also
+    /// returns the share of the spectrum that was negative and clipped.
     ///
-    /// Of a sequence on a circle the spectrum is its cosine transform, and where that is nowhere negative every
-    /// matrix of the sequence is positive definite; lines between its numbers multiply it by squares.
+    /// The spectrum of a sequence on a circle is its cosine transform. If the spectrum is nowhere negative, every
+    /// matrix of the sequence is positive definite. Linear interpolation keeps this property, because it multiplies the
+    /// spectrum by squares.
     ///
     /// # Errors
-    /// [`SignalError::Empty`]; [`SignalError::Number`] of a step or a first number that is not above 0, and
-    /// of any that is not finite; [`SignalError::Indefinite`] where nothing is left.
+    /// [`SignalError::Empty`]; [`SignalError::Number`] for a step or first covariance that is not above 0, and for any
+    /// covariance that is not finite; [`SignalError::Indefinite`] if clipping leaves nothing.
     pub fn new(lags: &[f64], step: f64) -> Result<(Self, f64), SignalError> {
         check_positive("step", step)?;
         check_positive("covariance at lag 0", *lags.first().ok_or(SignalError::Empty)?)?;
@@ -52,7 +56,7 @@ impl Table {
         let (mut negative, mut all) = (0.0, 0.0);
         for power in &mut spectrum {
             all += power.abs();
-            // What rounding alone makes negative is nothing to speak of.
+            // Negative values from rounding alone do not count.
             negative += if *power < -1e-12 * lags[0] * len as f64 { -*power } else { 0.0 };
             *power = power.max(0.0);
         }
@@ -66,7 +70,7 @@ impl Table {
         Ok((Self { values, step }, negative / all))
     }
 
-    /// Evaluates C at a signed distance.
+    /// Evaluates C(d).
     pub(super) fn value(&self, d: f64) -> f64 {
         let at = d.abs() / self.step;
         let (lag, share) = (at as usize, at.fract());
@@ -74,24 +78,46 @@ impl Table {
         of(lag) * (1.0 - share) + of(lag + 1) * share
     }
 
-    /// Returns the distance from one number to the next.
+    /// Returns the distance between neighbouring entries.
     pub(super) const fn step(&self) -> f64 {
         self.step
     }
 
-    /// Returns the distance beyond which it is 0.
+    /// Returns the distance beyond which C is 0.
     pub(super) fn reach(&self) -> f64 {
         self.step * self.values.len() as f64
     }
 
-    /// Returns it for distances in another unit.
+    /// Converts to another unit of distance, in which distances are `times` as large.
     pub(super) fn scaled(mut self, times: f64) -> Self {
         self.step *= times;
         self
     }
 }
 
-/// Estimates the autocovariance of samples at the first so many lags, their mean taken off.
+/// Reads a column of a CSV file with one finite number per row.
+///
+/// # Errors
+/// [`SignalError::Format`], with the line, if the file is not CSV, lacks the column, or has a cell that is not a finite
+/// number.
+pub fn read_signal(path: &Path, column: &str) -> Result<Vec<f64>, SignalError> {
+    let table = csv::read(path)?;
+    let column = table.column(column)?;
+    numbers(&table, column)
+}
+
+/// Reads a covariance from the first column of a CSV file, at lags of 0, 1, 2, ... samples. Also returns the clipped
+/// share of the spectrum.
+///
+/// # Errors
+/// [`SignalError::Format`] as for [`read_signal`]; errors of [`Table::new`].
+pub fn read_table(path: &Path) -> Result<(Covariance, f64), SignalError> {
+    let table = csv::read(path)?;
+    let (table, clipped) = Table::new(&numbers(&table, 0)?, 1.0)?;
+    Ok((Covariance::Table(table), clipped))
+}
+
+/// Estimates the autocovariance of samples at the first `lags` lags, around their mean.
 pub fn autocovariance(samples: &[f64], lags: usize, estimator: Estimator) -> Vec<f64> {
     let n = samples.len();
     let mean = samples.iter().sum::<f64>() / n.max(1) as f64;
@@ -106,7 +132,7 @@ pub fn autocovariance(samples: &[f64], lags: usize, estimator: Estimator) -> Vec
     (0..lags.min(n)).map(at).collect()
 }
 
-/// Computes the cosine transform of an even sequence on a circle; twice, it is so many times itself.
+/// Computes the cosine transform of an even sequence on a circle. Two transforms multiply the sequence by its length.
 fn transform(circle: &[f64]) -> Vec<f64> {
     let len = circle.len();
     let cosines: Vec<f64> =
@@ -115,6 +141,12 @@ fn transform(circle: &[f64]) -> Vec<f64> {
         circle.iter().enumerate().map(|(k, x)| x * cosines[k * frequency % len]).sum()
     };
     (0..len).map(at).collect()
+}
+
+fn numbers(table: &csv::Table, column: usize) -> Result<Vec<f64>, SignalError> {
+    let columns = [column];
+    let rows = table.numbers(&columns);
+    rows.map(|row| Ok(row.map(|(_, numbers)| numbers[0])?)).collect()
 }
 
 #[cfg(test)]
@@ -136,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_covariance_is_refused() {
+    fn invalid_tables_are_refused() {
         assert!(matches!(Table::new(&[], 1.0), Err(SignalError::Empty)));
         for (lags, step) in [(vec![0.0, 0.0], 1.0), (vec![1.0], 0.0), (vec![1.0, f64::NAN], 1.0)] {
             assert!(matches!(Table::new(&lags, step), Err(SignalError::Number { .. })));

@@ -192,8 +192,8 @@ fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
     let train = "train demo.glb --clip train --predictor kernel --proxies 4";
     folder.sinew(&format!("{train} --targets train.pc2 -o own.sinew")).done();
     let run = folder.sinew(&format!("{train} --targets demo.pc2 -o cut.sinew"));
-    let expected = "sinew: note: demo.glb: the targets hold the frames of all clips, 25, of which the 20 of train \
-                    are taken\n";
+    let expected = "sinew: note: demo.glb: the targets hold all 25 frames of all clips; the 20 frames of train \
+                    are used\n";
     assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
     assert!(folder.read("cut.sinew") == folder.read("own.sinew"), "the same meshes");
     let eval = "eval cut.sinew demo.glb --targets demo.pc2 --quiet --json";

@@ -4,9 +4,8 @@ use crate::{head, loaded, trained};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::prior::{Anchor, Pin, Temporal};
-use sinew_trainer::face::baked::{BakedFace, Terms};
-use sinew_trainer::face::evaluate::{DRAWS, Protocol};
-use sinew_trainer::face::measure::{Gram, roughness};
+use sinew_trainer::face::baked::{BakedFace, SolveOptions};
+use sinew_trainer::face::evaluate::{DRAWS, Gram, Protocol, roughness};
 use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 
@@ -77,13 +76,13 @@ fn shapes_that_a_take_never_used_can_move() {
     let gram = Gram::new(&face, FACE);
     let mut truth = vec![0.0; basis.mesh.shapes.len()];
     truth[left] = 1.0;
-    let terms = Terms { is_bounded: false, ..Terms::edit(&face.prior) };
+    let options = SolveOptions { is_bounded: false, ..SolveOptions::edit(&face.prior) };
     let dragged = |vertices: &[usize]| -> Vec<f64> {
         let pin =
             |&vertex: &usize| Pin::new(vertex as u32, face.place(vertex, &truth).map(|x| x as f32));
         let pins: Vec<Pin> = vertices.iter().map(pin).collect();
         let mut weights = vec![0.0; truth.len()];
-        face.solve(&pins, &terms, &mut Vec::new(), &mut weights).unwrap();
+        face.solve(&pins, &options, &mut Vec::new(), &mut weights).unwrap();
         weights.into_iter().map(f64::from).collect()
     };
     let rest = vec![0.0; truth.len()];
@@ -135,18 +134,18 @@ fn a_track_with_noise_is_followed_smoothly() {
         let mut out = Vec::new();
         for pins in &observed {
             let mut weights = last.clone();
-            let edit = Terms::edit(&face.prior);
-            let own = Terms { anchor: Anchor::Mean, beta: 0.01, ..edit };
-            let terms = match plain {
+            let edit = SolveOptions::edit(&face.prior);
+            let own = SolveOptions { anchor: Anchor::Mean, beta: 0.01, ..edit };
+            let options = match plain {
                 true => own,
-                false => Terms {
+                false => SolveOptions {
                     temporal: Some(Temporal { weights: &last, stiffness: 50.0 }),
                     symmetry: 0.1,
                     cancels: true,
                     ..own
                 },
             };
-            face.solve(pins, &terms, &mut scratch, &mut weights).unwrap();
+            face.solve(pins, &options, &mut scratch, &mut weights).unwrap();
             last.clone_from(&weights);
             out.push(weights.into_iter().map(f64::from).collect());
         }

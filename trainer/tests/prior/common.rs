@@ -4,8 +4,8 @@ use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
 use sinew_runtime::prior::{Anchor, Edit, Pin, PinJob, Pins};
 use sinew_runtime::{CallError, Model, Prior, Skin};
-use sinew_trainer::envelope::model::{FileModel, Shapes, SkinModel};
-use sinew_trainer::face::prior::{Pairs, PriorModel, learned};
+use sinew_trainer::envelope::model::{FileModel, PriorModel, Shapes, SkinModel};
+use sinew_trainer::face::prior::{Pairs, learned};
 
 /// Numbers in [-1, 1], the same for a seed on every machine.
 pub(crate) struct Numbers(u64);

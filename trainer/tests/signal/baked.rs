@@ -5,9 +5,9 @@ use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::signal::bake::part;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample, Shape};
-use sinew_trainer::signal::mean::Mean;
+use sinew_trainer::signal::kriging::Mean;
+use sinew_trainer::signal::model::part;
 use sinew_trainer::signal::model::{FilterModel, LeftOut};
 
 /// Roundings of a sum of 9 taps: of the taps, of the products and of the sums.

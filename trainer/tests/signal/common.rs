@@ -5,8 +5,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::functional::Functional;
+use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::{Process, gram};
-use sinew_trainer::signal::mean::Mean;
 use sinew_trainer::signal::table::Table;
 
 /// A process of no noise.

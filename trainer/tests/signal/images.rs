@@ -5,7 +5,7 @@ use super::shared::shared;
 use sinew_trainer::signal::choose::of_images;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::image::Image;
-use sinew_trainer::signal::mean::Mean;
+use sinew_trainer::signal::kriging::Mean;
 use std::f64::consts::PI;
 
 /// What the images lie on.

@@ -10,8 +10,8 @@ use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
 use sinew_trainer::scattered::solver::scaling::Block;
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::functional::Functional;
+use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::{Kriging, Process};
-use sinew_trainer::signal::mean::Mean;
 use sinew_trainer::signal::solved::Solved;
 
 /// Places of the samples that scikit-learn was given; their values are sin(1.3 x) + 0.2 x.

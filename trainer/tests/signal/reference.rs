@@ -4,8 +4,8 @@ use super::common::*;
 use serde_json::Value;
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::functional::Functional;
+use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::{Kriging, Process, gram};
-use sinew_trainer::signal::mean::Mean;
 use sinew_trainer::signal::table::{Estimator, Table, autocovariance};
 use std::path::Path;
 

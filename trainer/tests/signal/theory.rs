@@ -6,10 +6,10 @@ use faer::Mat;
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::functional::Functional;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
+use sinew_trainer::signal::kriging::Mean;
+use sinew_trainer::signal::kriging::Neighbours;
 use sinew_trainer::signal::kriging::{Kriging, Process, gram};
-use sinew_trainer::signal::mean::Mean;
-use sinew_trainer::signal::neighbours::Neighbours;
-use sinew_trainer::signal::regularised::Norm;
+use sinew_trainer::signal::solved::Norm;
 
 fn mixed() -> (Vec<Functional>, Vec<f64>) {
     let functionals = vec![

@@ -9,7 +9,7 @@ use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::prior::Edit;
-use sinew_trainer::face::baked::{BakedFace, Shaped, Terms};
+use sinew_trainer::face::baked::{BakedFace, Shaped, SolveOptions};
 use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::picture::{Paint, Photographer};
 use sinew_trainer::face::scene::{Weights, glb};
@@ -127,14 +127,14 @@ fn solve(
             .with_context(|| format!("--hold {vertex}: expected a vertex from 0 to {}", len - 1))?;
         placed.push(Placed::hold(vertex, *place));
     }
-    let mut terms = Terms::edit(&face.prior);
-    terms.anchor = arguments.anchor.anchor();
-    terms.is_bounded = arguments.bounded;
+    let mut options = SolveOptions::edit(&face.prior);
+    options.anchor = arguments.anchor.anchor();
+    options.is_bounded = arguments.bounded;
     if let Some(tolerance) = arguments.tolerance {
-        terms.beta = (tolerance * tolerance) as f32;
+        options.beta = (tolerance * tolerance) as f32;
     }
     let pins: Vec<_> = placed.iter().map(|placed| placed.pin).collect();
-    let edit = face.solve(&pins, &terms, &mut Vec::new(), &mut weights)?;
+    let edit = face.solve(&pins, &options, &mut Vec::new(), &mut weights)?;
     let shaped = face.shaped(&weights)?;
     let pins = placed.iter().map(|placed| placed.follow(&shaped)).collect::<Result<_, _>>()?;
     Ok(Solved { weights, shaped, edit, pins })

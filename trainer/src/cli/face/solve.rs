@@ -6,8 +6,8 @@ use crate::cli::{Output, counted};
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::prior::{Pin, Temporal};
-use sinew_trainer::face::baked::{BakedFace, Terms};
-use sinew_trainer::face::measure::{cardinality, roughness};
+use sinew_trainer::face::baked::{BakedFace, SolveOptions};
+use sinew_trainer::face::evaluate::{cardinality, roughness};
 use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::scene::{Weights, glb};
 use sinew_trainer::face::{take, track};
@@ -102,19 +102,20 @@ fn solve(
             Pin::new(point.vertex as u32, at).with_stiffness(point.stiffness as f32)
         };
         let pins: Vec<Pin> = points.iter().map(pin).collect();
-        let mut terms = Terms { anchor: arguments.anchor.anchor(), ..Terms::edit(&face.prior) };
+        let mut options =
+            SolveOptions { anchor: arguments.anchor.anchor(), ..SolveOptions::edit(&face.prior) };
         if let Some(noise) = arguments.noise {
-            terms.beta = (noise * noise) as f32;
+            options.beta = (noise * noise) as f32;
         }
-        terms.is_bounded = !arguments.plain;
+        options.is_bounded = !arguments.plain;
         if !arguments.plain {
             let stiffness = arguments.temporal;
-            terms.temporal = Some(Temporal { weights: &last, stiffness });
-            terms.symmetry = arguments.symmetry;
-            terms.cancels = true;
+            options.temporal = Some(Temporal { weights: &last, stiffness });
+            options.symmetry = arguments.symmetry;
+            options.cancels = true;
         }
         let mut weights = last.clone();
-        face.solve(&pins, &terms, &mut scratch, &mut weights)
+        face.solve(&pins, &options, &mut scratch, &mut weights)
             .with_context(|| format!("frame {frame}"))?;
         last.clone_from(&weights);
         out.push((frame, weights));

@@ -121,7 +121,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             }
             basis.mesh.space = arguments.space.of(basis.mesh.space, &path.display().to_string())?;
             for &(identity, by) in &arguments.identity {
-                basis.identify(identity, by).with_context(about)?;
+                basis.apply_identity(identity, by).with_context(about)?;
             }
             mark(&mut basis, arguments)?;
             let (model, learned) = of_shapes(&basis, arguments, &options, output)?;
@@ -242,7 +242,7 @@ fn of_shapes(
 /// Sets the landmarks that were given.
 fn mark(basis: &mut Basis, arguments: &Arguments) -> anyhow::Result<()> {
     let Some(path) = &arguments.landmarks else { return Ok(()) };
-    basis.mark(path).with_context(|| path.display().to_string())
+    basis.read_landmarks(path).with_context(|| path.display().to_string())
 }
 
 /// Refuses what example meshes cannot have.

@@ -7,8 +7,8 @@ use serde_json::json;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::scattered::bake::part;
-use sinew_trainer::signal::function::function;
 use sinew_trainer::signal::observations::Observations;
+use sinew_trainer::signal::observations::function;
 use std::path::PathBuf;
 
 /// Finds a function from values, derivatives and averages

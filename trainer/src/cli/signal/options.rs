@@ -6,9 +6,9 @@ use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::error::{SignalError, Subject};
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
+use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::Process;
-use sinew_trainer::signal::mean::Mean;
-use sinew_trainer::signal::reading::read_table;
+use sinew_trainer::signal::table::read_table;
 use std::fmt::Display;
 use std::path::Path;
 

@@ -10,7 +10,7 @@ use sinew_trainer::signal::functional::Functional;
 use sinew_trainer::signal::grid::{Sample, Shape};
 use sinew_trainer::signal::observations::Observations;
 use sinew_trainer::signal::plot::SignalPlot;
-use sinew_trainer::signal::reading::read_signal;
+use sinew_trainer::signal::table::read_signal;
 use std::path::{Path, PathBuf};
 
 /// Draws a signal or a function, with a band around it

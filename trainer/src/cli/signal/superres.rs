@@ -8,10 +8,10 @@ use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_trainer::signal::choose::variance;
-use sinew_trainer::signal::deviation::unheld_samples;
 use sinew_trainer::signal::grid::{Sample, Shape};
 use sinew_trainer::signal::image::Image;
-use sinew_trainer::signal::reading::read_signal;
+use sinew_trainer::signal::sum::samples_remedy;
+use sinew_trainer::signal::table::read_signal;
 use std::path::{Path, PathBuf};
 
 /// Makes an image (.png) or a column of a CSV finer
@@ -113,7 +113,7 @@ fn signal(arguments: &Arguments, output: Output) -> anyhow::Result<Made> {
         Some(path) => {
             let model = load(path)?;
             let filter = model.filter().with_context(|| no_filter(path))?;
-            if let Some(remedy) = unheld_samples(&samples) {
+            if let Some(remedy) = samples_remedy(&samples) {
                 output.warn(about(), format!("in single precision {remedy}"));
             }
             let narrow: Vec<f32> = samples.iter().map(|x| *x as f32).collect();

@@ -7,12 +7,12 @@ use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::signal::bake::part;
 use sinew_trainer::signal::choose::variance;
-use sinew_trainer::signal::deviation::unheld_samples;
 use sinew_trainer::signal::error::Remedy;
+use sinew_trainer::signal::model::part;
 use sinew_trainer::signal::model::{FilterModel, LeftOut};
-use sinew_trainer::signal::reading::read_signal;
+use sinew_trainer::signal::sum::samples_remedy;
+use sinew_trainer::signal::table::read_signal;
 use std::path::PathBuf;
 
 /// Learns a filter from a signal that makes signals of its kind finer
@@ -49,7 +49,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(signal))?.of_a_model()?;
     let about = || signal.display().to_string();
     let samples = read_signal(signal, column).with_context(about)?;
-    match unheld_samples(&samples) {
+    match samples_remedy(&samples) {
         Some(remedy @ Remedy::Units) => bail!("{}: {remedy}", about()),
         Some(remedy) => output.warn(about(), format!("in single precision {remedy}")),
         None => {}

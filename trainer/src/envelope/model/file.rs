@@ -1,9 +1,9 @@
 //! Everything that a file holds.
 
 use super::envelope::EnvelopeModel;
+use super::prior::PriorModel;
 use super::record::RecordModel;
 use super::skin::SkinModel;
-use crate::face::prior::PriorModel;
 use sinew_runtime::format::Space;
 
 /// Envelopes, the skins that follow them, in the examples' order, priors over the weights of their shapes, and what

@@ -1,13 +1,8 @@
-//! Where meshes from two files lie to each other: tools disagree about axes and units, so one is
-//! found to be the other turned by right angles, scaled and, for rest meshes, moved.
-
-use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
-use sinew_runtime::format::{Axis, Space};
-use std::fmt;
+//! Aligns meshes from two files. Tools use different axes and units, so one mesh may be rotated by right angles and
+//! scaled. A rest mesh may also be translated.
 
 use super::error::ImportError;
-use crate::examples::sample::spread;
+use crate::examples::data::spread;
 use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
@@ -15,19 +10,29 @@ use crate::numeric::affine::{joined, parts, to_rows};
 use crate::numeric::points::apart_unordered;
 use crate::space::axes::{self, axis, direction};
 use crate::space::{SCALES, UNITS};
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use sinew_runtime::format::{Axis, Space};
+use std::fmt;
 
-/// A change of axes or units must leave less than this share of the distance that there is without.
+/// Largest residual of a similarity relative to the residual without one; above this ratio nothing is moved.
 const BETTER: f64 = 0.5;
-/// Farthest that posed meshes may lie from a skin of one joint a vertex, RMS over the diagonal.
+/// Largest distance of posed meshes from one-joint skinning, RMS relative to the diagonal.
 const APART: f64 = 0.2;
-/// Farthest that two rest meshes may lie apart, RMS over the diagonal; both files round positions.
+/// Largest distance between equal rest meshes, RMS relative to the diagonal; both files round positions.
 const SAME_MESH: f64 = 1e-3;
-/// A similarity this near to none, over the diagonal, is none.
+/// Translations below this fraction of the diagonal count as 0.
 const NONE: f64 = 1e-5;
-/// Vertices and frames that are looked at.
+/// Sampled vertices and frames for aligning posed meshes.
 const SAMPLE: (usize, usize) = (150, 8);
+/// Sampled posed vertices, rest vertices and frames for detecting another vertex order.
+const SHUFFLE_SAMPLE: (usize, usize, usize) = (12, 4000, 5);
+/// Largest distance of a posed vertex from some joint's image, relative to the diagonal.
+const NEAR: f64 = 0.02;
+/// Largest ratio of sizes between posed meshes and the rest mesh, in either direction and in one unit.
+const STRETCHED: f64 = 1.5;
 
-/// x' = scale turn x + shift, where the turn maps axes to axes.
+/// A similarity x' = scale turn x + shift; the rotation `turn` maps axes to axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Similarity {
     turn: Matrix3<f64>,
@@ -36,12 +41,14 @@ pub(super) struct Similarity {
 }
 
 impl Examples {
-    /// Moves examples to where their rest mesh is this one of the same engine's vertices, which may be in other
-    /// axes and units; tells how, where they had to be moved.
+    /// Moves the examples so that their rest mesh coincides with a model's rest mesh, which may have other axes and
+    /// units. Returns a warning with the conversion if anything moved.
+    ///
+    /// - `rest`: the model's rest positions; engine vertices or the mesh's vertices, in the examples' order.
     ///
     /// # Errors
-    /// [`ExamplesError::Mismatch`] for another count of vertices, [`ImportError::OtherMesh`] where no
-    /// turn by right angles, scale and shift brings the rest meshes together.
+    /// [`ExamplesError::Mismatch`] for another count of vertices; [`ImportError::OtherMesh`] if no similarity aligns
+    /// the rest meshes.
     pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
         self.unsplit_for(rest.len());
         let own = self.surface().copied(&self.rest);
@@ -60,11 +67,10 @@ impl Examples {
     }
 }
 
-/// Finds how a rest mesh became another one of the same vertices.
+/// Finds the similarity between two rest meshes with the same vertices.
 ///
 /// # Errors
-/// How far apart the nearest comes, RMS in % of the diagonal, where no turn by right angles brings
-/// them together.
+/// The smallest RMS distance, in % of the diagonal, if no similarity aligns the meshes.
 pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f64> {
     let (from, to) = (Cloud::new(from), Cloud::new(to));
     let distance = |similarity: &Similarity| {
@@ -85,7 +91,7 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f
     }
 }
 
-/// Tells whether a rest mesh has the places of another's vertices, turned by right angles, scaled and moved, in any order.
+/// Returns whether two rest meshes have the same positions in another vertex order, up to a similarity.
 fn are_shuffled(from: &[[f64; 3]], to: &[[f64; 3]]) -> bool {
     similarities(from, to).any(|similarity| {
         let moved = from.iter().map(|&x| similarity.point(x.into()).into());
@@ -93,8 +99,8 @@ fn are_shuffled(from: &[[f64; 3]], to: &[[f64; 3]]) -> bool {
     })
 }
 
-/// Lists what may lead from one cloud of points to another of as many, in any order: none, then every turn by right
-/// angles, with the scale and shift that the clouds have.
+/// Lists candidate similarities between two sets of as many points, independent of their order: the identity, then
+/// every right-angle rotation with the scale and shift of the sets.
 pub(super) fn similarities(
     from: &[[f64; 3]],
     to: &[[f64; 3]],
@@ -108,11 +114,11 @@ fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<>
     axes::rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
 }
 
-/// Finds how posed meshes, frame-major, must be turned and scaled to lie on the joints that carry
-/// the rest mesh.
+/// Finds the similarity that moves posed meshes onto the joints that carry the rest mesh; no translation. Arrays are
+/// frame-major.
 ///
 /// # Errors
-/// [`ImportError::TargetsApart`] where none brings them near.
+/// [`ImportError::TargetsApart`] if no candidate is close.
 pub(super) fn poses(
     rest: &[[f64; 3]],
     transforms: &[Matrix3x4],
@@ -123,7 +129,7 @@ pub(super) fn poses(
     let joint_len = transforms.len() / frame_len.max(1);
     let frames: Vec<usize> = spread(frame_len, SAMPLE.1);
     let vertices: Vec<usize> = spread(rest.len(), SAMPLE.0);
-    // Where each joint alone would carry each vertex.
+    // Position of each sampled vertex under each joint alone.
     let carried: Vec<Vec<Vec<Vector3<f64>>>> = vertices
         .iter()
         .map(|&vertex| {
@@ -159,7 +165,55 @@ pub(super) fn poses(
     }
 }
 
-/// Lists the turns by right angles with every change of units.
+/// Returns whether posed meshes have the rest mesh's vertices in another order: joints carry rest vertices to the posed
+/// positions, but not the vertices with the same numbers. Considers right-angle rotations and changes of unit. Most
+/// vertices must match in most frames, because an exploded frame proves nothing about the order.
+pub(crate) fn is_shuffled(rest: &[[f64; 3]], transforms: &[Matrix3x4], posed: &[[f64; 3]]) -> bool {
+    let frame_len = posed.len() / rest.len().max(1);
+    let joint_len = transforms.len() / frame_len.max(1);
+    let frames = spread(frame_len, SHUFFLE_SAMPLE.2);
+    if frames.is_empty() || rest.is_empty() {
+        return false;
+    }
+    let mut radii: Vec<f64> =
+        frames.iter().map(|frame| radius(&posed[frame * rest.len()..][..rest.len()])).collect();
+    radii.sort_by(f64::total_cmp);
+    let ratio = radius(rest) / radii[radii.len() / 2];
+    let likely = |place: &Similarity| {
+        let stretch = place.scale() / ratio;
+        (1.0 / STRETCHED..STRETCHED).contains(&stretch)
+    };
+    // Path of a vertex under a joint, over the sampled frames.
+    let path = |v: usize, joint: usize| -> Vec<Vector3<f64>> {
+        frames.iter().map(|frame| carry(&transforms[frame * joint_len + joint], &rest[v])).collect()
+    };
+    let paths = |v: usize| (0..joint_len).map(move |joint| (v, joint));
+    let all: Vec<Vec<Vector3<f64>>> = spread(rest.len(), SHUFFLE_SAMPLE.1)
+        .into_iter()
+        .flat_map(paths)
+        .map(|(v, joint)| path(v, joint))
+        .collect();
+    let picked = spread(rest.len(), SHUFFLE_SAMPLE.0);
+    let own: Vec<Vec<Vec<Vector3<f64>>>> =
+        picked.iter().map(|&v| paths(v).map(|(v, joint)| path(v, joint)).collect()).collect();
+    let near = NEAR * diagonal(rest);
+    let matches = |place: &Similarity, k: usize, paths: &[Vec<Vector3<f64>>]| {
+        let at = |frame: &usize| place.point(posed[frame * rest.len() + picked[k]].into());
+        let there: Vec<Vector3<f64>> = frames.iter().map(at).collect();
+        paths.iter().any(|path| {
+            let near = path.iter().zip(&there).filter(|(a, b)| (*a - *b).norm() < near);
+            2 * near.count() > frames.len()
+        })
+    };
+    let most = |matches: &dyn Fn(usize) -> bool| {
+        2 * (0..picked.len()).filter(|&k| matches(k)).count() > picked.len()
+    };
+    let places: Vec<Similarity> = scaled_turns().filter(likely).collect();
+    places.par_iter().any(|place| most(&|k| matches(place, k, &all)))
+        && !places.iter().any(|place| most(&|k| matches(place, k, &own[k])))
+}
+
+/// Lists the right-angle rotations with every change of unit.
 pub(super) fn scaled_turns() -> impl Iterator<Item = Similarity> {
     let shift = Vector3::zeros();
     axes::rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
@@ -182,14 +236,14 @@ impl Similarity {
         }
     }
 
-    /// Turns what is authored of a mesh.
+    /// Rotates the authored normals and tangents of a mesh.
     pub(super) fn turn(&self, engine: Option<&mut EngineMesh>) {
         if let Some(engine) = engine.filter(|_| !self.is_identity()) {
             engine.turn(|direction| (self.turn * Vector3::from(direction)).into(), false);
         }
     }
 
-    /// Tells what becomes of a space.
+    /// Returns the space after the similarity.
     pub(super) fn space(&self, from: &Space) -> Space {
         if self.is_identity() {
             return *from;
@@ -201,7 +255,7 @@ impl Similarity {
         Space { up, forward, unit, ..*from }
     }
 
-    /// Moves a skeleton and its maps from rest to posed.
+    /// Moves a skeleton and its maps from rest pose to pose.
     pub(super) fn move_joints(&self, skeleton: &mut Skeleton, transforms: &mut [Matrix3x4]) {
         if self.is_identity() {
             return;
@@ -211,7 +265,7 @@ impl Similarity {
             *frame = to_rows(&joined(&(self.turn * turn), &self.point(origin)));
         }
         for map in transforms {
-            // The image of the map from the other side: there and back again.
+            // Conjugates the map by the similarity: back, map, forward.
             let (linear, offset) = parts(map);
             let linear = self.turn * linear * self.turn.transpose();
             let moved = self.turn * offset * self.scale + self.shift - linear * self.shift;
@@ -219,7 +273,7 @@ impl Similarity {
         }
     }
 
-    /// Tells how much larger things become.
+    /// Returns the scale factor.
     pub(super) fn scale(&self) -> f64 {
         self.scale
     }
@@ -230,7 +284,7 @@ impl Similarity {
 }
 
 impl fmt::Display for Similarity {
-    /// Writes where the axes come from, as in `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
+    /// Formats the similarity by the source of each axis, such as `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&axes::names(&self.turn))?;
         if self.scale != 1.0 {
@@ -244,7 +298,7 @@ impl fmt::Display for Similarity {
     }
 }
 
-/// A mesh's points with their centre and sizes.
+/// Points of a mesh with their centre and size.
 struct Cloud {
     points: Vec<Vector3<f64>>,
     centre: Vector3<f64>,
@@ -266,7 +320,7 @@ impl Cloud {
     }
 }
 
-/// Takes the candidate that leaves least, unless what is there without any is nearly as good.
+/// Returns the candidate with the smallest residual, or the identity if its residual is nearly as small.
 fn best(
     candidates: impl Iterator<Item = (Similarity, f64)>,
     unmoved: (Similarity, f64),
@@ -275,23 +329,23 @@ fn best(
     if nearest.1 < BETTER * unmoved.1 { nearest } else { unmoved }
 }
 
-/// The unit nearest to a ratio where one is near, else the ratio itself.
+/// Returns the unit ratio close to `ratio`, or `ratio` if there is none.
 fn nearest_unit(ratio: f64) -> f64 {
     let near = |unit: &f64| (ratio / unit - 1.0).abs() < SAME_MESH;
     SCALES.into_iter().find(near).unwrap_or(ratio)
 }
 
-/// Measures the diagonal of the box around some points.
+/// Returns the diagonal of the points' bounding box.
 pub(super) fn diagonal(points: &[[f64; 3]]) -> f64 {
     Cloud::new(points).diagonal
 }
 
-/// Measures how far points lie from their centre, RMS.
+/// Returns the RMS distance of points from their centre.
 pub(super) fn radius(points: &[[f64; 3]]) -> f64 {
     Cloud::new(points).radius
 }
 
-/// Gives where a joint alone carries a vertex.
+/// Returns the position of a vertex under one joint.
 pub(super) fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {
     let (linear, offset) = parts(map);
     linear * Vector3::from(*x) + offset

@@ -1,47 +1,47 @@
-//! What keeps a scene from becoming examples, and what to export instead.
+//! Errors in scenes and their posed meshes, with advice on exporting.
 
 use sinew_runtime::format::MAGNITUDE_MAX;
 
-/// A scene and posed meshes that do not go together, or are not enough.
+/// A scene and posed meshes that do not match, or are incomplete.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
-    /// What only goes with a scene was given with examples that are complete.
+    /// An option for scenes was given with complete examples.
     #[error(
         "{option} goes with a scene (.glb, .gltf, .fbx); an .npz holds its own poses and meshes"
     )]
     NotAScene {
-        /// What was given.
+        /// Name of the option.
         option: &'static str,
     },
-    /// A file of posed meshes was given where a scene is read.
+    /// A file of posed meshes was given as a scene.
     #[error(
         "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and \
          this file as --targets"
     )]
     MeshesAlone,
-    /// Posed meshes follow at one rate, the clip's keys do not.
+    /// The posed meshes have a constant rate, but the clip's keys are unevenly spaced.
     #[error(
         "clip {clip} has non-uniform key times: a step of {step:.4} s at {at:.4} s, elsewhere \
          {usual:.4} s; bake a key at every frame when exporting, or give the frames a second that \
          the meshes were exported at as --fps"
     )]
     UnevenKeys {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
-        /// Where the uneven step begins, in seconds.
+        /// Start of the uneven step, in seconds.
         at: f64,
-        /// How long it is, in seconds.
+        /// Length of the uneven step, in seconds.
         step: f64,
-        /// How long the others are, in seconds.
+        /// Length of the other steps, in seconds.
         usual: f64,
     },
-    /// There are poses but no meshes to learn.
+    /// The scene has poses but no posed meshes.
     #[error(
         "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.abc, .pc2, .mdd, \
          .npz, or a numbered sequence of .obj)"
     )]
     NoShapes,
-    /// The posed meshes are of another mesh.
+    /// The posed meshes have a wrong number of vertices.
     #[error(
         "holds meshes of {found} vertices, the scene's mesh has {}: export both from one mesh \
          without modifiers that change its vertices; glTF splits vertices along seams of texture and \
@@ -49,14 +49,14 @@ pub enum ImportError {
         counts(*expected, *engine)
     )]
     TargetVertices {
-        /// In the scene.
+        /// Vertices in the scene's mesh.
         expected: usize,
-        /// In the scene as an engine draws it.
+        /// Engine vertices in the scene.
         engine: usize,
-        /// In the file.
+        /// Vertices in the file.
         found: usize,
     },
-    /// A position of the posed meshes is not finite, or too large for a model.
+    /// A posed position is not finite or exceeds the range of a model.
     #[error(
         "its vertices {} {at}, at vertex {vertex}: export the meshes again",
         if *is_finite {
@@ -68,43 +68,43 @@ pub enum ImportError {
     TargetNumber {
         /// Whether the position is finite, and so too large.
         is_finite: bool,
-        /// In which frame, as its file or the scene's clip calls it, or at rest.
+        /// Name of the frame in its file or clip, or the rest pose.
         at: String,
         /// The vertex.
         vertex: usize,
     },
-    /// Copies of one vertex of the scene's move apart in the posed meshes.
+    /// Copies of a vertex separate in the posed meshes.
     #[error(
-        "its vertices {first} and {second} are one of the scene's mesh, split along a seam, but lie \
+        "its vertices {first} and {second} are copies of one vertex of the scene's mesh, split along a seam, but lie \
          {percent:.4} % of the diagonal apart in frame {frame}, expected 0.001 % at most; export both from \
          one mesh"
     )]
     CopiesApart {
-        /// One of them.
+        /// First copy.
         first: usize,
-        /// The other.
+        /// Second copy.
         second: usize,
-        /// The first frame in which they part.
+        /// First frame with a separation.
         frame: usize,
-        /// How far, in % of the diagonal.
+        /// Distance in % of the diagonal.
         percent: f64,
     },
-    /// There are not as many posed meshes as poses.
+    /// The numbers of posed meshes and poses differ.
     #[error(
         "holds {found} meshes, the scene's clips have {expected} frames ({clips}): {}",
         remedy(missing)
     )]
     TargetFrames {
-        /// Frames of the clips.
+        /// Frames in the clips.
         expected: usize,
         /// Meshes in the file.
         found: usize,
-        /// The clips and their frames.
+        /// Names of the clips with their numbers of frames.
         clips: String,
-        /// Files that a sequence leaves out.
+        /// Files missing from a numbered sequence.
         missing: Vec<String>,
     },
-    /// The posed meshes fit the clips in several orders, but not in that given.
+    /// The posed meshes fit several orders of the clips, but not the given order.
     #[error(
         "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
          the meshes over the clips in the scene's order",
@@ -112,18 +112,18 @@ pub enum ImportError {
         other.join(", ")
     )]
     ClipOrder {
-        /// The scene's clips.
+        /// Names of the scene's clips.
         given: Vec<String>,
-        /// The clips in the order that fits best.
+        /// Names of the clips in the best order.
         other: Vec<String>,
     },
-    /// The posed meshes' vertices have another order.
+    /// The posed meshes have the vertices in another order.
     #[error(
         "its vertices are those of the scene's mesh, but in another order: export both from one mesh, neither as \
          glTF, which sorts vertices anew; or give an .npz with the `rest` positions of its vertices"
     )]
     VertexOrder,
-    /// The rest mesh is another one.
+    /// The rest mesh differs from the model's.
     #[error(
         "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
          diagonal at best{}",
@@ -136,71 +136,71 @@ pub enum ImportError {
     OtherMesh {
         /// RMS distance in % of the diagonal.
         percent: f64,
-        /// Whether the places of all vertices are the same.
+        /// Whether both meshes have the same positions in another order.
         is_shuffled: bool,
     },
-    /// The joints are not called as the model's, but would be by other names.
-    #[error("its joints are not called as the model's: {mismatch}")]
+    /// The joints' names differ from the model's, but renaming would match them.
+    #[error("its joints have other names than the model's: {mismatch}")]
     OtherNames {
-        /// What keeps the names from matching, and the option that mends it.
+        /// Reason why names do not match, with the option that fixes it.
         mismatch: String,
     },
-    /// An animation lacks the root of the character's joints.
+    /// An animation lacks the character's root joint.
     #[error(
         "has no joint {joint}, the root of the character's: {}",
         mismatch.as_deref().unwrap_or("export the whole skeleton")
     )]
     NoRoot {
-        /// The root.
+        /// Name of the root.
         joint: String,
-        /// What keeps names from matching, and the option that mends it.
+        /// Reason why names do not match, with the option that fixes it.
         mismatch: Option<String>,
     },
-    /// An animation's joints at rest are not the character's.
+    /// The animation's rest pose differs from the character's.
     #[error(
         "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
          in its rest pose, with the animation, or give --mesh a file that says its axes"
     )]
     OtherSkeleton {
-        /// RMS distance of their origins in % of the diagonal.
+        /// RMS distance of joint origins in % of the diagonal.
         percent: f64,
     },
-    /// A scene without a mesh was given where a mesh is needed.
+    /// The scene has no mesh, but a mesh is needed.
     #[error(
         "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into{}",
         mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
     )]
     JointsAlone {
-        /// What keeps its names from those of the model, and the option that mends it.
+        /// Reason why names do not match the model's, with the option that fixes it.
         mismatch: Option<String>,
     },
-    /// A file beside others has another mesh, or another skeleton.
+    /// The file's mesh or skeleton differs from the first file's.
     #[error(
         "has {found} {what}, {first} has {expected}: examples in several files are of one character"
     )]
     OtherCounts {
-        /// Vertices or joints.
+        /// The counted items: vertices or joints.
         what: &'static str,
-        /// In the first file.
+        /// Number in the first file.
         expected: usize,
-        /// In this one.
+        /// Number in this file.
         found: usize,
         /// The first file.
         first: String,
     },
-    /// A joint has another name, or another parent, than in the first of several files.
+    /// A joint's name or parent differs from the first file's.
     #[error("joint {joint} is {found}, in {first} it is {expected}")]
     OtherJoint {
-        /// The joint.
+        /// Number of the joint.
         joint: usize,
-        /// In the first file.
+        /// Joint and parent in the first file.
         expected: String,
-        /// In this one.
+        /// Joint and parent in this file.
         found: String,
         /// The first file.
         first: String,
     },
-    /// The rest mesh is another one than in the first of several files.
+    /// The rest mesh differs from the first file's.
     #[error(
         "its rest mesh is not that of {first}: off by {percent:.2} % of the diagonal, {}",
         if *is_shuffled {
@@ -212,12 +212,12 @@ pub enum ImportError {
     OtherRest {
         /// RMS distance in % of the diagonal.
         percent: f64,
-        /// Whether the places of all vertices are the same.
+        /// Whether both meshes have the same positions in another order.
         is_shuffled: bool,
         /// The first file.
         first: String,
     },
-    /// Joints at rest are elsewhere than in the first of several files.
+    /// The rest origins of joints differ from the first file's.
     #[error(
         "its joints at rest are not where {first} has them: off by {percent:.2} % of the diagonal; export \
          both in one rest pose"
@@ -228,25 +228,25 @@ pub enum ImportError {
         /// The first file.
         first: String,
     },
-    /// The faces are others than in the first of several files.
+    /// The faces differ from the first file's.
     #[error("its faces are not those of {first}; export both from one mesh")]
     OtherFaces {
         /// The first file.
         first: String,
     },
-    /// The posed meshes are not where the joints are.
+    /// The posed meshes are not near the joints.
     #[error(
         "its meshes do not lie on the scene's joints in any axes and unit: off by {percent:.0} % of \
          the diagonal at best; export them in world space, and over the same frames as the clip"
     )]
     TargetsApart {
-        /// RMS distance from the nearest rigid skin, in % of the diagonal.
+        /// RMS distance from one-joint skinning, in % of the diagonal.
         percent: f64,
     },
 }
 
 impl ImportError {
-    /// Tells whether the posed meshes are at fault, not the scene.
+    /// Returns whether the posed meshes cause the error, not the scene.
     pub(super) fn is_about_targets(&self) -> bool {
         matches!(
             self,
@@ -261,7 +261,7 @@ impl ImportError {
     }
 }
 
-/// Says what to do about a count of meshes.
+/// Returns the advice for a wrong number of meshes.
 fn remedy(missing: &[String]) -> String {
     match missing {
         [] => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
@@ -273,7 +273,7 @@ fn remedy(missing: &[String]) -> String {
     }
 }
 
-/// Names the counts of vertices that posed meshes may have.
+/// Formats the allowed numbers of vertices.
 fn counts(vertices: usize, engine: usize) -> String {
     if vertices == engine {
         vertices.to_string()

@@ -1,20 +1,20 @@
-//! Examples of one character from several files.
+//! Joins examples of one character from several files.
 
 use super::error::ImportError;
 use crate::examples::{Clip, Examples, LoadError, Skeleton};
 use crate::numeric::points::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
 
-/// Share of the diagonal within which rest meshes, and the origins of joints, are the same: what single precision and
-/// the digits of a text leave.
+/// Largest distance of equal rest meshes and joint origins, relative to the diagonal: covers rounding to f32 and to
+/// text.
 const SAME: f64 = 1e-4;
 
-/// Joins examples of one character, one file's frames after the other's, in the axes and unit of the first. Clips are
-/// called FILE:CLIP. How much vertices count is the mean of what the files say, by their training frames; joint weights are
-/// those of the first file that has any.
+/// Concatenates the frames of several files, in the axes and unit of the first file. Clips are named FILE:CLIP. The
+/// importance of vertices is the mean over files, weighted by their frames. Joint weights come from the first file that
+/// has any.
 ///
 /// # Errors
-/// A [`LoadError`] that names the first file whose character is another.
+/// A [`LoadError`] with the first file of another character.
 ///
 /// # Panics
 /// If there is no file.
@@ -36,7 +36,7 @@ pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<C
     Ok((joined, clips))
 }
 
-/// Names a file's clips, whose frames follow so many others.
+/// Renames a file's clips and shifts their first frames by `before`.
 fn named(file: &Path, before: usize, clips: &[Clip]) -> Vec<Clip> {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name = |clip: &Clip| match (clips.len(), clip.name == stem) {
@@ -72,7 +72,7 @@ fn append(joined: &mut Examples, next: Examples) {
     joined.place_joints();
 }
 
-/// Checks that examples are of the character of others.
+/// Checks that both examples have the same character: counts, joints, rest mesh, rest pose and faces.
 fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), ImportError> {
     let first = || first.file_name().unwrap_or_default().to_string_lossy().into_owned();
     for (what, expected, found) in [
@@ -97,15 +97,16 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
     let diagonal = expected.diagonal();
     let percent = 100.0 * apart(&expected.rest, &found.rest) / diagonal;
     if percent > 100.0 * SAME {
-        // The same places in another order.
+        // Detects equal positions in another order.
         let is_shuffled = apart_unordered(&expected.rest, &found.rest) <= SAME * diagonal;
         return Err(ImportError::OtherRest { percent, is_shuffled, first: first() });
     }
-    // Where they are found from the motion, each file has a motion of its own.
-    let is_found = |joint: &usize| own.unplaced.contains(joint) || other.unplaced.contains(joint);
-    let told: Vec<usize> = (0..own.names.len()).filter(|joint| !is_found(joint)).collect();
+    // Rest origins that were estimated from motion differ between files.
+    let is_estimated =
+        |joint: &usize| own.unplaced.contains(joint) || other.unplaced.contains(joint);
+    let given: Vec<usize> = (0..own.names.len()).filter(|joint| !is_estimated(joint)).collect();
     let origins = |own: &Examples| -> Vec<[f64; 3]> {
-        told.iter().map(|&joint| own.skeleton.rest[joint].map(|row| row[3])).collect()
+        given.iter().map(|&joint| own.skeleton.rest[joint].map(|row| row[3])).collect()
     };
     let percent = 100.0 * apart(&origins(expected), &origins(found)) / diagonal;
     if percent > 100.0 * SAME {

@@ -1,27 +1,68 @@
-//! Which vertex of posed meshes is which of a scene's.
-
-use nalgebra::Vector3;
-use std::collections::HashMap;
+//! Matches the meshes and vertices of posed meshes with a scene's.
 
 use super::align::{self, Similarity, similarities};
 use super::error::ImportError;
-use crate::examples::sample::spread;
+use crate::examples::Warning;
+use crate::examples::data::spread;
 use crate::formats::posed_meshes::{Part, PosedMeshes};
 use crate::mesh::Surface;
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::ops::Range;
 
-/// Farthest that copies of one vertex may lie apart in any frame, over the diagonal.
+/// Largest distance between copies of a vertex in any frame, relative to the diagonal.
 const COPIES: f64 = 1e-5;
-/// Farthest from a vertex at rest that what is taken for it may lie, over the diagonal; files round positions.
+/// Largest distance between matched rest positions, relative to the diagonal; files round positions.
 const PLACE: f64 = 1e-4;
-/// Positions that are looked at before all are.
+/// Positions sampled for candidate similarities.
 const SAMPLE: usize = 150;
 
-/// Brings posed meshes to the V vertices of a scene's mesh and their order. They may have these, or the E that an
-/// engine has of it; in the scene's order, or, with a rest mesh or reference positions of their own, in any.
+/// Selects and sorts the meshes of a file into the scene's order: by name, or by a unique number of vertices. If
+/// neither identifies the meshes, returns them unchanged.
+///
+/// - `ranges`: names and vertex ranges of the scene's meshes.
+/// - `vertex_len`: number of the scene's vertices.
+pub(super) fn arranged(
+    ranges: &[(String, Range<usize>)],
+    vertex_len: usize,
+    meshes: PosedMeshes,
+    warnings: &mut Vec<Warning>,
+) -> PosedMeshes {
+    let parts = &meshes.parts;
+    let Some(picked) = picked(ranges, vertex_len, meshes.vertex_len, parts) else { return meshes };
+    if picked.iter().copied().eq(0..parts.len()) {
+        return meshes;
+    }
+    let left_out = (0..parts.len()).filter(|part| !picked.contains(part));
+    let left_out: Vec<String> =
+        left_out.filter_map(|part| parts[part].names.first().cloned()).collect();
+    if !left_out.is_empty() {
+        warnings.push(Warning::TargetsLeftOut { meshes: left_out });
+    }
+    let picked: Vec<&Part> = picked.into_iter().map(|part| &parts[part]).collect();
+    let pick = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
+        picked.iter().flat_map(|part| &all[part.range.clone()]).copied().collect()
+    };
+    let mut end = 0;
+    let parts = picked.iter().map(|part| {
+        let begin = end;
+        end += part.range.len();
+        Part { names: part.names.clone(), range: begin..end }
+    });
+    let parts: Vec<Part> = parts.collect();
+    PosedMeshes {
+        rest: meshes.rest.as_deref().map(pick),
+        reference: meshes.reference.as_deref().map(pick),
+        parts,
+        ..PosedMeshes::bare(end, meshes.vertices.chunks(meshes.vertex_len).flat_map(pick).collect())
+    }
+}
+
+/// Reorders posed meshes to the V vertices of a scene's mesh. Posed meshes may have V vertices or E engine vertices.
+/// With a rest mesh or reference positions they may be in any order, otherwise in the scene's order.
 ///
 /// # Errors
-/// [`ImportError::TargetVertices`] for another count, [`ImportError::CopiesApart`] where copies of one vertex go
-/// different ways.
+/// [`ImportError::TargetVertices`] for another count; [`ImportError::CopiesApart`] if copies of a vertex separate.
 pub(super) fn matched(
     scene: &Surface<'_>,
     meshes: PosedMeshes,
@@ -31,7 +72,7 @@ pub(super) fn matched(
     if found != expected && found != engine {
         return Err(ImportError::TargetVertices { expected, engine, found });
     }
-    // The scene's vertices as the meshes have them, where they have its order.
+    // Scene vertex of each posed vertex, if both have the same order.
     let one_each = found == expected;
     let own: Vec<usize> = (0..found).map(|v| if one_each { v } else { scene.copy_of(v) }).collect();
     let at_rest: Vec<[f64; 3]> = own.iter().map(|&vertex| scene.positions[vertex]).collect();
@@ -42,7 +83,7 @@ pub(super) fn matched(
     };
     let mut copies = vec![Vec::new(); expected];
     match by_place {
-        // What stands in the place of a vertex, in whatever order.
+        // Posed vertices at the position of each scene vertex, in any order.
         Some(places) => {
             for (&vertex, places) in own.iter().zip(places) {
                 copies[vertex].extend(places);
@@ -60,8 +101,40 @@ pub(super) fn matched(
     Ok(PosedMeshes { rest, ..PosedMeshes::bare(expected, vertices) })
 }
 
-/// Lists what of another rest mesh stands in the place of each position, in whatever axes and unit; `None` where
-/// they follow one another in one order, or where something stands in no place.
+/// Selects a part for each of the scene's meshes; `None` if any is not identified.
+fn picked(
+    ranges: &[(String, Range<usize>)],
+    vertex_len: usize,
+    found: usize,
+    parts: &[Part],
+) -> Option<Vec<usize>> {
+    let one_of = |fits: &dyn Fn(&Part) -> bool| {
+        let mut fitting = (0..parts.len()).filter(|&part| fits(&parts[part]));
+        fitting.next().filter(|_| fitting.next().is_none())
+    };
+    let of_len = |len: usize| one_of(&|part| part.range.len() == len);
+    if ranges.is_empty() {
+        return (found != vertex_len).then(|| of_len(vertex_len)).flatten().map(|part| vec![part]);
+    }
+    let of = |(name, range): &(String, Range<usize>)| {
+        let is_called = |part: &Part| part.names.iter().any(|own| plain(own) == plain(name));
+        let named = one_of(&|part| part.range.len() == range.len() && is_called(part));
+        named.or_else(|| of_len(range.len()))
+    };
+    let picked: Vec<usize> = ranges.iter().map(of).collect::<Option<_>>()?;
+    let mut once = picked.clone();
+    once.sort_unstable();
+    once.dedup();
+    (once.len() == picked.len()).then_some(picked)
+}
+
+/// Replaces the characters that programs replace in names.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// Lists the vertices of another rest mesh at each position, up to a similarity. `None` if both meshes have the same
+/// order, or if a position has no vertex.
 fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<usize>>> {
     if align::meshes(positions, rest).is_ok() {
         return None;
@@ -79,9 +152,9 @@ fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<u
     places.iter().all(|places| !places.is_empty()).then_some(places)
 }
 
-/// Lists what has the place of each position among reference positions, mesh by mesh. These may have each axis scaled
-/// and be turned, as what is made for textures is (Blender's `Pref` is turned inside the box around the mesh), so that
-/// they are compared in boxes of one size. `None` where no mesh has another order.
+/// Lists the vertices with the reference position of each scene position, mesh by mesh. Reference positions serve
+/// textures and may be scaled per axis and rotated. For example, Blender's `Pref` is rotated inside the mesh's bounding
+/// box. So both are compared after scaling to a common box. `None` if every mesh has the scene's order.
 fn found_by_reference(
     positions: &[[f64; 3]],
     reference: &[[f64; 3]],
@@ -100,7 +173,7 @@ fn found_by_reference(
     is_other.then_some(places)
 }
 
-/// Moves points to where each coordinate reaches from -1 to 1.
+/// Scales points so that each coordinate ranges from -1 to 1.
 pub(super) fn in_one_box(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let bounds = [0, 1, 2].map(|axis| bounds(points, axis));
     let moved = |point: &[f64; 3]| {
@@ -113,13 +186,13 @@ pub(super) fn in_one_box(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     points.iter().map(moved).collect()
 }
 
-/// Gives the least and the greatest of a coordinate.
+/// Returns the least and greatest value of a coordinate.
 fn bounds(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
     let all = points.iter().map(|point| point[axis]);
     (all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max))
 }
 
-/// Checks that the copies of each vertex stay together.
+/// Checks that the copies of each vertex coincide in all frames.
 fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), ImportError> {
     let vertex_len = meshes.vertex_len.max(1);
     let first = meshes.vertices.chunks(vertex_len).next().unwrap_or_default();
@@ -129,7 +202,7 @@ fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Impor
             let Some((&first, others)) = copies.split_first() else { continue };
             for &second in others {
                 let apart = (Vector3::from(posed[first]) - Vector3::from(posed[second])).norm();
-                // What is not finite is told of by its place later.
+                // NaN passes this comparison; a later check reports it with its location.
                 if apart > COPIES * diagonal {
                     let percent = 100.0 * apart / diagonal;
                     return Err(ImportError::CopiesApart { first, second, frame, percent });
@@ -149,7 +222,7 @@ fn diagonal(points: &[[f64; 3]]) -> f64 {
         .sqrt()
 }
 
-/// Points by the cells they are in.
+/// Spatial hash of points.
 struct Grid<'a> {
     points: &'a [[f64; 3]],
     reach: f64,
@@ -166,7 +239,7 @@ impl<'a> Grid<'a> {
         Self { points, reach, cells }
     }
 
-    /// Lists the points within reach of one, ascending.
+    /// Lists the points within reach of `point`, ascending.
     fn near(&self, point: [f64; 3]) -> Vec<usize> {
         let middle = cell(&point, self.reach);
         let mut found = Vec::new();

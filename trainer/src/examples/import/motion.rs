@@ -1,30 +1,47 @@
-//! A skeleton's animation, played by a character from another file.
+//! Plays a skeleton's animation on a character from another file.
 
 use super::align;
 use super::error::ImportError;
-use super::loaded::Loaded;
 use super::scene::{rest_frame, rows, unscale};
-use super::unposed;
-use crate::examples::idle::idle;
+use super::source::Loaded;
+use crate::examples::data::spread;
+use crate::examples::joints::idle;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
 use crate::formats::{FormatError, fbx, gltf};
+use crate::numeric::affine::{joined, parts, to_rows};
 use crate::numeric::points::apart;
+use crate::numeric::so3;
 use crate::space::Conversion;
-use nalgebra::Matrix4;
+use nalgebra::{Matrix3, Matrix4, Vector3};
+use sinew_runtime::format::Space;
 use std::path::Path;
 
-/// Share of the diagonal by which the origins of joints at rest may be elsewhere than the character's, RMS.
+/// Largest distance between the joint origins of animation and character at rest, RMS relative to the diagonal.
 const SAME_REST: f64 = 0.01;
 
-/// Plays the animations of a file on a character: its joints, found by name, take the place of the character's
-/// frames, with the rest mesh for every posed one. A joint that the file does not have follows its parent; joints that it
-/// has in another rest pose, or only as they move, start from the character's.
+/// Rotations of joint axes that exporters apply in the joint's own frame: none, or about x to convert z up to y up.
+const TURNS: [[f64; 9]; 3] = [
+    [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0],
+    [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
+];
+/// Largest distance of joints from their rest position in the parent's frame, RMS relative to the diagonal.
+const MAX_DRIFT: f64 = 1e-3;
+/// Number of sampled frames.
+const SAMPLE: usize = 8;
+
+/// Axes and origin of a joint.
+type Frame = (Matrix3<f64>, Vector3<f64>);
+
+/// Plays the animations of a file on a character. Joints are matched by name, and the rest mesh replaces every posed
+/// mesh. A joint that the file lacks follows its parent. If the file has another rest pose or none, the character's
+/// rest pose is used.
 ///
 /// # Errors
-/// [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; what keeps the scene from being read, with
-/// [`SceneError::OtherJoints`](crate::formats::SceneError::OtherJoints) where no name matches.
+/// [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; errors of reading the scene, including
+/// [`SceneError::OtherJoints`](crate::formats::SceneError::OtherJoints) if no name matches.
 pub(super) fn play(
     file: &Path,
     mut character: Examples,
@@ -42,10 +59,10 @@ pub(super) fn play(
         return Err(ImportError::NoRoot { joint, mismatch }.into());
     }
     let mut warnings: Vec<Warning> = motion.warnings.iter().cloned().map(Warning::from).collect();
-    let found = match found(&motion, &character, &places) {
+    let found = match from_own_rest(&motion, &character, &places) {
         Ok(transforms) => transforms,
         Err(error) => {
-            let of_character = unposed::transforms(&motion, &character, &places);
+            let of_character = of_character_rest(&motion, &character, &places);
             warnings.push(Warning::RestOfCharacter);
             of_character.ok_or(error)?
         }
@@ -75,7 +92,7 @@ pub(super) fn play(
     Ok(Loaded { examples: character, clips: motion.clips, warnings })
 }
 
-/// Reads how the joints of a character move in a file.
+/// Reads the motion of a character's joints from a file.
 ///
 /// # Errors
 /// [`FormatError`]
@@ -92,18 +109,18 @@ pub(super) fn read(
     }
 }
 
-/// Gives the maps from rest to posed of an animation's joints, frame-major, where the character has them at rest: as a
-/// skin of the animation's file binds them, or, without one or elsewhere, as they stand where nothing is animated.
+/// Computes the maps from rest pose to pose of an animation's joints, frame-major, if its rest pose matches the
+/// character's. The rest pose is the bind pose of a skin in the file, or else the pose without animation.
 ///
 /// # Errors
 /// [`ImportError::OtherSkeleton`]
-fn found(
+fn from_own_rest(
     motion: &Motion,
     character: &Examples,
     places: &[Option<usize>],
 ) -> Result<Vec<Matrix3x4>, ImportError> {
     let of = |rest: &[Matrix4<f64>]| {
-        let mut found = Found::new(motion, rest, character);
+        let mut found = AnimatedJoints::new(motion, rest, character);
         found.move_to(character, places).map(|()| found.transforms)
     };
     match motion.binds.as_deref().map(of) {
@@ -112,16 +129,16 @@ fn found(
     }
 }
 
-/// The joints of an animation's file, in the order of the character's.
-struct Found {
+/// Joints of an animation's file, in the character's order.
+struct AnimatedJoints {
     space: sinew_runtime::format::Space,
     skeleton: Skeleton,
-    /// From rest to posed, frame-major.
+    /// Maps from rest pose to pose, frame-major.
     transforms: Vec<Matrix3x4>,
 }
 
-impl Found {
-    /// Begins with the joints at rest in some frames; a scale that all maps have goes into these.
+impl AnimatedJoints {
+    /// Creates maps relative to a rest pose; a common scale of all maps moves into the rest pose.
     fn new(motion: &Motion, rest: &[Matrix4<f64>], character: &Examples) -> Self {
         let back = |frame: &Matrix4<f64>| frame.try_inverse().unwrap_or_else(Matrix4::identity);
         let back: Vec<_> = rest.iter().map(back).collect();
@@ -141,8 +158,9 @@ impl Found {
         Self { space: motion.space, skeleton, transforms: maps.iter().map(rows).collect() }
     }
 
-    /// Moves the joints to where the character's are: by axes and unit where both are known, else by where they
-    /// stand at rest.
+    /// Moves the joints onto the character's joints: by axes and unit if both are known, else by the rest origins.
+    ///
+    /// - `places`: the animation's joint of each character joint.
     ///
     /// # Errors
     /// [`ImportError::OtherSkeleton`]
@@ -176,6 +194,84 @@ impl Found {
         }
         Ok(())
     }
+}
+
+/// Computes the maps from rest pose to pose of an animation's joints from the character's rest pose, frame-major, in
+/// the character's space. `None` if a joint leaves its rest position in the parent's frame, or if axes are unknown.
+///
+/// - `places`: the animation's joint of each character joint.
+fn of_character_rest(
+    motion: &Motion,
+    character: &Examples,
+    places: &[Option<usize>],
+) -> Option<Vec<Matrix3x4>> {
+    let known = |space: &Space| space.up.is_some() && space.forward.is_some();
+    if !known(&motion.space) || !known(&character.space) {
+        return None;
+    }
+    let conversion = Conversion::between(&motion.space, &character.space);
+    let conversion = conversion.unwrap_or(Conversion::new(Matrix3::identity(), 1.0));
+    if conversion.is_mirrored() {
+        return None;
+    }
+    let frame = |world: &Matrix4<f64>| -> Option<Frame> {
+        let (turn, _) = so3::polar(&world.fixed_view::<3, 3>(0, 0).into_owned())?;
+        let origin = world.fixed_view::<3, 1>(0, 3).into_owned();
+        Some((conversion.axes() * turn, conversion.point(origin.into()).into()))
+    };
+    let posed: Vec<Frame> = motion.frames.iter().map(frame).collect::<Option<_>>()?;
+    let rest: Vec<Frame> = character.skeleton.rest.iter().map(parts).collect();
+    let turn = TURNS.map(|turn| Matrix3::from_row_slice(&turn)).into_iter().find(|turn| {
+        let drift =
+            drift(turn, &posed, motion.joints.nodes.len(), &rest, &pairs(character, places));
+        drift.is_some_and(|drift| drift < MAX_DRIFT * character.diagonal())
+    })?;
+    let mut transforms = Vec::with_capacity(posed.len());
+    for frame in posed.chunks_exact(motion.joints.nodes.len()) {
+        transforms.extend(frame.iter().enumerate().map(|(own, (axes, origin))| {
+            let joint = places.iter().position(|place| *place == Some(own));
+            let (rest_axes, rest_origin) = &rest[joint.unwrap_or(character.skeleton.root())];
+            let linear = axes * turn.transpose() * rest_axes.transpose();
+            to_rows(&joined(&linear, &(origin - linear * rest_origin)))
+        }));
+    }
+    Some(transforms)
+}
+
+/// Lists pairs of a joint in the animation and its nearest ancestor there: (ancestor, joint), each with its number in
+/// the character and in the animation.
+fn pairs(character: &Examples, places: &[Option<usize>]) -> Vec<[(usize, usize); 2]> {
+    let parents = &character.skeleton.parents;
+    let found = |joint: usize| Some((joint, places[joint]?));
+    let pair = |joint: usize| {
+        let mut upwards = std::iter::successors(parents[joint], |&joint| parents[joint]);
+        Some([upwards.find_map(found)?, found(joint)?])
+    };
+    (0..places.len()).filter_map(pair).collect()
+}
+
+/// Measures the distance of joints from their rest position in the parent's frame, RMS over sampled frames, for joint
+/// axes rotated by `turn`. `None` without pairs.
+fn drift(
+    turn: &Matrix3<f64>,
+    posed: &[Frame],
+    joint_len: usize,
+    rest: &[Frame],
+    pairs: &[[(usize, usize); 2]],
+) -> Option<f64> {
+    let seen = |(axes, origin): &Frame, other: &Frame| axes.transpose() * (other.1 - origin);
+    let frames = spread(posed.len() / joint_len.max(1), SAMPLE);
+    let squares: Vec<f64> = frames
+        .iter()
+        .flat_map(|frame| {
+            let posed = &posed[frame * joint_len..][..joint_len];
+            pairs.iter().map(|[(parent, above), (joint, own)]| {
+                let at_rest = seen(&rest[*parent], &rest[*joint]);
+                (at_rest - turn * seen(&posed[*above], &posed[*own])).norm_squared()
+            })
+        })
+        .collect();
+    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
 }
 
 fn origin(frame: &Matrix3x4) -> [f64; 3] {

@@ -1,18 +1,13 @@
-//! A scene, and the posed meshes beside it, become examples.
+//! Converts a scene, with separate posed meshes or its own, to examples.
 
 use nalgebra::{Matrix3, Matrix4};
 
-use super::align::{self, Similarity};
-use super::chosen::{chosen, kept};
+use super::align::{self, Similarity, is_shuffled};
+use super::clips::{PosedClips, check_even, selected, selected_rows};
 use super::error::ImportError;
-use super::matched::matched;
-use super::order::PosedClips;
-use super::parts::arranged;
-use super::rate::check_even;
-use super::roots;
-use super::shuffled::is_shuffled;
+use super::matched::{arranged, matched};
 use super::targets::TargetMeshes;
-use crate::examples::idle::idle;
+use crate::examples::joints::{idle, join_roots};
 use crate::examples::validate::numbers;
 use crate::examples::{
     Clip, Element, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning,
@@ -22,17 +17,16 @@ use crate::formats::scene::{SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, FormatWarning};
 use crate::mesh::Surface;
 
-/// Examples that are not checked yet, the clips of their frames, and what was done to them.
+/// Unchecked examples, their clips, and warnings.
 type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 
-/// Joins poses and posed meshes, those of `targets` where they are given, else the scene's own.
+/// Joins poses with posed meshes from `targets`, or with the scene's own meshes.
 ///
-/// Targets that bring a rest mesh of their own decide space and units, and the joints are moved
-/// there; targets without one are moved to the joints. Of a scene with more clips than are asked for, as the targets
-/// hold them, those that are not are left out.
+/// If the targets have a rest mesh, it defines the space and unit, and the joints move there. Otherwise the targets
+/// move to the joints. If the targets cover more clips than requested, the other clips are removed.
 ///
 /// # Errors
-/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`], [`ImportError::NoShapes`]; and for targets
+/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`] and [`ImportError::NoShapes`]. With targets:
 /// [`ImportError::TargetNumber`], [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`],
 /// [`ImportError::CopiesApart`], [`ImportError::TargetFrames`], [`ImportError::ClipOrder`],
 /// [`ImportError::VertexOrder`] and [`ImportError::TargetsApart`].
@@ -47,11 +41,11 @@ pub(super) fn join(
             poses.warnings.push(Warning::PlainSkin);
         }
         let vertices = scene.shapes.take().ok_or(ImportError::NoShapes)?;
-        let (mut examples, clips, warnings) = joined(scene, poses, vertices, None);
+        let (mut examples, clips, warnings) = to_examples(scene, poses, vertices, None);
         examples.own_skin = true;
         return Ok((examples, clips, warnings));
     };
-    // First of all: positions that are not finite lie on no joint, and would be called out of place.
+    // Checked first: otherwise positions that are not finite would be reported as far from the joints.
     targets.check_numbers(&scene.clips)?;
     if sampling.fps.is_none() {
         check_even(&scene.clips)?;
@@ -73,11 +67,11 @@ pub(super) fn join(
                 .map_err(|percent| ImportError::TargetsApart { percent })?;
             similarity.move_joints(&mut poses.skeleton, &mut poses.transforms);
             scene.space = similarity.space(&scene.space);
-            poses.tell(&similarity, "joints");
+            poses.report_move(&similarity, "joints");
             poses.sort(&rest, &mut vertices, &mut split, clips, true)?;
             scene.rest = rest;
             similarity.turn(scene.engine.as_mut());
-            // What is authored is so of the scene's own triangles.
+            // Authored data belongs to the scene's own triangles.
             let others = triangles.filter(|_| scene.engine.is_none());
             scene.triangles = others.unwrap_or(scene.triangles);
         }
@@ -89,7 +83,7 @@ pub(super) fn join(
                 if shuffled { ImportError::VertexOrder } else { error }
             })?;
             similarity.move_points(&mut vertices);
-            poses.tell(&similarity, "targets");
+            poses.report_move(&similarity, "targets");
         }
     }
     let weights = scene.joint_weights.as_deref().unwrap_or_default();
@@ -99,35 +93,35 @@ pub(super) fn join(
         let unweighted = FormatWarning::Unweighted { count, follow: "the targets" };
         poses.warnings.push(unweighted.into());
     }
-    let all = joined(scene, poses, vertices, split);
+    let all = to_examples(scene, poses, vertices, split);
     Ok(cut(all, sampling))
 }
 
-/// Leaves out the frames of clips that are not asked for.
+/// Removes the frames of clips that were not requested.
 fn cut((mut examples, clips, mut warnings): Joined, sampling: &Sampling<'_>) -> Joined {
     let held = examples.frame_len();
-    let (clips, frames) = chosen(clips, sampling);
+    let (clips, frames) = selected(clips, sampling);
     let Some(frames) = frames else { return (examples, clips, warnings) };
     let names = clips.iter().map(|clip| clip.name.clone()).collect();
     warnings.push(Warning::TargetsCut { clips: names, frames: frames.len(), held });
     let (vertex_len, joint_len) = (examples.vertex_len(), examples.joint_len());
-    examples.vertices = kept(examples.vertices, vertex_len, Some(&frames));
-    examples.transforms = kept(examples.transforms, joint_len, Some(&frames));
-    examples.split = kept(examples.split, 1, Some(&frames));
+    examples.vertices = selected_rows(examples.vertices, vertex_len, Some(&frames));
+    examples.transforms = selected_rows(examples.transforms, joint_len, Some(&frames));
+    examples.split = selected_rows(examples.split, 1, Some(&frames));
     (examples, clips, warnings)
 }
 
-/// Gives the poses, with the rest mesh in place of every posed one.
+/// Returns the poses with the rest mesh in every frame.
 ///
 /// # Errors
 /// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`] and [`ExamplesError::TooLarge`].
 pub(super) fn still(mut scene: SampledScene) -> Result<Joined, ExamplesError> {
     let poses = ScenePoses::of(&mut scene)?;
     let vertices = scene.rest.repeat(frame_len(&scene));
-    Ok(joined(scene, poses, vertices, None))
+    Ok(to_examples(scene, poses, vertices, None))
 }
 
-/// The poses of a scene in the form of examples.
+/// Poses of a scene, as maps from the rest pose.
 struct ScenePoses {
     skeleton: Skeleton,
     transforms: Vec<Matrix3x4>,
@@ -135,14 +129,13 @@ struct ScenePoses {
 }
 
 impl ScenePoses {
-    /// Moves the poses alone into the form of examples: maps from the rest pose, rigid where the
-    /// scene's are, about a skeleton of one root.
+    /// Converts a scene's poses to maps from the rest pose, on a skeleton with one root. The maps are rigid if the
+    /// scene's are.
     ///
-    /// A scene may hold mesh and joints in different units; the scale between them goes into the rest
-    /// mesh.
+    /// Mesh and joints of a scene may have different units. The rest mesh is scaled to the joints' unit.
     ///
     /// # Errors
-    /// [`SceneError::SingularBind`]; [`ExamplesError::NotFinite`] for the rest mesh and the poses, and
+    /// [`SceneError::SingularBind`]; [`ExamplesError::NotFinite`] for the rest mesh and the poses;
     /// [`ExamplesError::TooLarge`] for the rest mesh.
     fn of(scene: &mut SampledScene) -> Result<Self, ExamplesError> {
         numbers("rest", scene.rest.iter().map(<[_; 3]>::as_slice), None, Element::Vertex, |_| {
@@ -166,18 +159,17 @@ impl ScenePoses {
             *position *= scale;
         }
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
-        let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
+        let (parents, roots) = join_roots(&scene.names, scene.parents.clone(), &mut warnings);
         let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
         let skeleton =
             Skeleton { names: scene.names.clone(), parents, roots, unplaced: Vec::new(), rest };
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 
-    /// Sorts posed meshes, N x V, and the use of their frames as the clips are sorted, where they follow one another
-    /// otherwise.
+    /// Sorts posed meshes (N x V) and the split into the clips' order, if they follow another order.
     ///
     /// # Errors
-    /// [`ImportError::ClipOrder`] where several orders fit.
+    /// [`ImportError::ClipOrder`] if several orders fit.
     fn sort(
         &mut self,
         rest: &[[f64; 3]],
@@ -204,14 +196,14 @@ impl ScenePoses {
         Ok(())
     }
 
-    fn tell(&mut self, similarity: &Similarity, what: &'static str) {
+    fn report_move(&mut self, similarity: &Similarity, what: &'static str) {
         if !similarity.is_identity() {
             self.warnings.push(Warning::Moved { what, how: similarity.to_string() });
         }
     }
 }
 
-fn joined(
+fn to_examples(
     scene: SampledScene,
     poses: ScenePoses,
     vertices: Vec<[f64; 3]>,
@@ -253,7 +245,7 @@ fn check_frames(
     let (expected, found) = (frame_len(scene), meshes.frame_len());
     if expected != found {
         let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
-        // Numbers may leave out what lies between clips.
+        // A numbered sequence may also skip the frames between clips.
         if found + missing.len() != expected {
             missing.clear();
         }
@@ -263,8 +255,8 @@ fn check_frames(
     Ok(())
 }
 
-/// Divides maps by their common scale and returns it. Returns 1 if they are rigid or have no common scale; the checks
-/// of the examples then judge them. Idle joints have no say.
+/// Divides maps by their common scale and returns the scale. Returns 1 if the maps are rigid or have no common scale,
+/// which the checks of examples then report. Idle joints are ignored.
 ///
 /// - `maps`: of all joints, frame-major.
 /// - `idle`: whether each joint is idle.
@@ -281,7 +273,7 @@ pub(super) fn unscale(maps: &mut [Matrix4<f64>], idle: &[bool]) -> f64 {
     first
 }
 
-/// The rigid part of a joint's bind matrix, in the units of the scaled rest mesh.
+/// Returns the rigid part of a joint's bind matrix, in the unit of the scaled rest mesh.
 pub(super) fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
     let mut frame = Matrix4::identity();
     let svd = bind.fixed_view::<3, 3>(0, 0).into_owned().svd(true, true);

@@ -1,37 +1,45 @@
-//! Where examples come from: one way in for every format.
-
-use std::path::{Path, PathBuf};
+//! Loads examples from every supported format.
 
 use super::error::ImportError;
-use super::loaded::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{Examples, ExamplesError, LoadError};
+use crate::examples::{Clip, Examples, ExamplesError, LoadError, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, content, fbx, gltf};
+use std::path::{Path, PathBuf};
 
-/// The files that examples are read from, and how.
+/// Files of examples, and options of loading.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    /// Skeleton, rest mesh and poses: `.npz` with everything, or a scene in `.glb`, `.gltf` or
-    /// `.fbx`.
+    /// Skeleton, rest mesh and poses: a complete `.npz`, or a scene (`.glb`, `.gltf`, `.fbx`).
     pub file: &'a Path,
-    /// Posed meshes of a scene from another file, one a frame of the poses.
+    /// Posed meshes of a scene from another file, one per frame.
     pub targets: Option<&'a Path>,
-    /// Frames a second at which a scene's clips are sampled, at their keys where none is given; of poses to be played,
-    /// also at which the frames of an `.npz` follow.
+    /// Frames per second for sampling a scene's clips; `None` samples at the keys. When poses are played, also the rate
+    /// of an `.npz`.
     pub fps: Option<f64>,
-    /// The clips to read; all of them where none is given.
+    /// Names of the clips to read; empty for all clips.
     pub clips: &'a [String],
-    /// Whether the one frame is what a scene shows without any clip.
+    /// Whether to read a single frame: the scene without any clip.
     pub still: bool,
-    /// How the names of the joints become a model's, where poses are to be played.
+    /// Renaming of joints to a model's names, when poses are played.
     pub names: JointNames<'a>,
 }
 
+/// Result of an importer.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Valid examples.
+    pub examples: Examples,
+    /// Consecutive clips that cover all frames.
+    pub clips: Vec<Clip>,
+    /// Repaired or ignored content, and content that a fit will ignore.
+    pub warnings: Vec<Warning>,
+}
+
 impl<'a> Source<'a> {
-    /// Names a file that needs nothing beside it.
+    /// Creates a source from a single file.
     pub fn file(file: &'a Path) -> Self {
         Self {
             file,
@@ -43,7 +51,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Lists the files that a load reads, where they are there.
+    /// Lists the files that loading reads, if they exist.
     pub fn files(&self) -> Vec<PathBuf> {
         let mut files = vec![self.file.to_owned()];
         if extension(self.file) == "npz" {
@@ -53,7 +61,7 @@ impl<'a> Source<'a> {
         files
     }
 
-    /// Gives the skeleton, mesh and clips of a scene; none where the file is complete in itself.
+    /// Reads the skeleton, mesh and clips of a scene; `None` for an `.npz`.
     fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, ExamplesError> {
         let read = match extension(self.file).as_str() {
             "npz" => return Ok(None),
@@ -65,7 +73,7 @@ impl<'a> Source<'a> {
         Ok(Some(read?))
     }
 
-    /// Checks that nothing is given that only goes with a scene.
+    /// Checks that no option for scenes is given.
     fn check_whole(&self) -> Result<(), ExamplesError> {
         let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
         match given.into_iter().find(|(_, given)| *given) {
@@ -74,7 +82,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Checks that each file holds what its ending says.
+    /// Checks that the content of each file matches its extension.
     fn check_content(&self) -> Result<(), LoadError> {
         for file in [Some(self.file), self.targets].into_iter().flatten() {
             content::check(file)
@@ -83,8 +91,8 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Gives the scene with all of its clips, where some are asked for and the posed meshes are of all.
-    fn as_held(&self, scene: SampledScene, targets: Option<&TargetMeshes>) -> SampledScene {
+    /// Returns the scene with all clips if only some are requested but the posed meshes cover all.
+    fn with_all_clips(&self, scene: SampledScene, targets: Option<&TargetMeshes>) -> SampledScene {
         let Some(held) = targets.map(|targets| targets.meshes.frame_len()) else { return scene };
         if self.clips.is_empty() || held == scene::frame_len(&scene) {
             return scene;
@@ -97,7 +105,7 @@ impl<'a> Source<'a> {
         Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still, played: false }
     }
 
-    /// Samples clips as they are to be played.
+    /// Returns the sampling for poses that are played.
     fn played(&self) -> Sampling<'a> {
         Sampling { played: true, ..self.sampling(false) }
     }
@@ -107,11 +115,11 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Reads examples.
+/// Loads examples.
 ///
 /// # Errors
-/// A [`LoadError`] that names the file at fault: it cannot be read, does not hold what is needed, or
-/// holds what fails [`Examples::validate`](crate::examples::Examples::validate).
+/// A [`LoadError`] with the file that cannot be read, is incomplete, or fails
+/// [`Examples::validate`](crate::examples::Examples::validate).
 pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
     source.check_content()?;
@@ -122,7 +130,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
         return npz::load_clips(source.file, &sampling);
     };
     let targets = source.targets.map(targets::read).transpose()?;
-    let scene = source.as_held(scene, targets.as_ref());
+    let scene = source.with_all_clips(scene, targets.as_ref());
     let at_fault = source.targets.unwrap_or(source.file);
     let join = || {
         let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;
@@ -134,7 +142,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
             let file = if error.is_about_targets() { at_fault } else { source.file };
             LoadError { file: file.to_owned(), error: error.into() }
         }
-        // What is posed comes from the targets.
+        // The posed positions come from the targets.
         error @ (ExamplesError::NotFinite { array: "vertices", .. }
         | ExamplesError::TooLarge { array: "vertices", .. }) => {
             LoadError { file: at_fault.to_owned(), error: error.of_scene() }
@@ -143,9 +151,9 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     })
 }
 
-/// Reads poses to be played; of a scene without a skin the rest mesh stands in for every posed one. The source's
-/// targets are not read. Clips of a scene have as many frames as playing them linearly takes: two where a pose jumps, and
-/// more than keys along a curve. The frames of an `.npz` play at the source's rate, where it has one.
+/// Loads poses to be played. The source's targets are not read, and the rest mesh replaces posed meshes. Clips have as
+/// many frames as linear playback needs: two at a jump, and more than the keys along a curve. An `.npz` plays at the
+/// source's rate, if given.
 ///
 /// # Errors
 /// As [`load`].
@@ -165,10 +173,10 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     Ok(Loaded { examples, clips, warnings })
 }
 
-/// Calls the joints as a model's.
+/// Renames the joints to a model's names.
 ///
 /// # Errors
-/// [`ImportError::OtherNames`] where they are not, and would be if they were renamed.
+/// [`ImportError::OtherNames`] if the names differ, but another renaming would match.
 fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), ExamplesError> {
     let own = &mut examples.skeleton.names;
     names.rename(own);
@@ -178,13 +186,13 @@ fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), Example
     }
 }
 
-/// Reads the animations of a scene that may hold joints alone, for a character whose mesh another file has.
+/// Loads the animations of a scene that may lack a mesh, for a character from another file.
 ///
-/// - `mesh`: that file, of whose frames none is kept.
+/// - `mesh`: file of the character; its frames are not used.
 ///
 /// # Errors
-/// As [`load_poses`]; [`ImportError::JointsAlone`] of a scene without a mesh where no other is given; and those of joints
-/// that are not the character's.
+/// As [`load_poses`]; [`ImportError::JointsAlone`] for a scene without a mesh if `mesh` is `None`; errors of joints that differ from the
+/// character's.
 pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, LoadError> {
     let Some(mesh) = mesh else {
         return load_poses(source).map_err(|LoadError { file, error }| {

@@ -1,4 +1,4 @@
-//! The posed meshes beside a scene, by the formats of their files.
+//! Reads posed meshes that accompany a scene.
 
 use super::error::ImportError;
 use super::npz;
@@ -9,25 +9,25 @@ use crate::formats::{abc, gltf};
 use sinew_runtime::format::MAGNITUDE_MAX;
 use std::path::{Path, PathBuf};
 
-/// Posed meshes, and what they are for.
+/// Posed meshes with their split and files.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TargetMeshes {
     /// The meshes.
     pub(super) meshes: PosedMeshes,
-    /// Use of each frame, N, of a file that tells it.
+    /// Use of each frame, N, if the file has a split.
     pub(super) split: Option<Vec<Split>>,
-    /// Files of a sequence, one a frame; none of other formats.
+    /// Names of a sequence's files, one per frame; empty for other formats.
     pub(super) files: Vec<String>,
-    /// Files that a sequence leaves out, by its numbers.
+    /// Names of files missing from a numbered sequence.
     pub(super) missing: Vec<String>,
 }
 
-/// Reads posed meshes: an Alembic archive (`.abc`), a point cache (`.pc2`, `.mdd`), arrays (`.npz`), one of a sequence of numbered
-/// `.obj` files, a folder that holds one, or a scene as it plays (`.glb`, `.gltf`).
+/// Reads posed meshes: an Alembic archive (`.abc`), a point cache (`.pc2`, `.mdd`), arrays (`.npz`), a numbered `.obj`
+/// sequence (one file or its folder), or an animated scene (`.glb`, `.gltf`).
 ///
 /// # Errors
-/// A [`LoadError`] that names the file at fault: it cannot be read, is none of these or is damaged;
-/// or it does not have the vertices and faces of the first of its sequence.
+/// A [`LoadError`] with the file that cannot be read, has an unknown format, is damaged, or differs in vertices or
+/// faces from the first file of its sequence.
 pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
     let blame = |error| LoadError { file: path.to_owned(), error };
     let ending = extension(path);
@@ -52,10 +52,9 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
 }
 
 impl TargetMeshes {
-    /// Checks that the positions, those at rest too, are finite and of a magnitude that a model can hold. Only training
-    /// frames are bounded.
+    /// Checks that positions are finite. The rest mesh and training frames must also be within the range of a model.
     ///
-    /// - `clips`: those of the scene, which name the frames where no file does.
+    /// - `clips`: the scene's clips, which name the frames if there are no files.
     ///
     /// # Errors
     /// [`ImportError::TargetNumber`]
@@ -85,7 +84,7 @@ impl TargetMeshes {
     }
 }
 
-/// Lists the files that [`read`] reads; the path itself where it would fail.
+/// Lists the files that [`read`] reads; the path itself if reading would fail.
 pub(super) fn files(path: &Path) -> Vec<PathBuf> {
     let is_sequence = path.is_dir() || extension(path) == "obj";
     let files = is_sequence.then(|| sequence::files(path).ok()).flatten();

@@ -1,22 +1,48 @@
-//! Fields that examples and targets both have.
+//! Reads the arrays of examples: faces, texture coordinates, clips, meshes, weights and space.
 
+use super::sidecar::Sidecar;
 use crate::examples::validate::same;
-use crate::examples::{ExamplesError, Split};
+use crate::examples::{Clip, ExamplesError, RATES, Split};
 use crate::formats::npz::{Archive, Number};
 use crate::formats::{ArrayError, FormatError};
+use crate::mesh::EngineMesh;
+use sinew_runtime::format::{Axis, Handedness, Space};
+use std::ops::Range;
+use std::path::Path;
 
-/// Names of the arrays of faces: quads, then triangles.
+/// Arrays of faces: quads, then triangles.
 pub(super) const FACES: [&str; 2] = ["quads", "tris"];
+/// Arrays with the texture coordinates of the corners of quads and triangles, the usual names first.
+const BY_CORNER: [[&str; 2]; 2] = [["quads_uv", "tris_uv"], ["uv_quads", "uv_tris"]];
+/// Clips, as runs of frames.
+pub(super) const CLIPS: RunKind =
+    RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
+/// Meshes, as runs of vertices.
+pub(super) const MESHES: RunKind =
+    RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
 
-/// Faces as triangles.
+/// Faces split into triangles.
 pub(super) struct Faces {
-    /// What the corners of each name; quads come first, as their corners 0 1 2 and 0 2 3.
+    /// Indices of each triangle's corners. Quads come first, split into corners 0 1 2 and 0 2 3.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// How many quads and triangles there are, where there is an array of them.
+    /// Number of quads and of triangles; `None` without the array.
     pub(super) counts: [Option<usize>; 2],
 }
 
-/// Reads faces whose corners name one of so many things; `None` where neither array is there.
+/// Names and ranges, in order.
+pub(super) type Runs = Vec<(String, Range<usize>)>;
+
+/// Kind of consecutive ranges in a file.
+pub(super) struct RunKind {
+    /// The items, for messages.
+    pub(super) what: &'static str,
+    /// Array of the names.
+    pub(super) names: &'static str,
+    /// Array of the starts.
+    pub(super) starts: &'static str,
+}
+
+/// Reads faces and checks that their corners are below `len`; `None` if neither array exists.
 pub(super) fn read_faces(
     archive: &mut Archive,
     [quads, tris]: [&'static str; 2],
@@ -39,6 +65,233 @@ pub(super) fn read_faces(
     Ok(Some(Faces { triangles, counts }))
 }
 
+/// Reads texture coordinates per vertex or per corner; `None` without the array.
+///
+/// # Errors
+/// Errors of the arrays; [`ExamplesError::Mismatch`] for a wrong number of coordinates or faces;
+/// [`ExamplesError::VertexOutOfRange`] for a corner out of range.
+pub(super) fn read_texture(
+    archive: &mut Archive,
+    positions: &[[f64; 3]],
+    faces: &Faces,
+) -> Result<Option<EngineMesh>, ExamplesError> {
+    let Some(uv) = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data) else { return Ok(None) };
+    let mut by_corner = None;
+    for names in BY_CORNER {
+        if by_corner.is_none() {
+            by_corner = read_faces(archive, names, uv.len())?.map(|found| (names, found));
+        }
+    }
+    let triangles = &faces.triangles;
+    let Some((names, found)) = by_corner else {
+        same("vertices", "rest", positions.len(), "uv", uv.len())?;
+        return Ok(Some(EngineMesh::of_vertices(positions, triangles, &uv)));
+    };
+    for kind in 0..2 {
+        let [expected, found] = [faces, &found].map(|faces| faces.counts[kind].unwrap_or(0));
+        same("faces", FACES[kind], expected, names[kind], found)?;
+    }
+    let uv = found.triangles.as_flattened().iter().map(|&place| uv[place]).collect();
+    Ok(Some(EngineMesh::of_corners(positions, triangles, uv)))
+}
+
+/// Reads the clips of N frames, and the frame rate if given. Without named clips all frames are one clip, named after
+/// the file.
+///
+/// # Errors
+/// Errors of [`read_runs`]; [`ExamplesError::FrameNumber`] for numbers that do not ascend in a clip;
+/// [`ExamplesError::Rate`].
+pub(super) fn read_clips(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    file: &Path,
+    frame_len: usize,
+) -> Result<(Vec<Clip>, Option<f64>), ExamplesError> {
+    let (names, starts) = (sidecar.clip_names.as_ref(), sidecar.clip_starts.as_ref());
+    let runs = read_runs(archive, &CLIPS, names, starts, frame_len)?;
+    let runs = runs.unwrap_or_else(|| vec![(Clip::name_of(file), 0..frame_len)]);
+    let numbers = archive.rows::<i64, 1>("frame_numbers", &[])?.map(|numbers| numbers.data);
+    if let Some(numbers) = &numbers {
+        same("frames", "vertices", frame_len, "frame_numbers", numbers.len())?;
+    }
+    let fps = sidecar.fps.map_or_else(|| archive.number("fps"), |fps| Ok(Some(fps)))?;
+    if let Some(fps) = fps.filter(|fps| !RATES.contains(fps)) {
+        return Err(ExamplesError::Rate { fps });
+    }
+    let clip = |(name, frames): (String, Range<usize>)| {
+        let mut clip = match &numbers {
+            None => Clip::regular(name, frames.start, frames.len()),
+            Some(numbers) => {
+                let numbers = ascending(numbers.as_flattened(), &frames)?;
+                Clip::numbered(name, frames.start, numbers)
+            }
+        };
+        if let Some(fps) = fps {
+            clip.play_at(fps);
+        }
+        Ok(clip)
+    };
+    Ok((runs.into_iter().map(clip).collect::<Result<_, ExamplesError>>()?, fps))
+}
+
+/// Reads the names and ranges of the joined meshes; empty if not given.
+///
+/// # Errors
+/// Errors of [`read_runs`].
+pub(super) fn read_meshes(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    vertex_len: usize,
+) -> Result<Runs, ExamplesError> {
+    let (names, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
+    Ok(read_runs(archive, &MESHES, names, starts, vertex_len)?.unwrap_or_default())
+}
+
+/// Reads joint weights, V x J.
+///
+/// # Errors
+/// Errors of the array; [`ExamplesError::Mismatch`] for other counts.
+pub(super) fn read_joint_weights(
+    archive: &mut Archive,
+    [vertex_len, joint_len]: [usize; 2],
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    let Some(rows) = archive.rows::<f64, 1>("joint_weights", &[0])? else { return Ok(None) };
+    same("vertices", "rest", vertex_len, "joint_weights", rows.lead[0])?;
+    same("joints", "bone_names", joint_len, "joint_weights", rows.lead[1])?;
+    Ok(Some(rows.data.into_iter().flatten().collect()))
+}
+
+/// Reads the importance of vertices, V.
+///
+/// # Errors
+/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_importance(
+    archive: &mut Archive,
+    vertex_len: usize,
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    read_each(archive, "importance", ("vertices", "rest", vertex_len))
+}
+
+/// Reads the use of each frame, N.
+pub(super) fn read_split(
+    archive: &mut Archive,
+    frame_len: usize,
+) -> Result<Option<Vec<Split>>, ExamplesError> {
+    let codes = read_each::<i64>(archive, "split", ("frames", "vertices", frame_len))?;
+    let Some(codes) = codes else { return Ok(None) };
+    let split = codes.into_iter().enumerate().map(|(frame, code)| match code {
+        0 => Ok(Split::Train),
+        1 => Ok(Split::HeldOut),
+        2 => Ok(Split::Extreme),
+        _ => Err(ExamplesError::UnknownSplit { frame, code }),
+    });
+    split.collect::<Result<_, _>>().map(Some)
+}
+
+/// Reads the weights of frames, N.
+///
+/// # Errors
+/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_frame_weights(
+    archive: &mut Archive,
+    frame_len: usize,
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    read_each(archive, "frame_weights", ("frames", "vertices", frame_len))
+}
+
+/// Reads axes, handedness and unit; the JSON takes precedence over the arrays.
+///
+/// # Errors
+/// Errors of the arrays; [`ExamplesError::UnknownWord`] for an unknown axis or handedness.
+pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Space, ExamplesError> {
+    let mut word = |array: &'static str, stated: &Option<String>| match stated {
+        Some(word) => Ok(Some(word.clone())),
+        None => archive.text(array),
+    };
+    let up = word("up", &sidecar.up)?.map(|word| axis("up", word)).transpose()?;
+    let forward =
+        word("forward", &sidecar.forward)?.map(|word| axis("forward", word)).transpose()?;
+    let handedness = match word("handedness", &sidecar.handedness)?.as_deref() {
+        None | Some("right") => Handedness::Right,
+        Some("left") => Handedness::Left,
+        Some(found) => {
+            let (array, found) = ("handedness", found.to_owned());
+            return Err(ExamplesError::UnknownWord { array, found, expected: "right or left" });
+        }
+    };
+    let unit = sidecar.unit.map_or_else(|| archive.number("unit"), |unit| Ok(Some(unit)))?;
+    Ok(Space { up, forward, handedness, unit: unit.map(|metres| metres as f32) })
+}
+
+/// Reads consecutive named ranges that cover `len` frames or vertices. The JSON takes precedence over the arrays.
+/// `None` if neither exists.
+///
+/// # Errors
+/// Errors of the arrays; [`ExamplesError::Mismatch`] for different numbers of names and starts;
+/// [`ExamplesError::Start`] for a range that does not start after the previous one.
+pub(super) fn read_runs(
+    archive: &mut Archive,
+    kind: &RunKind,
+    names: Option<&Vec<String>>,
+    starts: Option<&Vec<i64>>,
+    len: usize,
+) -> Result<Option<Runs>, ExamplesError> {
+    let names =
+        names.cloned().map_or_else(|| archive.texts(kind.names), |names| Ok(Some(names)))?;
+    let starts = match starts {
+        Some(starts) => Some(starts.clone()),
+        None => archive
+            .rows::<i64, 1>(kind.starts, &[])?
+            .map(|starts| starts.data.as_flattened().to_vec()),
+    };
+    let (names, starts) = match (names, starts) {
+        (None, None) => return Ok(None),
+        (None, Some(_)) => return Err(missing(kind.names)),
+        (Some(_), None) => return Err(missing(kind.starts)),
+        (Some(names), Some(starts)) => (names, starts),
+    };
+    same(kind.what, kind.names, names.len(), kind.starts, starts.len())?;
+    if names.is_empty() {
+        return Err(ExamplesError::Empty { array: kind.names });
+    }
+    let mut begins: Vec<usize> = Vec::with_capacity(starts.len());
+    for (&found, name) in starts.iter().zip(&names) {
+        let fits = |start: &usize| match begins.last() {
+            None => *start == 0,
+            Some(before) => start > before && *start < len,
+        };
+        let Some(start) = usize::try_from(found).ok().filter(fits) else {
+            let (array, name) = (kind.starts, name.clone());
+            return Err(ExamplesError::Start { array, name, found, len });
+        };
+        begins.push(start);
+    }
+    let ends = begins.iter().skip(1).copied().chain([len]);
+    let ranges = begins.iter().zip(ends).map(|(&begin, end)| begin..end);
+    Ok(Some(names.into_iter().zip(ranges).collect()))
+}
+
+/// Reads one number per item.
+///
+/// - `things`, `of`, `len`: the items, another array over the same items, and its length.
+///
+/// # Errors
+/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_each<T: Number>(
+    archive: &mut Archive,
+    array: &'static str,
+    (things, of, len): (&'static str, &'static str, usize),
+) -> Result<Option<Vec<T>>, ExamplesError> {
+    let Some(numbers) = archive.rows::<T, 1>(array, &[])? else { return Ok(None) };
+    same(things, of, len, array, numbers.data.len())?;
+    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
+}
+
+/// Returns the error about a missing array.
+pub(super) fn missing(array: &'static str) -> ExamplesError {
+    FormatError::from(ArrayError::Missing { array }).into()
+}
+
 fn corners<const K: usize>(
     array: &'static str,
     face: usize,
@@ -55,48 +308,21 @@ fn corners<const K: usize>(
     Ok(checked)
 }
 
-/// Reads the use of each frame.
-pub(super) fn read_split(
-    archive: &mut Archive,
-    frame_len: usize,
-) -> Result<Option<Vec<Split>>, ExamplesError> {
-    let codes = read_each::<i64>(archive, "split", ("frames", "vertices", frame_len))?;
-    let Some(codes) = codes else { return Ok(None) };
-    let split = codes.into_iter().enumerate().map(|(frame, code)| match code {
-        0 => Ok(Split::Train),
-        1 => Ok(Split::HeldOut),
-        2 => Ok(Split::Extreme),
-        _ => Err(ExamplesError::UnknownSplit { frame, code }),
-    });
-    split.collect::<Result<_, _>>().map(Some)
+/// Returns the frame numbers of a clip, which must ascend and fit 32 bits like those of animation programs.
+fn ascending(numbers: &[i64], frames: &Range<usize>) -> Result<Vec<i64>, ExamplesError> {
+    let numbers = &numbers[frames.clone()];
+    let mut least = i64::from(i32::MIN);
+    for (&found, frame) in numbers.iter().zip(frames.clone()) {
+        if found < least || found > i64::from(i32::MAX) {
+            return Err(ExamplesError::FrameNumber { frame, found, least });
+        }
+        least = found + 1;
+    }
+    Ok(numbers.to_vec())
 }
 
-/// Reads how often each of N frames counts.
-///
-/// # Errors
-/// Those of the array, [`ExamplesError::Mismatch`] for another count.
-pub(super) fn read_frame_weights(
-    archive: &mut Archive,
-    frame_len: usize,
-) -> Result<Option<Vec<f64>>, ExamplesError> {
-    read_each(archive, "frame_weights", ("frames", "vertices", frame_len))
-}
-
-/// Reads a number of each thing, of which another array has so many.
-///
-/// # Errors
-/// Those of the array, [`ExamplesError::Mismatch`] for another count.
-pub(super) fn read_each<T: Number>(
-    archive: &mut Archive,
-    array: &'static str,
-    (things, of, len): (&'static str, &'static str, usize),
-) -> Result<Option<Vec<T>>, ExamplesError> {
-    let Some(numbers) = archive.rows::<T, 1>(array, &[])? else { return Ok(None) };
-    same(things, of, len, array, numbers.data.len())?;
-    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
-}
-
-/// Names an array that is not there.
-pub(super) fn missing(array: &'static str) -> ExamplesError {
-    FormatError::from(ArrayError::Missing { array }).into()
+fn axis(array: &'static str, found: String) -> Result<Axis, ExamplesError> {
+    let named = Axis::ALL.into_iter().find(|axis| axis.name() == found);
+    let expected = "x, -x, y, -y, z or -z";
+    named.ok_or(ExamplesError::UnknownWord { array, found, expected })
 }

@@ -1,95 +1,87 @@
-//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for what is words or a few numbers.
+//! Examples as NumPy arrays: `X.npz`, with words and a few numbers in `X.json` beside it.
 //!
 //! | array | shape | |
 //! |---|---|---|
 //! | `rest` | V, 3 | rest positions |
-//! | `quads`, `tris` | F, 4 and F, 3 | faces, one of the two at least; quads come first and are split into corners 0 1 2 and 0 2 3 |
+//! | `quads`, `tris` | F, 4 and F, 3 | faces, at least one array; quads come first and are split into corners 0 1 2 and 0 2 3 |
 //! | `vertices` | N, V, 3 | posed positions |
-//! | `bone_transforms` | N, J, 4, 4 | rest to posed, for column vectors |
-//! | `bone_names`, `bone_parents` | J | unless the JSON has them; parent -1 is a root |
+//! | `bone_transforms` | N, J, 4, 4 | rest pose to pose, for column vectors |
+//! | `bone_names`, `bone_parents` | J | optional if the JSON has them; parent -1 is a root |
 //! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
-//! | `uv` | U, 2 | optional texture coordinates, v upward; V of them without the next |
-//! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional; which `uv` each corner has; also `uv_quads`, `uv_tris` |
-//! | `clip_names`, `clip_starts` | C | optional clips and their first frames: 0, then ascending; else one clip, called as the file |
-//! | `fps` | | optional frames a second, 30 without |
-//! | `frame_numbers` | N | optional: what the source calls the frames, whole numbers that ascend in a clip |
-//! | `mesh_names`, `mesh_starts` | M | optional meshes that were joined and their first vertices: 0, then ascending |
-//! | `joint_weights` | V, J | optional: joint weights as painted; they tell which joints are near a vertex |
-//! | `importance` | V | optional: how much each vertex counts, of which only the ratios matter |
-//! | `frame_weights` | N | optional: how often each frame counts in a fit, whole numbers from 1 to 100 |
+//! | `uv` | U, 2 | optional texture coordinates, v upward; U = V without the next row |
+//! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional: `uv` index of each corner; also `uv_quads`, `uv_tris` |
+//! | `clip_names`, `clip_starts` | C | optional clips and their first frames: 0, then ascending; else one clip, named after the file |
+//! | `fps` | | optional frames per second, 30 without |
+//! | `frame_numbers` | N | optional: frame numbers of the source, whole and ascending in each clip |
+//! | `mesh_names`, `mesh_starts` | M | optional joined meshes and their first vertices: 0, then ascending |
+//! | `joint_weights` | V, J | optional: painted joint weights, which show the joints near a vertex |
+//! | `importance` | V | optional: weight of each vertex; only ratios matter |
+//! | `frame_weights` | N | optional: number of times each frame counts in a fit, whole numbers from 1 to 100 |
 //! | `up`, `forward` | | optional axes: `x`, `-x`, `y`, `-y`, `z` or `-z` |
-//! | `handedness` | | optional: `right`, as without, or `left` |
-//! | `unit` | | optional metres of a unit of length |
+//! | `handedness` | | optional: `right` (default) or `left` |
+//! | `unit` | | optional metres per unit of length |
 //!
-//! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
-//! (name to x y z), which serves where there is no `joint_world_rest`; names and starts of clips and
-//! meshes, `fps`, and what is said of the space. It is read first; anything else in either file is left
-//! alone. Numbers may be of any width and order; one number or word may have a dimension or none.
+//! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions` (name to x y z), used
+//! without `joint_world_rest`. It may also hold the names and starts of clips and meshes, `fps`, axes, handedness and
+//! unit. The JSON takes precedence over the arrays. Other content of both files is ignored. Numbers may have any width
+//! and byte order. A single number or word may have one dimension or none.
 
-mod clips;
 mod fields;
-mod meshes;
-mod posed_meshes;
-mod runs;
 mod save;
 mod sidecar;
-mod space;
-mod texture;
 
 use std::path::Path;
 
-pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
-use self::clips::read_clips;
-use self::fields::{FACES, missing, read_faces, read_frame_weights, read_split};
-use self::meshes::{read_importance, read_joint_weights, read_meshes};
+use self::fields::{
+    FACES, missing, read_clips, read_faces, read_frame_weights, read_importance,
+    read_joint_weights, read_meshes, read_space, read_split, read_texture,
+};
 use self::sidecar::{Parent, Sidecar};
-use self::space::read_space;
-use self::texture::read_texture;
-use super::chosen::{chosen, kept};
+use super::clips::{selected, selected_rows};
 use super::error::ImportError;
-use super::loaded::Loaded;
-use super::roots;
+use super::source::Loaded;
+use crate::examples::joints::join_roots;
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
     Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
 use crate::formats::FormatError;
 use crate::formats::npz::{Archive, Rows};
+use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::Sampling;
 
-/// Reads examples from `path` and the JSON of the same name beside it, if there is one.
+/// Loads examples from `path` and the JSON beside it, if there is one.
 ///
-/// Of several roots the first is the reference and the others become its children. A joint whose
-/// rest origin neither file gives gets the point that it and its parent move together best.
+/// If there are several roots, the first becomes the parent of the others. A joint without a rest origin in either file
+/// gets an estimate: the point that the joint and its parent move together best.
 ///
 /// # Errors
-/// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
-/// another type or shape, or fails [`Examples::validate`].
+/// A [`LoadError`] with the file that cannot be read, lacks an array, has an array of another type or shape, or fails
+/// [`Examples::validate`].
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false, played: false })
 }
 
-/// Reads the examples of the clips that are asked for, as [`load`].
+/// Loads the requested clips like [`load`].
 ///
 /// # Errors
-/// As [`load`], and [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
+/// As [`load`]; [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
 pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
     Ok(open(path, sampling)?.0)
 }
 
-/// Reads the examples of the clips that are asked for as they are to be played: at the rate that is asked for, or that
-/// of the file.
+/// Loads the requested clips to be played, at the requested rate or at the file's rate.
 ///
 /// # Errors
 /// As [`load_clips`].
 pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
-    let (mut loaded, told) = open(path, sampling)?;
+    let (mut loaded, rate) = open(path, sampling)?;
     match sampling.fps {
         Some(fps) => loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps)),
-        None if told.is_none() && loaded.clips.iter().any(|clip| clip.times.len() > 1) => {
+        None if rate.is_none() && loaded.clips.iter().any(|clip| clip.times.len() > 1) => {
             loaded.warnings.push(Warning::NoRate);
         }
         None => {}
@@ -97,7 +89,24 @@ pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded
     Ok(loaded)
 }
 
-/// Reads examples, and how many frames play a second where that is said.
+/// Reads posed meshes: `vertices`; `rest` and faces, if present; and `split`, the use of each frame.
+pub(super) fn read_posed_meshes(
+    path: &Path,
+) -> Result<(PosedMeshes, Option<Vec<Split>>), ExamplesError> {
+    let mut archive = Archive::open(path)?;
+    let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
+    let (frame_len, vertex_len) = (lead[0], lead[1]);
+    let rest = archive.rows::<f64, 3>("rest", &[3])?.map(|rest| rest.data);
+    if let Some(rest) = &rest {
+        same("vertices", "rest", rest.len(), "vertices", vertex_len)?;
+    }
+    let faces = read_faces(&mut archive, FACES, vertex_len)?;
+    let triangles = faces.map(|faces| faces.triangles);
+    let split = read_split(&mut archive, frame_len)?;
+    Ok((PosedMeshes { rest, triangles, ..PosedMeshes::bare(vertex_len, vertices) }, split))
+}
+
+/// Loads examples, and the frame rate if given.
 fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), LoadError> {
     let beside = path.with_extension("json");
     let sidecar =
@@ -151,12 +160,12 @@ fn read(
 
     let known = clips.iter().map(|clip| clip.name.clone()).collect();
     sampling.check(known).map_err(FormatError::from)?;
-    let (clips, kept_frames) = chosen(clips, sampling);
+    let (clips, kept_frames) = selected(clips, sampling);
     let kept_frames = kept_frames.as_deref();
-    let vertices = kept(vertices, rest.len(), kept_frames);
-    let matrices = kept(matrices, joint_len, kept_frames);
-    let split = kept(split, 1, kept_frames);
-    let weights = weights.map(|weights| kept(weights, 1, kept_frames));
+    let vertices = selected_rows(vertices, rest.len(), kept_frames);
+    let matrices = selected_rows(matrices, joint_len, kept_frames);
+    let split = selected_rows(split, 1, kept_frames);
+    let weights = weights.map(|weights| selected_rows(weights, 1, kept_frames));
     let transforms = affine(&matrices, Some(&split), &names);
     let transforms = transforms.map_err(|error| error.called(&clips))?;
     drop(matrices);
@@ -206,7 +215,8 @@ fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, E
     }
 }
 
-/// Reads one parent a joint, and hangs every root but the first under the first; gives those, too.
+/// Reads the parent of each joint, and makes the first root the parent of the other roots. Also returns the other
+/// roots.
 fn read_parents(
     archive: &mut Archive,
     sidecar: &Sidecar,
@@ -236,10 +246,10 @@ fn read_parents(
             },
         });
     }
-    Ok(roots::joined(names, found, warnings))
+    Ok(join_roots(names, found, warnings))
 }
 
-/// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1 in the training frames.
+/// Removes the last row of 4 x 4 matrices, which must be 0 0 0 1 in training frames.
 fn affine(
     matrices: &[[f64; 16]],
     frames: Option<&[Split]>,
@@ -263,11 +273,11 @@ fn affine(
     Ok(maps)
 }
 
-/// Puts the joints whose rest position is described where it says; the others are to be found.
+/// Sets the rest positions given in the JSON; marks other joints as unplaced.
 fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
-    let is_told =
+    let has_position =
         |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
-    skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !is_told(joint)).collect();
+    skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !has_position(joint)).collect();
     for (name, &position) in &sidecar.joint_rest_positions {
         match skeleton.names.iter().position(|joint| joint == name) {
             Some(joint) => skeleton.rest[joint] = translation(position),

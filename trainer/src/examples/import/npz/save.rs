@@ -1,12 +1,10 @@
-//! Writes examples as NumPy arrays.
+//! Saves examples as NumPy arrays.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::clips::CLIPS;
-use super::meshes::MESHES;
-use super::runs::RunKind;
+use super::fields::{CLIPS, MESHES, RunKind};
 use super::sidecar::{Parent, Sidecar};
 use crate::examples::{Clip, Examples, LoadError, Matrix3x4, Split};
 use crate::files::PendingFile;
@@ -14,12 +12,12 @@ use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 use sinew_runtime::format::{Handedness, Space};
 
-/// Writes examples to `path`, in double precision, all but authored normals and tangents; names and parents of joints
-/// also to the JSON of the same name. Each file is written beside its place and moved there when complete, the JSON
-/// first. The same examples give the same bytes.
+/// Saves examples to `path` in double precision, without authored normals and tangents. Joint names and parents also go
+/// to the JSON beside it. Each file is written under a temporary name and renamed when complete, the JSON first. Equal
+/// examples give equal bytes.
 ///
-/// - `clips`: those that the frames come from, which together cover them, or none. Times are kept that follow at one
-///   rate in all clips, numbers of frames where all clips have them.
+/// - `clips`: clips that cover the frames, or none. Times are saved if all clips share one rate; frame numbers are
+///   saved if all clips have them.
 ///
 /// # Errors
 /// A [`LoadError`] with the file that could not be written.

@@ -1,4 +1,4 @@
-//! The description in JSON beside the arrays.
+//! The JSON file beside the arrays.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -9,60 +9,60 @@ use serde::{Deserialize, Serialize};
 use crate::examples::ExamplesError;
 use crate::formats::FormatError;
 
-/// What the JSON says of joints, clips, meshes and space; everything else in it is left alone.
+/// Fields of the JSON: joints, clips, meshes and space; other fields are ignored.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct Sidecar {
-    /// J names.
+    /// Names of joints, J.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bone_names: Option<Vec<String>>,
-    /// J parents; `null` or -1 is a root.
+    /// Parents of joints, J; `null` or -1 is a root.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bone_parents: Option<Vec<Option<Parent>>>,
-    /// Model-space rest origins by name.
+    /// Rest origins in model space, by joint name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) joint_rest_positions: BTreeMap<String, [f64; 3]>,
-    /// C names of clips.
+    /// Names of clips, C.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) clip_names: Option<Vec<String>>,
-    /// C first frames of clips.
+    /// First frames of clips, C.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) clip_starts: Option<Vec<i64>>,
-    /// Frames a second.
+    /// Frames per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) fps: Option<f64>,
-    /// M names of meshes.
+    /// Names of meshes, M.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mesh_names: Option<Vec<String>>,
-    /// M first vertices of meshes.
+    /// First vertices of meshes, M.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mesh_starts: Option<Vec<i64>>,
-    /// The axis along which the character stands.
+    /// Up axis of the character.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) up: Option<String>,
-    /// The axis along which it looks.
+    /// Forward axis of the character.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) forward: Option<String>,
     /// `right` or `left`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) handedness: Option<String>,
-    /// Metres of a unit of length.
+    /// Metres per unit of length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) unit: Option<f64>,
 }
 
-/// A parent as files write it.
+/// A parent as written in a file.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Parent {
-    /// By place in the list of joints; -1 is none.
+    /// Number of the joint; -1 for none.
     Number(i64),
-    /// By name.
+    /// Name of the joint.
     Name(String),
 }
 
 impl Sidecar {
-    /// Reads the JSON at `path`; without a file, nothing is described.
+    /// Reads the JSON at `path`; all fields are empty if there is no file.
     pub(super) fn read(path: &Path) -> Result<Self, ExamplesError> {
         let text = match std::fs::read(path) {
             Ok(text) => text,

@@ -1,7 +1,5 @@
-//! Scenes and posed meshes, joined.
+//! Tests of joining scenes and posed meshes.
 
-mod matched;
-mod parts;
+mod meshes;
 mod real;
 mod scene;
-mod targets;

@@ -1,11 +1,11 @@
-//! A real rig and its posed meshes, in every pair of formats.
+//! Tests with a real rig and its posed meshes, in every pair of formats.
 
 use super::super::source::{Source, load};
 use crate::examples::{Examples, Loaded, Warning};
 use crate::formats::save_pc2;
 use crate::formats::testing::{Folder, shared};
 
-/// Frames of the clips Walk Cycle and Stretch, in that order in the timeline.
+/// Frames of the clips Walk Cycle and Stretch, in timeline order.
 const WALK: usize = 66;
 const STRETCH: usize = 56;
 
@@ -18,8 +18,9 @@ fn leg(scene: &str, targets: &str) -> Option<(Loaded, Examples)> {
     Some((loaded.unwrap_or_else(|error| panic!("{error}")), expected))
 }
 
-/// Checks the ways of some vertices against those of the arrays that have their places at rest, whose frames `frames`
-/// lists.
+/// Compares the paths of some vertices with the arrays' vertices at the same rest positions.
+///
+/// - `frames`: the arrays' frame of each frame.
 fn check(found: &Examples, expected: &Examples, frames: &[usize], unit: f64, y_up: bool) {
     let there = |[x, y, z]: [f64; 3]| {
         let [x, y, z] = [x, y, z].map(|x| x * unit);
@@ -56,9 +57,9 @@ fn an_archive_follows_the_clips_of_an_fbx() {
     check(&examples, &expected, &frames, 0.01, true);
 }
 
-/// glTF has vertices in an order of its own.
+/// glTF changes the order of vertices.
 #[test]
-fn vertices_that_gltf_sorts_anew_are_found_again() {
+fn vertices_reordered_by_gltf_are_matched() {
     for targets in ["leg.npz", "leg.abc"] {
         let Some((Loaded { examples, clips, warnings }, expected)) = leg("leg.glb", targets) else {
             return;
@@ -67,14 +68,14 @@ fn vertices_that_gltf_sorts_anew_are_found_again() {
         assert_eq!(lens, [WALK, STRETCH]);
         assert!(!warnings.iter().any(|warning| matches!(warning, Warning::ClipsSorted { .. })));
         let frames: Vec<usize> = (0..WALK + STRETCH).collect();
-        // The arrays' rest mesh decides the axes, the archive has none.
+        // The arrays' rest mesh defines the axes; the archive has no rest mesh.
         check(&examples, &expected, &frames, 1.0, targets == "leg.abc");
     }
 }
 
-/// Its vertices, in an order of their own, go where its own joints and shapes take them.
+/// The vertices have their own order and follow the file's own joints and shapes.
 #[test]
-fn a_skinned_gltf_is_targets_as_a_viewer_shows_it() {
+fn a_skinned_gltf_serves_as_targets() {
     for (scene, unit) in [("leg.glb", 1.0), ("leg_strips.fbx", 0.01)] {
         let Some((Loaded { examples, .. }, _)) = leg(scene, "leg.glb") else { return };
         let expected = load(&Source::file(&shared("leg/leg.glb").unwrap())).unwrap().examples;
@@ -83,7 +84,7 @@ fn a_skinned_gltf_is_targets_as_a_viewer_shows_it() {
     }
 }
 
-/// The stretch's meshes before the walk's.
+/// The stretch's meshes come before the walk's.
 #[test]
 fn meshes_that_follow_the_clips_in_another_order_are_sorted() {
     let Some(arrays) = shared("leg/leg.npz") else { return };

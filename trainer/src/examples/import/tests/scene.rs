@@ -1,4 +1,4 @@
-//! How a scene and its targets become examples.
+//! Tests of converting a scene and its targets to examples.
 
 use super::super::error::ImportError;
 use super::super::scene::join;
@@ -14,7 +14,7 @@ use sinew_runtime::format::Space;
 const FRAMES: usize = 6;
 const VERTICES: usize = 60;
 
-/// A limb along x that bends at a joint and bulges there, without symmetry.
+/// Creates an asymmetric limb along x that bends and bulges at a joint.
 fn limb() -> (SampledScene, Vec<[f64; 3]>) {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut within = |low: f64, high: f64| random.random_range(low..high);
@@ -62,8 +62,8 @@ fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
 const KEYS: Sampling<'_> =
     Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
-/// y up to z up, metres to centimetres.
-fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
+/// Converts y up to z up, and metres to centimetres.
+fn converted([x, y, z]: [f64; 3]) -> [f64; 3] {
     [100.0 * x, -100.0 * z, 100.0 * y]
 }
 
@@ -85,19 +85,19 @@ fn targets_in_place_stay_as_they_are() {
 #[test]
 fn targets_in_other_axes_and_units_are_brought_to_the_joints() {
     let (scene, posed) = limb();
-    let moved = posed.iter().copied().map(elsewhere).collect();
+    let moved = posed.iter().copied().map(converted).collect();
     let (examples, _, warnings) = join(scene, Some(targets(moved)), &KEYS).unwrap();
     assert!(farthest(&examples.vertices, &posed) < 1e-12);
     let how = "(x, z, -y) x 0.01".to_owned();
     assert_eq!(warnings, [Warning::Moved { what: "targets", how }]);
 }
 
-/// A rest mesh decides the space: the joints come to it, and carry it there as they did here.
+/// The rest mesh defines the space: the joints move there and carry the mesh as before.
 #[test]
 fn joints_are_brought_to_a_rest_mesh() {
     let (scene, posed) = limb();
     let shifted = |x| {
-        let [x, y, z] = elsewhere(x);
+        let [x, y, z] = converted(x);
         [x + 7.0, y, z - 300.0]
     };
     let here = join(limb().0, Some(targets(posed.clone())), &KEYS).unwrap().0;
@@ -138,7 +138,7 @@ fn targets_of_another_character_are_refused() {
 }
 
 #[test]
-fn counts_that_differ_are_told_with_what_to_do() {
+fn wrong_counts_give_advice() {
     let (scene, posed) = limb();
     let error = join(scene, Some(targets(posed[VERTICES..].to_vec())), &KEYS).unwrap_err();
     let words = "holds 5 meshes, the scene's clips have 6 frames (bend: 6): export both";
@@ -152,7 +152,7 @@ fn counts_that_differ_are_told_with_what_to_do() {
     assert!(error.to_string().starts_with(words), "{error}");
 }
 
-/// The limb's frames as clips of some lengths.
+/// Cuts the limb's frames into clips of some lengths.
 fn cut(scene: &mut SampledScene, lens: &[usize]) {
     let mut first = 0;
     scene.clips = ["bend", "wave", "kick", "rest", "jump", "fall"]
@@ -189,16 +189,16 @@ fn targets_that_follow_the_clips_in_another_order_are_sorted() {
             "the targets follow the clips in another order, kick, bend, wave, and were sorted";
         assert!(warnings.len() == 1 && text.starts_with(words), "{warnings:?}");
     }
-    // Wherever the meshes stand.
+    // The meshes may have other axes and units.
     let (examples, _, warnings) =
-        sorts(&posed.iter().copied().map(elsewhere).collect::<Vec<_>>(), false);
+        sorts(&posed.iter().copied().map(converted).collect::<Vec<_>>(), false);
     assert!(farthest(&examples.vertices, &posed) < 1e-12);
     let how = "(x, z, -y) x 0.01".to_owned();
     assert_eq!(warnings[1..], [Warning::Moved { what: "targets", how }]);
 }
 
 #[test]
-fn targets_of_all_clips_are_cut_to_those_that_are_asked_for() {
+fn targets_of_all_clips_are_cut_to_the_requested_clips() {
     let (mut scene, posed) = limb();
     cut(&mut scene, &[2, 1, 3]);
     let poses = scene.frames.clone();
@@ -231,13 +231,13 @@ fn use_of(number: usize) -> Split {
 }
 
 #[test]
-fn targets_in_order_are_left_so_and_several_orders_are_told_of() {
+fn targets_in_order_stay_and_ambiguous_orders_are_refused() {
     let (mut scene, posed) = limb();
     cut(&mut scene, &[1; 6]);
     let (examples, _, warnings) = join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
     assert_eq!((examples.vertices, warnings), (posed.clone(), Vec::new()));
 
-    // Two clips of one motion may be exchanged.
+    // Two clips with equal motion can be exchanged.
     let frames = [0, 5, 5].map(|frame| posed[frame * VERTICES..][..VERTICES].to_vec());
     let (mut scene, _) = limb();
     let poses = |frame: usize| scene.frames[2 * frame..][..2].to_vec();
@@ -250,23 +250,23 @@ fn targets_in_order_are_left_so_and_several_orders_are_told_of() {
 }
 
 #[test]
-fn vertices_in_another_order_are_told_of() {
+fn vertices_in_another_order_are_refused() {
     let (scene, posed) = limb();
     let reversed =
-        |frame: &[[f64; 3]]| frame.iter().rev().copied().map(elsewhere).collect::<Vec<_>>();
+        |frame: &[[f64; 3]]| frame.iter().rev().copied().map(converted).collect::<Vec<_>>();
     let reversed = posed.chunks(VERTICES).flat_map(reversed).collect();
     let error = join(scene, Some(targets(reversed)), &KEYS).unwrap_err();
     assert!(matches!(error, ExamplesError::Import(ImportError::VertexOrder)), "{error}");
 }
 
 #[test]
-fn positions_that_are_not_finite_are_told_by_frame_and_vertex_before_any_place_is_compared() {
+fn positions_that_are_not_finite_are_refused_before_positions_are_compared() {
     let refused = |targets: TargetMeshes| {
         let (mut scene, _) = limb();
         cut(&mut scene, &[3, 3]);
         join(scene, Some(targets), &KEYS).unwrap_err().to_string()
     };
-    // All of a frame, so that whatever looks at some of its vertices meets one.
+    // Spoils most vertices of a frame, so that every sample contains one.
     let spoiled = |frame: usize, number: f64| {
         let (_, mut posed) = limb();
         posed[frame * VERTICES + 7..][..VERTICES - 7].fill([number; 3]);
@@ -304,9 +304,9 @@ fn positions_that_are_not_finite_are_told_by_frame_and_vertex_before_any_place_i
 }
 
 #[test]
-fn poses_that_are_not_finite_are_the_scene_s_fault_and_not_the_targets() {
+fn poses_that_are_not_finite_are_reported_for_the_scene() {
     let (mut scene, posed) = limb();
-    // Both joints, so that none carries a vertex anywhere.
+    // Spoils both joints, so that no joint carries a vertex anywhere.
     scene.frames[2 * 3..][..2].fill(Matrix4::from_element(f64::NAN));
     let error = join(scene, Some(targets(posed)), &KEYS).unwrap_err();
     let ExamplesError::NotFinite { array: "bone_transforms", frame: Some(3), element } = &error
@@ -317,7 +317,7 @@ fn poses_that_are_not_finite_are_the_scene_s_fault_and_not_the_targets() {
 }
 
 #[test]
-fn files_that_a_sequence_leaves_out_are_named_where_the_counts_tell() {
+fn missing_files_of_a_sequence_are_named_if_they_explain_the_count() {
     for (missing, expected) in [
         (vec!["p3.obj"], "(bend: 6): p3.obj is missing"),
         (vec!["p3.obj", "p7.obj"], "(bend: 6): export both over"),
@@ -360,7 +360,7 @@ fn poses_without_meshes_are_refused() {
 }
 
 #[test]
-fn a_frame_that_exploded_tells_nothing_of_the_order_of_vertices() {
+fn an_exploded_frame_does_not_hide_the_order_of_vertices() {
     let (_, posed) = limb();
     let exploded = |mut posed: Vec<[f64; 3]>| {
         let own = posed[VERTICES..2 * VERTICES].iter_mut().flatten().enumerate();

@@ -1,10 +1,10 @@
-//! One refusal a test: each names what is wrong and where.
+//! Tests of refused sets: each error names the problem and its location.
 
 use super::*;
 use crate::examples::{Distortion, Element};
 use crate::formats::{ArrayError, FormatError};
 
-/// Gives what is wrong with an array.
+/// Extracts the error of an array.
 #[track_caller]
 fn array_fault(fault: ExamplesError) -> ArrayError {
     match fault {
@@ -37,7 +37,7 @@ fn not_finite_names_array_frame_and_vertex_or_joint() {
 }
 
 #[test]
-fn what_single_precision_cannot_hold_names_array_frame_and_vertex_or_joint() {
+fn too_large_numbers_name_array_frame_and_vertex_or_joint() {
     let fault = Set::good().real("rest", 4, 1e30).fault("large-rest");
     assert!(matches!(fault, ExamplesError::TooLarge { array: "rest", frame: None, .. }), "{fault}");
     let fault = Set::good().real("vertices", 15 + 7, -1e10).fault("large-vertex");
@@ -90,7 +90,7 @@ fn joints_in_a_cycle_are_named() {
 }
 
 #[test]
-fn missing_parents_and_doubled_names_are_named() {
+fn missing_parents_and_duplicate_names_are_named() {
     for (parent, text) in [(json!(7), "7"), (json!(-2), "-2"), (json!("hip"), "hip")] {
         let json = json!({"bone_names": ["root", "tip"], "bone_parents": [-1, parent]});
         let fault = Set::good().json(json).fault("parent");
@@ -193,7 +193,7 @@ fn triangles_without_area_are_listed_unless_all_are() {
 #[test]
 fn maps_that_are_not_rigid_are_refused_and_near_ones_reported() {
     let tip_in_frame_1 = 32 + 16;
-    // Scale, shear, reflection, collapse, and a last row that is not 0 0 0 1.
+    // Scale, shear, reflection, singular matrix, and a last row other than 0 0 0 1.
     for (place, number) in [(0, 1.5), (1, 0.05), (0, -1.0), (5, 0.0), (12, 0.1), (15, 2.0)] {
         let fault =
             Set::good().real("bone_transforms", tip_in_frame_1 + place, number).fault("rigid");
@@ -229,7 +229,7 @@ fn damaged_files_are_refused_and_named() {
         let fault = load(&path).unwrap_err().error;
         assert!(matches!(array_fault(fault), ArrayError::Archive { .. }), "{len}");
     }
-    // Bytes of the compressed data of one array.
+    // Damages the compressed data of one array.
     let mut broken = whole.clone();
     broken[70..100].fill(0x55);
     std::fs::write(&path, &broken).unwrap();

@@ -1,4 +1,4 @@
-//! Sets of arrays that load, and what they become.
+//! Tests of sets of arrays that load.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,14 +13,13 @@ use super::*;
 use crate::examples::testing::{IDENTITY, triangle};
 use crate::formats::FormatError;
 use crate::formats::npz::Writer;
-use crate::formats::testing::Folder;
+use crate::formats::testing::{self, Folder};
 use crate::mesh::EngineMesh;
 
 mod faults;
-mod real;
-mod told;
+mod fields;
 
-/// A good set, as the arrays of its file: a quad and a triangle on two joints, four frames.
+/// A valid set of arrays: a quad and a triangle on two joints, four frames.
 struct Set {
     reals: BTreeMap<&'static str, (Vec<u64>, Vec<f64>)>,
     wholes: BTreeMap<&'static str, (Vec<u64>, Vec<i64>)>,
@@ -69,14 +68,14 @@ impl Set {
         self
     }
 
-    /// Adds an array of numbers in one row, or, of one, without a dimension.
+    /// Adds an array of numbers with one dimension; a single number has none.
     fn row(mut self, array: &'static str, numbers: &[f64]) -> Self {
         let shape = if numbers.len() == 1 { vec![] } else { vec![numbers.len() as u64] };
         self.reals.insert(array, (shape, numbers.to_vec()));
         self
     }
 
-    /// Adds an array of whole numbers in one row.
+    /// Adds an array of whole numbers with one dimension.
     fn count(mut self, array: &'static str, numbers: &[i64]) -> Self {
         self.wholes.insert(array, (vec![numbers.len() as u64], numbers.to_vec()));
         self
@@ -127,7 +126,7 @@ impl Set {
     }
 }
 
-/// Adds an array as its numbers are, in C order.
+/// Adds an array in the numbers' own type, in C order.
 fn add<T: AutoSerialize>(
     zip: &mut ZipWriter<File>,
     name: &str,
@@ -162,7 +161,7 @@ fn without_a_split_every_frame_trains() {
 }
 
 #[test]
-fn what_is_saved_loads_the_same_with_and_without_the_json() {
+fn saved_sets_load_the_same_with_and_without_the_json() {
     let folder = Folder::new("round");
     let mut saved = triangle(3);
     saved.vertices[4] = [0.1, 1.0 / 3.0, -7e-9];
@@ -220,7 +219,7 @@ fn numbers_of_any_width_and_order_are_read() {
     assert_eq!(examples.pose(0)[0].map(|row| row[3]), [7.0, 8.0, 9.0]);
 }
 
-/// Rewrites the archive as `numpy.savez` does: not compressed, with sizes of 64 bits.
+/// Rewrites the archive as `numpy.savez` does: uncompressed, with 64-bit sizes.
 fn store(folder: &Folder) {
     let bytes = std::fs::read(folder.npz()).unwrap();
     let mut compressed = ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
@@ -236,7 +235,7 @@ fn store(folder: &Folder) {
 }
 
 #[test]
-fn what_is_not_compressed_loads_the_same() {
+fn uncompressed_sets_load_the_same() {
     let folder = Folder::new("stored");
     let compressed = load(&Set::good().write(&folder)).unwrap();
     store(&folder);
@@ -283,7 +282,7 @@ fn noise_in_held_out_frames_loads() {
     assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
 }
 
-/// The good set with a seam along the edge from 1 to 2, of the quad and of the triangle.
+/// Creates the valid set with a UV seam along the edge from 1 to 2, between the quad and the triangle.
 fn seamed(names: [&'static str; 2]) -> Set {
     let mut set = Set::good();
     let uv =
@@ -301,7 +300,7 @@ fn uv_by_corner_makes_the_engine_s_vertices() {
         assert_eq!(warnings, []);
         assert_eq!(examples.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
         let engine = examples.engine.unwrap();
-        // By vertex, then by first use.
+        // Sorted by vertex, then by first use.
         assert_eq!(engine.copy_of, [0, 1, 1, 2, 2, 3, 4]);
         assert_eq!(engine.triangles, [[0, 1, 3], [0, 3, 5], [2, 6, 4]]);
         let uv = engine.uv.unwrap();
@@ -329,4 +328,87 @@ fn corners_that_agree_are_the_vertices() {
     let engine = set.load("uv-agree").unwrap().examples.engine.unwrap();
     assert!(engine.is_one_each());
     assert_eq!(engine.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
+}
+
+/// Loads a set of `../shared/data`, which must exist where CI is set.
+fn shared(set: &str) -> Option<Loaded> {
+    testing::shared(set).map(|set| load(&set).unwrap())
+}
+
+fn counts(examples: &Examples) -> [usize; 7] {
+    [
+        examples.frame_len(),
+        examples.vertex_len(),
+        examples.triangles.len(),
+        examples.joint_len(),
+        examples.frames_of(Split::Train).len(),
+        examples.frames_of(Split::HeldOut).len(),
+        examples.frames_of(Split::Extreme).len(),
+    ]
+}
+
+#[test]
+fn dem_bones_loads() {
+    let Some(Loaded { mut examples, warnings, .. }) = shared("dem-bones/bone.npz") else { return };
+    assert_eq!(counts(&examples), [400, 754, 1504, 6, 300, 100, 0]);
+    let joints = vec!["joint1".to_owned(), "joint4".to_owned()];
+    assert_eq!(warnings, [Warning::SeveralRoots { joints }]);
+    let parents = [None, Some(0), Some(0), Some(0), Some(3), Some(3)];
+    assert_eq!(examples.skeleton.parents, parents);
+    assert_eq!(examples.skeleton.roots, [3]);
+    let split = examples.split.clone();
+    examples.hold_out(0.25).unwrap();
+    assert_eq!(examples.split, split);
+}
+
+#[test]
+fn mpfb_arm_loads_and_its_origins_can_be_estimated() {
+    let Some(Loaded { mut examples, warnings, .. }) = shared("mpfb-arm/mpfb_arm.npz") else {
+        return;
+    };
+    assert_eq!(counts(&examples), [264, 899, 1666, 5, 180, 70, 14]);
+    assert_eq!(warnings, []);
+    // All are ball joints, except that the elbow is a hinge with pronation; the data contains its origin too.
+    let diagonal = examples.diagonal();
+    let given = examples.skeleton.rest.clone();
+    examples.skeleton.unplaced = (1..5).collect();
+    examples.place_joints();
+    for joint in 1..5 {
+        let [given, found] =
+            [&given, &examples.skeleton.rest].map(|rest| rest[joint].map(|row| row[3]));
+        // A hinge's origin may slide along its axis, so only the agreement of both maps there counts.
+        let mut worst: f64 = 0.0;
+        for frame in examples.frames_of(Split::Train) {
+            let pose = examples.pose(frame);
+            let parent = examples.skeleton.parents[joint].unwrap();
+            for row in 0..3 {
+                let at = |map: &Matrix3x4| {
+                    map[row][3] + (0..3).map(|axis| map[row][axis] * found[axis]).sum::<f64>()
+                };
+                worst = worst.max((at(&pose[joint]) - at(&pose[parent])).abs());
+            }
+        }
+        assert!(
+            worst < 1e-5 * diagonal,
+            "joint {joint}: {worst}, given {given:?}, found {found:?}"
+        );
+    }
+    assert!(examples.engine.is_none() && examples.surface().tangents().is_none());
+}
+
+#[test]
+fn mpfb_body_loads() {
+    let Some(Loaded { examples, warnings, .. }) = shared("mpfb-body/mpfb_body.npz") else { return };
+    assert_eq!(counts(&examples), [220, 13380, 26756, 53, 160, 60, 0]);
+    assert_eq!(warnings, []);
+    // One engine vertex per texture coordinate that a corner uses.
+    let engine = examples.engine.as_ref().unwrap();
+    assert_eq!(engine.copy_of.len(), 14517);
+    let normals = examples.surface().normals();
+    // Shading is continuous across seams.
+    for (copy, &vertex) in engine.copy_of.iter().enumerate().skip(1) {
+        let beside = engine.copy_of[copy - 1] == vertex;
+        assert!(!beside || normals[copy - 1] == normals[copy]);
+    }
+    assert!(normals.iter().all(|n| (n.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12));
 }

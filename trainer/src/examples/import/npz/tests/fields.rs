@@ -1,4 +1,4 @@
-//! What a file tells beside poses and meshes: clips, meshes, importance, space.
+//! Tests of optional fields: clips, meshes, weights, importance and space.
 
 use sinew_runtime::format::{Axis, Handedness, Space};
 
@@ -7,7 +7,7 @@ use crate::examples::{Clip, Source, load_poses};
 use crate::formats::FormatError;
 use crate::formats::SceneError;
 
-/// Two clips of the four frames, as animation programs number them, at 24 a second.
+/// Cuts the four frames into two clips with source frame numbers, at 24 frames per second.
 fn clips() -> Set {
     Set::good()
         .words("clip_names", &["Walk Cycle", "Stretch"])
@@ -46,7 +46,7 @@ fn clips_have_names_times_and_numbers() {
 }
 
 #[test]
-fn what_is_not_told_of_clips_is_one_clip_at_thirty_a_second() {
+fn without_clips_all_frames_are_one_clip_at_thirty_a_second() {
     let clips = Set::good().load("one-clip").unwrap().clips;
     let times = (0..4).map(|frame| f64::from(frame) / 30.0).collect();
     let whole = |times, numbers| Clip { name: "set".to_owned(), first: 0, times, numbers };
@@ -88,7 +88,7 @@ fn one_clip_is_read_alone() {
 }
 
 #[test]
-fn a_frame_at_fault_is_called_as_the_file_calls_it() {
+fn errors_and_warnings_name_frames_by_their_source_number() {
     let fault = |set: Set| set.fault("called").to_string();
     let found = fault(clips().real("vertices", 3 * 15, f64::NAN));
     assert_eq!(found, "array vertices is not finite at frame 67, vertex 0");
@@ -105,7 +105,7 @@ fn a_frame_at_fault_is_called_as_the_file_calls_it() {
 }
 
 #[test]
-fn meshes_are_ranges_and_importance_is_weighed() {
+fn meshes_become_ranges_and_importance_is_read() {
     let set = Set::good().words("mesh_names", &["Body", "Sleeve"]).count("mesh_starts", &[0, 3]);
     let set = set.row("importance", &[1.0, 1.0, 0.0, 0.5, 2.5]);
     let examples = set.load("meshes").unwrap().examples;
@@ -143,7 +143,7 @@ fn painted_joint_weights_are_read_and_saved() {
 }
 
 #[test]
-fn frames_count_as_often_as_they_say() {
+fn frame_weights_are_read_and_saved() {
     let len = Set::good().load("weights-none").unwrap().examples.frame_len();
     let mut weights = vec![1.0; len];
     weights[1] = 3.0;
@@ -160,7 +160,7 @@ fn frames_count_as_often_as_they_say() {
 }
 
 #[test]
-fn axes_and_unit_are_told_and_saved() {
+fn axes_and_unit_are_read_and_saved() {
     let told = Set::good().words("up", &["z"]).words("forward", &["-y"]).row("unit", &[0.01]);
     let space = Space {
         up: Some(Axis::Z),
@@ -189,7 +189,7 @@ fn clips_and_meshes_are_saved_and_load_the_same() {
     save_npz(&folder.npz(), &saved.examples, &saved.clips).unwrap();
     let loaded = load(&folder.npz()).unwrap();
     assert_eq!((&loaded.clips, &loaded.examples.ranges), (&saved.clips, &saved.examples.ranges));
-    // Without numbers, and at no rate that a file can say.
+    // The clips have no frame numbers and no common rate.
     let mut clips = expected();
     clips.iter_mut().for_each(|clip| clip.numbers = None);
     clips[0].times = vec![0.0, 0.5, 0.6];
@@ -200,7 +200,7 @@ fn clips_and_meshes_are_saved_and_load_the_same() {
 }
 
 #[test]
-fn poses_that_are_played_have_a_rate_or_are_warned_of() {
+fn played_poses_without_a_rate_give_a_warning() {
     let played = |set: Set, test: &str, fps: Option<f64>| {
         let folder = Folder::new(test);
         let path = set.write(&folder);
@@ -217,12 +217,12 @@ fn poses_that_are_played_have_a_rate_or_are_warned_of() {
     let told = Warning::NoRate.to_string();
     assert_eq!(
         told,
-        "it says no frames a second (fps), and plays at 30: say another rate with --fps"
+        "it gives no frames per second (fps) and plays at 30: give another rate with --fps"
     );
 }
 
 #[test]
-fn what_is_told_wrongly_names_array_and_place() {
+fn wrong_fields_name_array_and_place() {
     let names = |set: Set| set.words("clip_names", &["a", "b"]);
     let starts = "expected 0 for the first, then ascending numbers below 4";
     for (set, words) in [

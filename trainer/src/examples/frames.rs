@@ -1,23 +1,56 @@
-//! Setting frames aside for sets that come without a split.
+//! Names of frames, and the choice of held-out frames.
 
 use super::{Clip, Examples, ExamplesError, Split, Warning};
 use crate::formats::{FormatError, SceneError};
+use serde::Serialize;
+use std::fmt;
 
-/// Runs of consecutive frames of which each gives its end. Neighbours in an animation are almost
-/// the same pose, so frames are held out in blocks; a few blocks sample the whole animation.
+/// Number of runs of frames; the end of each run is held out. Neighbouring frames have almost equal poses, so single
+/// frames would not test anything. A few blocks sample the whole animation.
 const RUNS: usize = 5;
 
+/// Name of a frame: index, source number and clip.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FrameName {
+    /// Index among all frames.
+    pub frame: usize,
+    /// Number in the source, if any.
+    pub number: Option<i64>,
+    /// Name of the clip and index within the clip, if there are several clips.
+    pub clip: Option<(String, usize)>,
+}
+
+impl FrameName {
+    /// Creates the name of a frame within clips.
+    pub fn new(clips: &[Clip], frame: usize) -> Self {
+        let of = clips.iter().rev().find(|clip| clip.first <= frame);
+        let number = of.and_then(|clip| clip.number(frame - clip.first));
+        let several = of.filter(|_| clips.len() > 1);
+        Self { frame, number, clip: several.map(|clip| (clip.name.clone(), frame - clip.first)) }
+    }
+}
+
+impl fmt::Display for FrameName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.number, &self.clip) {
+            (Some(number), Some((clip, _))) => write!(f, "{number} ({clip})"),
+            (Some(number), None) => write!(f, "{number}"),
+            (None, Some((clip, inner))) => write!(f, "{} ({clip} {inner})", self.frame),
+            (None, None) => write!(f, "{}", self.frame),
+        }
+    }
+}
+
 impl Examples {
-    /// Holds out about `share` of the frames in contiguous blocks.
+    /// Holds out about `share` of the frames, in contiguous blocks. Replaces the split, except for extreme frames.
     ///
-    /// The training and held-out frames together are cut into five equal runs (fewer if there are
-    /// not two frames for each); the last `share` of every run is held out, at least one frame, and
-    /// the rest trains. 25 % of 400 frames is thus every fourth block of 20. Extreme frames stay
-    /// extreme. The former split is replaced. Returns a warning where runs are too short for the share.
+    /// Training and held-out frames together are cut into five equal runs, or into fewer if five would have less than
+    /// two frames each. The last `share` of every run is held out, at least one frame; the rest trains. For example, 25
+    /// % of 400 frames holds out every fourth block of 20. Returns a warning if the runs are too short for the share.
     ///
     /// # Errors
     /// - [`ExamplesError::BadShare`] unless `0 < share < 1`.
-    /// - [`ExamplesError::TooFewPoses`] with fewer than two frames to divide.
+    /// - [`ExamplesError::TooFewPoses`] if there are fewer than two frames to divide.
     pub fn hold_out(&mut self, share: f64) -> Result<Option<Warning>, ExamplesError> {
         if !(share > 0.0 && share < 1.0) {
             return Err(ExamplesError::BadShare { share });
@@ -43,11 +76,11 @@ impl Examples {
         Ok((!is_near).then_some(Warning::HoldOutRounded { share, held, all, runs }))
     }
 
-    /// Holds out the frames of the clips with these names, with that of their file before them or without; the others
-    /// keep their use.
+    /// Holds out the frames of named clips; other frames keep their use. A name may include the file before the clip
+    /// (`FILE:CLIP`) or not.
     ///
     /// # Errors
-    /// [`SceneError::UnknownClip`] for a name that none of `clips` has.
+    /// [`SceneError::UnknownClip`] if no clip has a name.
     pub fn hold_out_clips(
         &mut self,
         clips: &[Clip],
@@ -75,6 +108,22 @@ impl Examples {
 mod tests {
     use super::super::testing::triangle;
     use super::*;
+
+    #[test]
+    fn a_frame_is_named_by_its_clip_where_there_are_several() {
+        let clip = |name: &str, first| Clip::regular(name.to_owned(), first, 3);
+        let [walk, run] = [clip("walk", 0), clip("run", 3)];
+        assert_eq!(FrameName::new(std::slice::from_ref(&walk), 2).to_string(), "2");
+        let clips = [walk, run];
+        let name = |frame| FrameName::new(&clips, frame).to_string();
+        assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "3 (run 0)", "5 (run 2)"]);
+        // The clip has frame numbers from its source.
+        let run = Clip::numbered("run".to_owned(), 3, vec![67, 69, 71]);
+        assert_eq!(FrameName::new(std::slice::from_ref(&run), 4).to_string(), "69");
+        let clips = [clips[0].clone(), run];
+        let name = |frame| FrameName::new(&clips, frame).to_string();
+        assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "67 (run)", "71 (run)"]);
+    }
 
     #[test]
     fn a_quarter_of_400_frames_is_every_fourth_block_of_20() {
@@ -108,25 +157,25 @@ mod tests {
     }
 
     #[test]
-    fn a_share_that_short_runs_cannot_have_is_told() {
-        let told = |frame_len, share| triangle(frame_len).hold_out(share).unwrap();
-        // Runs have 2 or 3 frames, and each keeps one.
-        let Some(Warning::HoldOutRounded { held, all, runs, .. }) = told(13, 0.99) else {
+    fn a_share_that_short_runs_cannot_have_gives_a_warning() {
+        let warning_of = |frame_len, share| triangle(frame_len).hold_out(share).unwrap();
+        // Runs have 2 or 3 frames, and each keeps one training frame.
+        let Some(Warning::HoldOutRounded { held, all, runs, .. }) = warning_of(13, 0.99) else {
             panic!()
         };
         assert_eq!((held, all, runs), (8, 13, 5));
-        let text = told(13, 0.99).map(|warning| warning.to_string());
+        let text = warning_of(13, 0.99).map(|warning| warning.to_string());
         let words = "8 of 13 frames are held out, 62 % and not 99 %: ";
         assert!(text.as_ref().is_some_and(|text| text.starts_with(words)), "{text:?}");
-        assert!(told(13, 0.001).is_some() && told(10, 0.1).is_some());
+        assert!(warning_of(13, 0.001).is_some() && warning_of(10, 0.1).is_some());
         for share in [0.07, 0.25, 0.5, 0.9] {
-            assert_eq!(told(400, share), None, "{share}");
+            assert_eq!(warning_of(400, share), None, "{share}");
         }
-        assert_eq!(told(13, 0.5), None);
+        assert_eq!(warning_of(13, 0.5), None);
     }
 
     #[test]
-    fn refuses_what_cannot_be_divided() {
+    fn bad_shares_and_single_frames_are_refused() {
         use ExamplesError::{BadShare, TooFewPoses};
         for share in [0.0, 1.0, -1.0, f64::NAN] {
             assert!(matches!(triangle(9).hold_out(share), Err(BadShare { .. })));

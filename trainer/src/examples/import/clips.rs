@@ -1,50 +1,97 @@
-//! In which order posed meshes follow a scene's clips: tools sort clips differently.
+//! Clips: selects the requested clips, checks their rate, and finds the order in which posed meshes follow them.
 
+use super::align::{Similarity, carry, diagonal, scaled_turns};
+use super::error::ImportError;
+use crate::examples::data::spread;
+use crate::examples::{Clip, Matrix3x4};
+use crate::formats::scene::{EVEN, Sampling};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-use super::align::{Similarity, carry, diagonal, scaled_turns};
-use crate::examples::Matrix3x4;
-use crate::examples::sample::spread;
-
-/// Most clips whose orders are all tried.
+/// Most clips for which all orders are tried.
 const CLIPS_MOST: usize = 6;
-/// Vertices, and frames of each clip, that are looked at.
+/// Sampled vertices, and sampled frames per clip.
 const SAMPLE: (usize, usize) = (60, 6);
-/// Meshes whose vertices one joint each carries within this share of the diagonal, in the mean, are in order.
+/// Meshes are in order if their mean distance from one-joint skinning is below this fraction of the diagonal.
 const FITS: f64 = 0.002;
-/// Another order must leave less than this share of what the order given leaves, and of what each further one leaves.
+/// Largest residual of another order relative to the given order, and relative to the second-best order.
 const BETTER: f64 = 0.4;
 
-/// Poses of several clips, and the meshes for them.
+/// Selects the requested clips. Also returns their frames among all frames; `None` if every clip is requested.
+pub(super) fn selected(
+    clips: Vec<Clip>,
+    sampling: &Sampling<'_>,
+) -> (Vec<Clip>, Option<Vec<usize>>) {
+    if clips.iter().all(|clip| sampling.takes(&clip.name)) {
+        return (clips, None);
+    }
+    let mut frames = Vec::new();
+    let takes = |clip: &Clip| sampling.takes(&clip.name);
+    let taken = clips.into_iter().filter(takes).map(|clip| {
+        let first = frames.len();
+        frames.extend(clip.first..clip.first + clip.times.len());
+        Clip { first, ..clip }
+    });
+    (taken.collect(), Some(frames))
+}
+
+/// Keeps the rows of selected frames, `each` rows per frame; all rows for `None`.
+pub(super) fn selected_rows<T: Copy>(all: Vec<T>, each: usize, frames: Option<&[usize]>) -> Vec<T> {
+    let Some(frames) = frames else { return all };
+    frames.iter().flat_map(|&frame| &all[frame * each..][..each]).copied().collect()
+}
+
+/// Checks that the frames of every clip are evenly spaced in time, as in a point cache.
+///
+/// # Errors
+/// [`ImportError::UnevenKeys`] with the step that differs most.
+pub(super) fn check_even(clips: &[Clip]) -> Result<(), ImportError> {
+    for clip in clips {
+        let steps = || clip.times.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut sorted: Vec<f64> = steps().collect();
+        sorted.sort_by(f64::total_cmp);
+        let Some(&usual) = sorted.get(sorted.len() / 2) else { continue };
+        let worst = steps()
+            .enumerate()
+            .max_by(|(_, a), (_, b)| (a - usual).abs().total_cmp(&(b - usual).abs()));
+        let Some((frame, step)) = worst else { continue };
+        if (step - usual).abs() > EVEN * usual {
+            let (clip, at) = (clip.name.clone(), clip.times[frame]);
+            return Err(ImportError::UnevenKeys { clip, at, step, usual });
+        }
+    }
+    Ok(())
+}
+
+/// Poses of several clips, and posed meshes for them.
 pub(crate) struct PosedClips<'a> {
     /// Rest positions, V.
     pub(crate) rest: &'a [[f64; 3]],
-    /// Maps of the joints, N x J, frame-major.
+    /// Maps of the joints from rest pose to pose, N x J, frame-major.
     pub(crate) transforms: &'a [Matrix3x4],
     /// Posed positions, N x V, frame-major.
     pub(crate) posed: &'a [[f64; 3]],
-    /// Frames of each clip, N in all.
+    /// Number of frames in each clip, with the sum N.
     pub(crate) lens: &'a [usize],
-    /// Whether the meshes are where the joints are; else they may be there after a turn by right angles and a change
-    /// of units.
+    /// Whether the meshes share the joints' axes and unit. Otherwise right-angle rotations and changes of unit are
+    /// tried.
     pub(crate) placed: bool,
 }
 
-/// Another order than the clips', in which the meshes fit.
+/// An order of the clips that fits the meshes better than the given order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Order {
-    /// The clips in the order of their meshes.
+    /// Clip numbers in the order of their meshes.
     pub(crate) clips: Vec<usize>,
-    /// How far vertices are from where one joint carries them, in this order and in that given, in % of the diagonal.
+    /// Mean distance of vertices from one-joint skinning, in this order and in the given order, in % of the diagonal.
     pub(crate) percent: [f64; 2],
-    /// Whether a further order fits nearly as well.
+    /// Whether the second-best order fits nearly as well.
     pub(crate) is_one_of_several: bool,
 }
 
 impl Order {
-    /// Lists for each clip where its meshes begin.
+    /// Returns the first frame of each clip's meshes, by clip number.
     fn begins(clips: &[usize], lens: &[usize]) -> Vec<usize> {
         let mut begins = vec![0; lens.len()];
         let mut begin = 0;
@@ -55,7 +102,7 @@ impl Order {
         begins
     }
 
-    /// Sorts what is so much each frame, frame-major, as the clips are.
+    /// Sorts frame-major rows from the meshes' order to the clips' order, `each` rows per frame.
     pub(super) fn sorted<T: Clone>(&self, all: &[T], each: usize, lens: &[usize]) -> Vec<T> {
         let begins = Self::begins(&self.clips, lens);
         let blocks = begins.into_iter().zip(lens);
@@ -64,8 +111,8 @@ impl Order {
 }
 
 impl PosedClips<'_> {
-    /// Finds the order of the clips in which the meshes follow; none where that given is as good as any, where none is
-    /// better by far, or where the clips do not cover the frames.
+    /// Finds the order in which the meshes follow the clips. `None` if the given order fits, if no order is much
+    /// better, or if the clips do not cover the frames.
     pub(crate) fn order(&self) -> Option<Order> {
         let len = self.lens.len();
         let cover = self.lens.iter().sum::<usize>() * self.rest.len() == self.posed.len();
@@ -80,7 +127,7 @@ impl PosedClips<'_> {
         let given = begins(&orders[0]);
         let of_given = |place: &Similarity| {
             let blocks = given.iter().enumerate();
-            fit.left(
+            fit.residual(
                 &blocks.map(|(clip, &begin)| fit.block(clip, begin, place)).collect::<Vec<_>>(),
             )
         };
@@ -88,15 +135,16 @@ impl PosedClips<'_> {
         if best_given < FITS {
             return None;
         }
-        // Where the meshes of the first clip fit somewhere, all do in some order.
+        // If the meshes of the first clip fit somewhere, some order fits all clips.
         let mut pairs: Vec<(usize, usize)> =
             orders.iter().flat_map(|order| begins(order).into_iter().enumerate()).collect();
         pairs.sort_unstable();
         pairs.dedup();
         let nearest = |place: &Similarity| {
             let first = pairs.iter().filter(|(clip, _)| *clip == 0);
-            let left = first.map(|&(clip, begin)| fit.left(&[fit.block(clip, begin, place)]));
-            left.fold(f64::INFINITY, f64::min)
+            let residuals =
+                first.map(|&(clip, begin)| fit.residual(&[fit.block(clip, begin, place)]));
+            residuals.fold(f64::INFINITY, f64::min)
         };
         let scored: Vec<f64> = places.par_iter().map(nearest).collect();
         let (place, _) = places.iter().zip(scored).min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -104,12 +152,12 @@ impl PosedClips<'_> {
             .par_iter()
             .map(|&(clip, begin)| ((clip, begin), fit.block(clip, begin, place)))
             .collect();
-        let left = |order: &Vec<usize>| {
+        let residual = |order: &Vec<usize>| {
             let own = begins(order).into_iter().enumerate();
-            fit.left(&own.filter_map(|pair| blocks.get(&pair)).collect::<Vec<_>>())
+            fit.residual(&own.filter_map(|pair| blocks.get(&pair)).collect::<Vec<_>>())
         };
         let mut scored: Vec<(f64, &Vec<usize>)> =
-            orders.iter().map(|order| (left(order), order)).collect();
+            orders.iter().map(|order| (residual(order), order)).collect();
         scored.sort_by(|a, b| a.0.total_cmp(&b.0));
         let &(best, clips) = scored.first()?;
         if *clips == orders[0] || best > BETTER * best_given {
@@ -121,18 +169,18 @@ impl PosedClips<'_> {
     }
 }
 
-/// How well one joint a vertex carries the meshes of a clip.
+/// Residuals of skinning each vertex by its best joint.
 struct Fit<'a> {
     clips: &'a PosedClips<'a>,
     vertices: Vec<usize>,
-    /// The frames of each clip that are looked at, from its first.
+    /// Sampled frames of each clip, relative to the clip's start.
     frames: Vec<Vec<usize>>,
-    /// Where each joint alone carries each vertex in them, vertex by vertex and in it joint by joint.
+    /// Positions under each joint alone: clips x sampled frames x (vertices x joints).
     carried: Vec<Vec<Vec<Vector3<f64>>>>,
     diagonal: f64,
 }
 
-/// Squared distances that each joint leaves of each vertex, summed over frames, and how many these are.
+/// Sum over frames of squared distances, vertices x joints; and the number of frames.
 struct Block(Vec<f64>, usize);
 
 impl<'a> Fit<'a> {
@@ -155,7 +203,7 @@ impl<'a> Fit<'a> {
         Self { clips, vertices, frames, carried, diagonal }
     }
 
-    /// Measures the meshes from `begin` on as those of a clip.
+    /// Measures the meshes from frame `begin` on against the poses of a clip.
     fn block(&self, clip: usize, begin: usize, place: &Similarity) -> Block {
         let mut squares = Vec::new();
         let vertex_len = self.clips.rest.len();
@@ -175,9 +223,9 @@ impl<'a> Fit<'a> {
         Block(squares, self.frames[clip].len())
     }
 
-    /// How far the best joint of each vertex leaves it in some blocks, RMS over frames and in the mean over vertices,
-    /// over the diagonal.
-    fn left(&self, blocks: &[impl std::borrow::Borrow<Block>]) -> f64 {
+    /// Returns the residual of the best joint of each vertex over some blocks: RMS over frames, mean over vertices,
+    /// relative to the diagonal.
+    fn residual(&self, blocks: &[impl std::borrow::Borrow<Block>]) -> f64 {
         let frame_len: usize = blocks.iter().map(|block| block.borrow().1).sum();
         let pair_len = blocks.iter().map(|block| block.borrow().0.len()).max().unwrap_or(0);
         let vertex_len = self.vertices.len().max(1);
@@ -190,7 +238,7 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// Lists the orders of some things, that in which they are first.
+/// Lists the permutations of 0..len, the identity first.
 fn orders(len: usize) -> Vec<Vec<usize>> {
     let mut orders = vec![Vec::new()];
     for _ in 0..len {
@@ -201,4 +249,24 @@ fn orders(len: usize) -> Vec<Vec<usize>> {
         orders = orders.iter().flat_map(longer).collect();
     }
     orders
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_uneven_step_is_named() {
+        let clip = |times: &[f64]| Clip {
+            name: "run".into(),
+            first: 0,
+            times: times.to_vec(),
+            numbers: None,
+        };
+        assert!(check_even(&[clip(&[0.0, 0.1, 0.2, 0.3]), clip(&[0.0]), clip(&[])]).is_ok());
+        let error = check_even(&[clip(&[0.0, 0.1, 0.2, 0.4, 0.5])]).unwrap_err();
+        let ImportError::UnevenKeys { clip, at, step, usual } = error else { panic!("{error}") };
+        assert_eq!((clip.as_str(), at), ("run", 0.2));
+        assert!((step - 0.2).abs() < 1e-12 && (usual - 0.1).abs() < 1e-12);
+    }
 }

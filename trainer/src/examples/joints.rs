@@ -1,0 +1,304 @@
+//! Joints: distance from rigid maps, idle joints, the single root, and estimated rest origins.
+
+use super::validate::RIGID;
+use super::{Examples, Matrix3x4, Skeleton, Split, Warning};
+use crate::numeric::affine::{joined, parts, to_rows};
+use crate::numeric::so3::polar;
+use nalgebra::{Matrix3, Vector3};
+use std::fmt;
+
+/// Least rotation (RMS, radians) relative to the parent that locates a joint's origin, per direction: a fraction of the
+/// largest rotation, and a floor above f32 rounding.
+const LEAST_TURN: (f64, f64) = (1e-3, 1e-5);
+
+/// Kind of a matrix that is not a rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Distortion {
+    /// A reflection.
+    Mirrors,
+    /// A uniform scale; the factor.
+    Scales(f64),
+    /// A scale along orthogonal axes; the factors, largest first.
+    Stretches([f64; 3]),
+    /// A last row other than 0 0 0 1.
+    Projects,
+}
+
+impl Distortion {
+    /// Classifies the linear part of a map; factors are its singular values.
+    pub(super) fn of(map: &Matrix3x4) -> Self {
+        let (sigma, is_mirrored) = singular_values(map);
+        let [most, middle, least] = sigma;
+        if is_mirrored {
+            Self::Mirrors
+        } else if most - least <= 1e-3 * most {
+            Self::Scales(middle)
+        } else {
+            Self::Stretches(sigma)
+        }
+    }
+}
+
+impl fmt::Display for Distortion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mirrors => f.write_str(
+                "is mirrored: apply the scale of the armature and of its parents (in Blender Ctrl+A) and export again",
+            ),
+            Self::Scales(factor) => write!(
+                f,
+                "is scaled by {factor:.4}: joints only turn and move; remove its scale keys, or apply the \
+                 armature's scale, and export again"
+            ),
+            Self::Stretches([x, y, z]) => write!(
+                f,
+                "is scaled or sheared, by {x:.4}, {y:.4} and {z:.4}: joints only turn and move; remove its \
+                 scale keys, and stretch in its constraints, and export again"
+            ),
+            Self::Projects => f.write_str(
+                "has a matrix whose last row is not 0 0 0 1: matrices are row by row, with the translation in \
+                 the last column; is it transposed?",
+            ),
+        }
+    }
+}
+
+impl Examples {
+    /// Removes the scale of idle joints, such as sockets; keeps their rotation and translation. Returns a warning with
+    /// the names of the scaled joints.
+    pub(crate) fn unscale_idle_joints(&mut self) -> Option<Warning> {
+        let joint_len = self.joint_len();
+        let Skeleton { parents, rest, .. } = &self.skeleton;
+        if parents.len() != joint_len || rest.len() != joint_len {
+            return None;
+        }
+        let idle = idle(self.joint_weights.as_deref(), parents);
+        let is_off = |map: &Matrix3x4| {
+            map.as_flattened().iter().all(|x| x.is_finite()) && deviation(map) > RIGID
+        };
+        let mut joints = Vec::new();
+        for joint in (0..joint_len).filter(|&joint| idle[joint]) {
+            let rest = &mut self.skeleton.rest[joint];
+            let origin = Vector3::from(rest.map(|row| row[3]));
+            let posed = self.transforms.iter_mut().skip(joint).step_by(joint_len);
+            let maps = posed.map(|map| (map, origin)).chain([(rest, Vector3::zeros())]);
+            let mut is_scaled = false;
+            for (map, origin) in maps.filter(|(map, _)| is_off(map)) {
+                *map = unscaled(map, &origin);
+                is_scaled = true;
+            }
+            if is_scaled {
+                joints.push(self.skeleton.names[joint].clone());
+            }
+        }
+        (!joints.is_empty()).then_some(Warning::IdleScaled { joints })
+    }
+
+    /// Estimates the rest origins of joints without a rest position in the source, from the training frames. Call again
+    /// after the training frames change.
+    pub fn place_joints(&mut self) {
+        for place in 0..self.skeleton.unplaced.len() {
+            let joint = self.skeleton.unplaced[place];
+            let origin = rest_origin(self, joint);
+            self.skeleton.rest[joint].iter_mut().zip(origin).for_each(|(row, x)| row[3] = x);
+        }
+    }
+}
+
+/// Measures the distance of a map's linear part from the nearest rotation: the largest |σ - 1| over the singular
+/// values. The smallest σ takes the sign of the determinant.
+pub(super) fn deviation(map: &Matrix3x4) -> f64 {
+    let ([most, middle, least], is_mirrored) = singular_values(map);
+    let least = if is_mirrored { -least } else { least };
+    [most, middle, least].into_iter().map(|sigma| (sigma - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Returns whether each joint is idle, J: neither the joint nor a descendant moves a vertex.
+///
+/// - `joint_weights`: painted weights, V x J; without weights no joint is idle.
+/// - `parents`: parent of each joint, J.
+pub(super) fn idle(joint_weights: Option<&[f64]>, parents: &[Option<usize>]) -> Vec<bool> {
+    let Some(weights) = joint_weights else { return vec![false; parents.len()] };
+    let mut idle = vec![true; parents.len()];
+    for row in weights.chunks_exact(parents.len().max(1)) {
+        for (joint, _) in row.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+            let mut next = Some(joint);
+            while let Some((joint, place)) = next.and_then(|at| Some((at, idle.get_mut(at)?))) {
+                next = parents[joint].filter(|_| *place);
+                *place = false;
+            }
+        }
+    }
+    idle
+}
+
+/// Makes the first joint without a parent the parent of all other such joints. Returns all parents and the other roots.
+pub(super) fn join_roots(
+    names: &[String],
+    mut parents: Vec<Option<usize>>,
+    warnings: &mut Vec<Warning>,
+) -> (Vec<Option<usize>>, Vec<usize>) {
+    let roots: Vec<usize> = (0..parents.len()).filter(|&joint| parents[joint].is_none()).collect();
+    let Some((&reference, others)) = roots.split_first() else { return (parents, roots) };
+    if !others.is_empty() {
+        let joints = roots.iter().map(|&root| names[root].clone()).collect();
+        warnings.push(Warning::SeveralRoots { joints });
+    }
+    others.iter().for_each(|&root| parents[root] = Some(reference));
+    (parents, others.to_vec())
+}
+
+/// Returns the singular values of a map's linear part, largest first, and whether the map reflects.
+fn singular_values(map: &Matrix3x4) -> ([f64; 3], bool) {
+    let linear = Matrix3::from_fn(|row, column| map[row][column]);
+    let sigma = linear.singular_values();
+    ([sigma[0], sigma[1], sigma[2]], linear.determinant() < 0.0)
+}
+
+/// Returns the rigid map with the rotation of `map` that moves `origin` to the same place.
+fn unscaled(map: &Matrix3x4, origin: &Vector3<f64>) -> Matrix3x4 {
+    let (linear, offset) = parts(map);
+    let turn = polar(&linear).map_or(Matrix3::identity(), |(turn, _)| turn);
+    to_rows(&joined(&turn, &(linear * origin + offset - turn * origin)))
+}
+
+/// Estimates the rest origin of `joint`: the point that the joint's map and its parent's map move closest together, by
+/// least squares over the training frames.
+///
+/// A hinge leaves the position along its axis undetermined, and a joint that never rotates leaves every position
+/// undetermined. The estimate is then the candidate nearest to the centroid of the rest mesh. The root gets the
+/// centroid; no result depends on this choice.
+fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
+    let centroid =
+        examples.rest.iter().map(|&position| Vector3::from(position)).sum::<Vector3<f64>>()
+            / examples.vertex_len() as f64;
+    let Some(parent) = examples.skeleton.parents[joint] else { return centroid.into() };
+
+    let frames = examples.frames_of(Split::Train);
+    let mut normal = Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    for &frame in &frames {
+        let pose = examples.pose(frame);
+        let (turn, shift) = parts(&pose[joint]);
+        let (parent_turn, parent_shift) = parts(&pose[parent]);
+        let turn = turn - parent_turn;
+        let gap = parent_shift - shift - turn * centroid;
+        normal += turn.transpose() * turn / frames.len() as f64;
+        right += turn.transpose() * gap / frames.len() as f64;
+    }
+    let eigen = normal.symmetric_eigen();
+    let least = (LEAST_TURN.0.powi(2) * eigen.eigenvalues.max()).max(LEAST_TURN.1.powi(2));
+    let offset = (0..3).filter(|&axis| eigen.eigenvalues[axis] > least).map(|axis| {
+        let direction = eigen.eigenvectors.column(axis);
+        direction * (direction.dot(&right) / eigen.eigenvalues[axis])
+    });
+    (centroid + offset.sum::<Vector3<f64>>()).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::triangle;
+    use super::*;
+    use nalgebra::Rotation3;
+
+    fn diagonal([x, y, z]: [f64; 3]) -> Matrix3x4 {
+        [[x, 0.0, 0.0, 5.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
+    }
+
+    #[test]
+    fn each_distortion_has_its_name() {
+        assert_eq!(Distortion::of(&diagonal([-1.0, 1.0, 1.0])), Distortion::Mirrors);
+        let scaled = Distortion::of(&diagonal([0.01; 3]));
+        assert!(scaled.to_string().starts_with("is scaled by 0.0100: "), "{scaled}");
+        let stretched = Distortion::of(&diagonal([1.0, 1.2, 0.9]));
+        assert!(stretched.to_string().contains("1.2000, 1.0000 and 0.9000"), "{stretched}");
+    }
+
+    #[test]
+    fn deviations_come_from_singular_values() {
+        assert_eq!(deviation(&diagonal([1.0; 3])), 0.0);
+        assert!((deviation(&diagonal([1.0, 1.2, 0.9])) - 0.2).abs() < 1e-12);
+        assert!((deviation(&diagonal([-1.0, 1.0, 1.0])) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ancestors_of_weighted_joints_are_not_idle() {
+        let parents = [None, Some(0), Some(1), Some(1), Some(3)];
+        let weights = [[0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0]];
+        let found = idle(Some(weights.as_flattened()), &parents);
+        assert_eq!(found, [false, false, false, true, true]);
+        assert_eq!(idle(None, &parents), [false; 5]);
+    }
+
+    #[test]
+    fn an_idle_joint_keeps_its_rigid_motion_and_loses_its_scale() {
+        let mut examples = triangle(1);
+        let joints = examples.joint_len();
+        let weights = |joint: usize| (0..joints).map(|j| f64::from(u8::from(j == joint))).collect();
+        let row: Vec<f64> = weights(0);
+        examples.joint_weights = Some(row.repeat(examples.vertex_len()));
+        let scaled = [[0.0, -2.0, 0.0, 1.0], [3.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0]];
+        examples.skeleton.rest[1].iter_mut().zip([0.5, 1.0, 0.0]).for_each(|(row, x)| row[3] = x);
+        examples.transforms[1] = scaled;
+        let warning = examples.unscale_idle_joints();
+        let joints = vec![examples.skeleton.names[1].clone()];
+        assert_eq!(warning, Some(Warning::IdleScaled { joints }));
+        let found = examples.transforms[1];
+        // A quarter turn about z that still moves (0.5, 1, 0) to (-1, 3.5, 3).
+        let expected = [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, 3.0]];
+        let apart = found.as_flattened().iter().zip(expected.as_flattened());
+        assert!(apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12, "{found:?}");
+
+        // A joint that moves a vertex keeps its scale.
+        let row: Vec<f64> = weights(1);
+        examples.joint_weights = Some(row.repeat(examples.vertex_len()));
+        examples.transforms[1] = scaled;
+        assert_eq!(examples.unscale_idle_joints(), None);
+        assert_eq!(examples.transforms[1], scaled);
+    }
+
+    const ORIGIN: Vector3<f64> = Vector3::new(0.3, -0.2, 5.0);
+
+    fn turned_about_origin(turns: &[Vector3<f64>]) -> Examples {
+        let mut examples = triangle(turns.len());
+        for (frame, turn) in turns.iter().enumerate() {
+            let turn = Rotation3::new(*turn);
+            let shift = ORIGIN - turn * ORIGIN;
+            examples.transforms[frame * 2 + 1] =
+                [0, 1, 2].map(|row| [turn[(row, 0)], turn[(row, 1)], turn[(row, 2)], shift[row]]);
+        }
+        examples
+    }
+
+    #[test]
+    fn a_ball_joint_turns_about_its_origin() {
+        let turns = [Vector3::x(), Vector3::y(), Vector3::new(0.1, -0.4, 0.7)];
+        let found = Vector3::from(rest_origin(&turned_about_origin(&turns), 1));
+        assert!((found - ORIGIN).norm() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn a_hinge_has_its_origin_nearest_to_the_centroid() {
+        let turns = [Vector3::z() * 0.2, Vector3::z() * 1.4, Vector3::z() * -0.7];
+        let found = Vector3::from(rest_origin(&turned_about_origin(&turns), 1));
+        assert!((found - Vector3::new(ORIGIN.x, ORIGIN.y, 0.0)).norm() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn held_out_frames_are_not_read() {
+        let turns = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let mut examples = turned_about_origin(&turns);
+        let mut noisy = examples.clone();
+        examples.split[1] = Split::HeldOut;
+        noisy.split[1] = Split::HeldOut;
+        noisy.transforms[3] = [[9.0; 4]; 3];
+        assert_eq!(rest_origin(&examples, 1), rest_origin(&noisy, 1));
+    }
+
+    #[test]
+    fn a_joint_that_never_turns_sits_at_the_centroid() {
+        let examples = triangle(3);
+        assert_eq!(rest_origin(&examples, 0), [1.0 / 3.0, 1.0 / 3.0, 0.0]);
+        assert_eq!(rest_origin(&examples, 1), [1.0 / 3.0, 1.0 / 3.0, 0.0]);
+    }
+}
