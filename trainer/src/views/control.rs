@@ -2,15 +2,22 @@
 //!
 //! A network is linear in the pictures, and so is their Fourier transform: a network over transforms, transformed back,
 //! gives the same picture. By Parseval its error is the same, too. So one figure is reported for both.
+//! S1's appendix 2: a network from parameters to pixels, which it says cannot work. It shows what points and
+//! warping are for.
 
-use super::bake::parts;
+use super::evaluate::{PictureError, add_picture};
 use super::fit::FitOptions;
-use super::naive::{NETWORKS, mixed, weights};
+use super::model::parts;
 use super::player::{PlayError, Player, multiplied};
-use super::psnr::{PictureError, add_picture};
-use super::set::{SetError, View, ViewSet};
+use super::set::{Parameter, SetError, View, ViewSet};
 use super::train::{TrainError, train};
 use crate::bake::{BakeError, bake};
+use crate::kernel::scattered::error::KernelError;
+use crate::kernel::scattered::fit::Fit;
+use crate::kernel::scattered::options::Options;
+use crate::kernel::scattered::samples::Samples;
+use crate::kernel::scattered::scaling::Block;
+use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
@@ -209,8 +216,8 @@ impl Case {
             let (picture, _) = player.draw(&played).map_err(play)?;
             let scores = played.scores.iter().zip(&own).filter(|(_, own)| **own);
             let own = Some(scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>());
-            let fitted =
-                NETWORKS.map(|network| weights(network, &examples.parameters, &keys, view).ok());
+            let fitted = NETWORKS
+                .map(|network| network_weights(network, &examples.parameters, &keys, view).ok());
             let networks = std::iter::once(own).chain(fitted);
             let networks = networks.map(|weights| Some(bytes(&mixed(&weights?, &pictures))));
             let found = std::iter::once(Some(picture.rgba.clone())).chain(networks);
@@ -228,4 +235,47 @@ impl Case {
 /// Rounds a picture to bytes.
 fn bytes(picture: &[f64]) -> Vec<u8> {
     picture.iter().map(|x| x.round().clamp(0.0, 255.0) as u8).collect()
+}
+
+/// One over the widths of gaussians, in mean distances of the views.
+const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
+
+/// A network of pixels by what it is made of: a kernel and one over its width.
+pub const NETWORKS: [(Kernel, f64); 7] = [
+    (Kernel::Linear, 1.0),
+    (Kernel::Multiquadric, 1.0),
+    (Kernel::Gaussian, EPSILONS[0]),
+    (Kernel::Gaussian, EPSILONS[1]),
+    (Kernel::Gaussian, EPSILONS[2]),
+    (Kernel::Gaussian, EPSILONS[3]),
+    (Kernel::Gaussian, EPSILONS[4]),
+];
+
+/// Returns how much of each view's picture a network over the parameters shows at others: a network is
+/// linear in the pictures, so that its weights are all of it.
+///
+/// # Errors
+/// [`KernelError`] of the fit.
+pub fn network_weights(
+    (kernel, epsilon): (Kernel, f64),
+    parameters: &[Parameter],
+    views: &[&View],
+    at: &View,
+) -> Result<Vec<f64>, KernelError> {
+    let names: Vec<&str> = parameters.iter().flat_map(Parameter::names).collect();
+    let value = |view: &View, c: usize| view.values.get(names[c]).copied().unwrap_or_default();
+    let sites = Mat::from_fn(views.len(), names.len(), |i, c| value(views[i], c));
+    let blocks = vec![Block { len: 1, weight: 1.0 }; names.len()];
+    let samples = Samples::of_weights(&sites, &blocks)?;
+    let fit = Fit::new(&samples, &Options { epsilon, ..Options::new(kernel) })?;
+    Ok(fit.sum.evaluate(&(0..names.len()).map(|c| value(at, c)).collect::<Vec<_>>()))
+}
+
+/// Mixes pictures by their weights: numbers of equal length.
+pub fn mixed(weights: &[f64], pictures: &[&[f64]]) -> Vec<f64> {
+    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.len())];
+    for (weight, picture) in weights.iter().zip(pictures) {
+        out.iter_mut().zip(*picture).for_each(|(out, x)| *out += weight * x);
+    }
+    out
 }

@@ -5,9 +5,8 @@
 //! takes whatever points are visible; a second map from points to parameters would have to be learned for
 //! each set of them, and meets no example that it has not seen so.
 
-use super::deformation::{centred, norm};
 use super::fit::{FitError, MapOutputs, given, names_of};
-use super::object::ObjectMap;
+use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::kernel::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,6 @@
 //! Vertices that move as points do, and the elements between them (METHOD §6.9).
 
-use super::covered::Covered;
-use super::set::Element;
+use super::set::{Covered, Element};
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};
 use sinew_runtime::views::{Element as FileElement, Layer, Vertex as FileVertex, Views};

@@ -7,10 +7,7 @@
 //! [`transfer`] lend one object's motion to another, [`pin`] lets a few points be dragged, and [`naive`] is the network
 //! over pixels that S1 warns of, which [`control`] measures and a [`report`] shows beside the rest.
 
-pub mod bake;
 pub mod control;
-mod covered;
-pub mod deformation;
 pub mod demo;
 pub mod evaluate;
 pub mod export;
@@ -18,14 +15,10 @@ pub mod fit;
 pub mod inverse;
 pub mod mesh;
 pub mod model;
-pub mod motion;
-pub mod naive;
 pub mod object;
 pub mod pin;
 pub mod player;
-pub mod psnr;
 pub mod report;
 pub mod set;
 pub mod train;
 pub mod transfer;
-pub mod weights;

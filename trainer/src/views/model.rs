@@ -1,10 +1,18 @@
 //! An object of views in f64: what training makes and a file holds.
+//! A model as parts of a file: its maps, kernels, and the object, as FORMAT.md has them.
 
-use super::deformation::Reference;
 use super::fit::MapOutputs;
-use super::mesh::Mesh;
+use super::mesh::{Mesh, Vertex};
+use super::object::Reference;
+use super::set::Element;
+use crate::bake::sections::{floats, names, narrow, words};
+use crate::bake::{BakeError, Part, Sections};
+use crate::kernel;
 use crate::kernel::model::KernelModel;
 use crate::page::picture::Picture;
+use nalgebra::Complex;
+use sinew_runtime::format::{Element as Number, PartKind, SectionKind};
+use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, ViewsCounts};
 
 /// An object: its key views, and maps from parameters to its points.
 #[derive(Clone, Debug)]
@@ -73,4 +81,197 @@ impl ViewsModel {
     pub fn outputs(&self) -> MapOutputs {
         MapOutputs { points: self.point_len, views: self.keys.len(), layers: self.layers.len() }
     }
+}
+
+/// Bits of a word of a mask.
+const BITS: usize = 32;
+
+/// Writes a model: its maps first, then the object.
+///
+/// # Errors
+/// [`BakeError::Size`] of a count that does not fit the file.
+pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, BakeError> {
+    let maps = model.maps.iter().map(kernel::bake::part);
+    let mut out = maps.collect::<Result<Vec<_>, _>>()?;
+    out.push(object(model)?);
+    Ok(out)
+}
+
+fn object(model: &ViewsModel) -> Result<Part, BakeError> {
+    let all = || model.keys.iter().flat_map(|key| key.pictures.iter().flatten());
+    let texels = || all().map(|(picture, _)| picture.rgba.len() / 4);
+    let mesh = &model.mesh;
+    let weights = || mesh.vertices.iter().flat_map(|vertex| &vertex.weights);
+    let elements: Vec<&Element> = mesh.layers.iter().flatten().collect();
+    let [width, height] = model.size;
+    let counts = ViewsCounts {
+        point_len: narrow("points", model.point_len)?,
+        vertex_len: narrow("vertices", mesh.vertices.len())?,
+        weight_len: narrow("weights", weights().count())?,
+        element_len: narrow("elements", elements.len())?,
+        layer_len: narrow("layers", model.layers.len())?,
+        view_len: narrow("key views", model.keys.len())?,
+        map_len: narrow("maps", model.maps.len())?,
+        texture_len: narrow("textures", all().count())?,
+        texel_len: narrow("texels", texels().sum())?,
+        size: [narrow("the pictures' width", width)?, narrow("the pictures' height", height)?],
+    };
+    let mut textures = Vec::new();
+    let mut start = 0;
+    for ((picture, _), texels) in all().zip(texels()) {
+        for (what, number) in [
+            ("a texture's width", picture.size.width),
+            ("a texture's height", picture.size.height),
+            ("texels", start),
+        ] {
+            textures.push(narrow(what, number)?);
+        }
+        start += texels;
+    }
+    let mut next = 0;
+    let mut texture = |picture: &Option<_>| match picture {
+        None => Ok(NOTHING),
+        Some(_) => {
+            next += 1;
+            narrow("textures", next - 1)
+        }
+    };
+    let view_textures = model.keys.iter().flat_map(|key| &key.pictures).map(&mut texture);
+    let view_textures = view_textures.collect::<Result<Vec<u32>, _>>()?;
+    let names_of_keys = model.keys.iter().map(|key| &key.name);
+    let names_of_layers = model.layers.iter().map(|layer| &layer.name);
+    let named = std::iter::once(&model.name).chain(names_of_keys).chain(names_of_layers);
+    let maps = (0..model.maps.len()).map(|map| narrow("maps", map));
+    let maps = maps.collect::<Result<Vec<u32>, _>>()?;
+    let mut sections: Sections = vec![
+        (SectionKind::ViewsCounts, true, words(&counts.words())),
+        (SectionKind::Names, true, names(named)?),
+        (SectionKind::Maps, true, words(&maps)),
+        (SectionKind::Layers, true, words(&layers(model)?)),
+        (SectionKind::Vertices, true, vertices(mesh)?),
+        (SectionKind::VertexWeights, true, weight_rows(weights())?),
+        (SectionKind::Elements, true, corners(&elements)?),
+        (SectionKind::Neighbours, true, neighbours(mesh)?),
+        (SectionKind::ViewTextures, true, words(&view_textures)),
+        (SectionKind::VertexTexels, true, vertex_texels(model)),
+        (
+            SectionKind::References,
+            true,
+            model.keys.iter().flat_map(|key| floats(key.points.as_flattened())).collect(),
+        ),
+        (SectionKind::ViewMasks, true, words(&masks(&model.keys))),
+        (SectionKind::Textures, true, words(&textures)),
+        (
+            SectionKind::Texels,
+            true,
+            all().flat_map(|(picture, _)| picture.rgba.iter().copied()).collect(),
+        ),
+    ];
+    let references: Option<Vec<_>> = model.keys.iter().map(|key| key.reference.as_ref()).collect();
+    if let Some(references) = references.filter(|all| !all.is_empty()) {
+        let own = references.iter().flat_map(|reference| {
+            let pairs = reference.prototype.iter().zip(&reference.instance);
+            let offset = |(own, other): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|axis| other[axis] - reference.scale * own[axis])
+            };
+            let offsets: Vec<[f64; 2]> = pairs.map(offset).collect();
+            floats(&[&[reference.scale], offsets.as_flattened()].concat())
+        });
+        sections.push((SectionKind::Deformations, true, own.collect()));
+    }
+    let fit = [model.fit.rms, model.fit.left_out, model.fit.visibility];
+    sections.push((SectionKind::ViewsFit, true, floats(&fit)));
+    Ok(Part { kind: PartKind::Views, sections, element: Number::F32 })
+}
+
+/// Writes of each layer where its elements end, what clips it, and its flags.
+fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
+    let (mut out, mut end) = (Vec::new(), 0);
+    for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
+        end += elements.len();
+        let clip = layer.clip.map_or(Ok(NOTHING), |clip| narrow("layers", clip))?;
+        let flags = [
+            (layer.has_depth, Layer::DEPTH),
+            (layer.is_group, Layer::GROUP),
+            (layer.is_one_sided, Layer::ONE_SIDED),
+        ];
+        let flags: u32 = flags.iter().filter(|(is_set, _)| *is_set).map(|(_, bit)| bit).sum();
+        out.extend([narrow("elements", end)?, clip, flags]);
+    }
+    Ok(out)
+}
+
+/// Writes of each vertex where its weights end, and its place.
+fn vertices(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+    let (mut out, mut end) = (Vec::new(), 0);
+    for vertex in &mesh.vertices {
+        end += vertex.weights.len();
+        let end: u32 = narrow("weights", end)?;
+        out.extend(end.to_le_bytes());
+        out.extend(floats(&vertex.place));
+    }
+    Ok(out)
+}
+
+fn weight_rows<'a>(
+    weights: impl Iterator<Item = &'a (usize, Complex<f64>)>,
+) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for (point, weight) in weights {
+        let point: u32 = narrow("points", *point)?;
+        out.extend(point.to_le_bytes());
+        out.extend(floats(&[weight.re, weight.im]));
+    }
+    Ok(out)
+}
+
+fn corners(elements: &[&Element]) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for element in elements {
+        for corner in 0..4 {
+            let vertex = match element.points().get(corner) {
+                Some(&vertex) => narrow("vertices", vertex)?,
+                None => NO_VERTEX,
+            };
+            out.extend(vertex.to_le_bytes());
+        }
+    }
+    Ok(out)
+}
+
+fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for other in mesh.neighbours().as_flattened() {
+        let other = other.map_or(Ok(NO_VERTEX), |other| narrow("elements", other))?;
+        out.extend(other.to_le_bytes());
+    }
+    Ok(out)
+}
+
+/// Writes where each vertex is in its layer's picture of each key view: the origin where there is none.
+fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
+    // The layer of each vertex.
+    let mut owners = vec![0; model.mesh.vertices.len()];
+    for (layer, elements) in model.mesh.layers.iter().enumerate() {
+        elements.iter().flat_map(Element::points).for_each(|&vertex| owners[vertex] = layer);
+    }
+    let of_key = |key: &KeyView| -> Vec<[f64; 2]> {
+        let of_vertex = |(vertex, layer): (&Vertex, &usize)| match &key.pictures[*layer] {
+            None => [0.0; 2],
+            Some((_, corner)) => {
+                let place = vertex.at(&key.points);
+                [0, 1].map(|axis| place[axis] - corner[axis] as f64)
+            }
+        };
+        model.mesh.vertices.iter().zip(&owners).map(of_vertex).collect()
+    };
+    model.keys.iter().flat_map(|key| floats(of_key(key).as_flattened())).collect()
+}
+
+/// Writes a bit a point and key view, those of each view in words of its own.
+fn masks(keys: &[KeyView]) -> Vec<u32> {
+    let word = |seen: &[bool]| {
+        seen.iter().enumerate().fold(0, |word, (bit, seen)| word | u32::from(*seen) << bit)
+    };
+    keys.iter().flat_map(|key| key.visible.chunks(BITS).map(word)).collect()
 }

@@ -1,7 +1,7 @@
 //! A few points dragged: parameters follow first, by what examples say goes together, then what lies near.
 
 use super::fit::{FitError, given, names_of};
-use super::object::ObjectMap;
+use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::kernel::model::{InputKind, KernelModel};
 use crate::kernel::rotations::Feature;
@@ -70,8 +70,8 @@ pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Val
 
 /// Bends points so that those that are dragged come to lie where they are dragged to: what is near goes along.
 pub fn bend(points: &mut [[f64; 2]], pins: &[Pin]) {
-    let (centre, size) = (super::deformation::centred(points), points.len().max(1) as f64);
-    let reach = REACH * super::deformation::norm(&centre.0) / size.sqrt() * 2.0;
+    let (centre, size) = (centred(points), points.len().max(1) as f64);
+    let reach = REACH * norm(&centre.0) / size.sqrt() * 2.0;
     let hold = |a: [f64; 2], b: [f64; 2]| {
         let square = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
         libm::exp(-square / (reach * reach))

@@ -1,8 +1,7 @@
 //! A model file, shown by the runtime: what an engine does each frame.
 
-use super::fit::{FitError, given};
+use super::fit::{FitError, given, weights};
 use super::set::Values;
-use super::weights::weights;
 use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;

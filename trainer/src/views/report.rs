@@ -1,6 +1,6 @@
 //! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
 
-use super::naive::{NETWORKS, mixed, weights};
+use super::control::{NETWORKS, mixed, network_weights};
 use super::player::{PlayError, Played, Player, multiplied, straight};
 use super::set::{Examples, SetError, Values, View, ViewSet};
 use crate::numeric::columns::ends;
@@ -285,7 +285,8 @@ fn networks(
     let at = View { values, ..own[0].clone() };
     let mut figures = vec![figure(&picture, "points and warping", "", "points and warping")?];
     for (kernel, epsilon) in NETWORKS {
-        let Ok(weights) = weights((kernel, epsilon), &examples.parameters, &own, &at) else {
+        let Ok(weights) = network_weights((kernel, epsilon), &examples.parameters, &own, &at)
+        else {
             continue;
         };
         let rgba = mixed(&weights, &all).into_iter().map(|x| x.round().clamp(0.0, 255.0) as u8);

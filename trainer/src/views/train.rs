@@ -1,10 +1,9 @@
 //! From a set of views to a model.
 
-use super::covered::cropped;
 use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
 use super::mesh::{Mesh, Shown};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Layer, SetError, View, ViewSet, triangulated};
+use super::set::{Layer, SetError, View, ViewSet, cropped, triangulated};
 use std::collections::BTreeSet;
 
 /// A model, and how each of its maps was chosen.

@@ -1,12 +1,11 @@
 //! One object's motion for another of its class (METHOD §6.6): the prototype's maps, the instance's pictures and
 //! references.
 
-use super::covered::cropped;
-use super::deformation::Reference;
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Shown, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Element, LayerView, SetError, View};
+use super::object::Reference;
+use super::set::{Element, LayerView, SetError, View, cropped};
 use crate::kernel::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;

@@ -5,8 +5,8 @@ use super::shared::shared;
 use npyz::NpyFile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::views::deformation::{Reference, centred};
 use sinew_trainer::views::fit::{FitOptions, fit};
+use sinew_trainer::views::object::{Reference, centred};
 use std::fs::File;
 use zip::ZipArchive;
 

@@ -4,7 +4,7 @@ use super::common::{Folder, most, rms, squares};
 use super::shared::shared;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::motion::JOINTS;
+use sinew_trainer::views::set::JOINTS;
 use sinew_trainer::views::set::{Element, ViewSet, read, read_drawing};
 
 /// Points of the demo's views that are not examples, pixels: RMS and most.

@@ -6,16 +6,16 @@ use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::bake;
 use sinew_trainer::kernel::model::KernelModel;
-use sinew_trainer::views::bake::parts;
-use sinew_trainer::views::deformation::{Deformations, centred};
+use sinew_trainer::views::fit::weights;
 use sinew_trainer::views::fit::{FitOptions, FittedMap, MapOutputs, fit};
 use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::object::ObjectMap;
+use sinew_trainer::views::object::{Deformations, centred};
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Parameter, Values, View};
 use sinew_trainer::views::train::train;
 use sinew_trainer::views::transfer::transfer;
-use sinew_trainer::views::weights::weights;
 
 /// Parameters of an instance's points: a share of the examples' range.
 const FOUND: f64 = 1e-4;

@@ -4,7 +4,7 @@ use super::common::{Folder, examples, view};
 use serde_json::{Value, json};
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::set::{Image, Parameter, ViewSet, read, read_drawing, read_lottie};
+use sinew_trainer::views::set::{Image, Parameter, ViewSet, read, read_drawing};
 use sinew_trainer::views::train::train;
 use std::fs;
 
@@ -369,13 +369,10 @@ fn a_point_that_is_hidden_follows_the_views_that_know_it() {
 }
 
 #[test]
-fn drawings_and_animations_without_what_they_need_are_refused() {
+fn a_drawing_without_a_joint_is_refused() {
     let folder = Folder::new("descriptions");
     fs::write(folder.path("char_cfg.yaml"), "skeleton:\n- loc:\n  - 1\n  - 2\n  name: root\n")
         .unwrap();
     let refused = read_drawing(&folder.path("char_cfg.yaml")).unwrap_err().to_string();
     assert_eq!(refused, "skeleton: parameter \"hip\" is missing");
-    fs::write(folder.path("still.json"), "{\"layers\": []}").unwrap();
-    let refused = read_lottie(&folder.path("still.json")).unwrap_err().to_string();
-    assert_eq!(refused, "it has no animated path");
 }

@@ -8,7 +8,7 @@ use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::page::camera::Resolution;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::set::{View, read_instance};
 use sinew_trainer::views::transfer::transfer;
 use std::fs;

@@ -107,7 +107,7 @@ fn a_set_with_its_points_written_trains_the_same_model() {
     }
     let models = [&found, &again].map(|set| {
         let model = train(set, FitOptions::default()).unwrap().model;
-        let parts = sinew_trainer::views::bake::parts(&model).unwrap();
+        let parts = sinew_trainer::views::model::parts(&model).unwrap();
         sinew_trainer::bake::bake(Default::default(), &parts).unwrap()
     });
     assert_eq!(models[0], models[1]);

@@ -4,8 +4,8 @@ use super::flat::{drawn, made_of, mean_and_worst, psnr};
 use super::shared::shared;
 use sinew_runtime::Model;
 use sinew_trainer::page::picture::Picture;
+use sinew_trainer::views::evaluate::PictureError;
 use sinew_trainer::views::player::multiplied;
-use sinew_trainer::views::psnr::PictureError;
 use sinew_trainer::views::set::{Layer, Values, ViewSet, read};
 
 /// The character's test views: mean and worst in dB, and in one layer.

@@ -3,8 +3,8 @@
 use super::common::{apart, head, random, rms};
 use super::shared::shared;
 use sinew_trainer::views::control::{Control, control};
+use sinew_trainer::views::control::{NETWORKS, mixed, network_weights};
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::naive::{NETWORKS, mixed, weights};
 use sinew_trainer::views::set::{Element, Image, LayerView, View, ViewSet, read, triangulated};
 use std::f64::consts::TAU;
 
@@ -131,7 +131,7 @@ fn the_best_network_over_pixels_is_far_behind_points_and_warping() {
         let image = warped(&elements, others[source], &from, &shown.points, &shown.depths);
         let views: Vec<&View> = rest.train.iter().collect();
         let naive = NETWORKS.map(|network| {
-            mixed(&weights(network, &whole.parameters, &views, &view).unwrap(), &others)
+            mixed(&network_weights(network, &whole.parameters, &views, &view).unwrap(), &others)
         });
         let known = view.known();
         let seen: Vec<[f64; 2]> =
@@ -247,7 +247,7 @@ fn a_fourier_transform_changes_nothing() {
         .collect();
     for network in NETWORKS {
         let at = &set.maps[0].train[0];
-        let own = weights(network, &set.maps[0].parameters, &views, at).unwrap();
+        let own = network_weights(network, &set.maps[0].parameters, &views, at).unwrap();
         let direct = mixed(&own, &pictures.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let spectrum = mixed(&own, &spectra.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let (spectrum, _) = spectrum.as_chunks::<2>();
@@ -267,7 +267,7 @@ fn a_network_gives_back_its_own_pictures() {
     let Some(set) = head() else { return };
     let views: Vec<&View> = set.maps[0].train.iter().collect();
     for network in NETWORKS {
-        let found = weights(network, &set.maps[0].parameters, &views, views[4]).unwrap();
+        let found = network_weights(network, &set.maps[0].parameters, &views, views[4]).unwrap();
         let own: Vec<[f64; 2]> = found.iter().map(|weight| [*weight, 0.0]).collect();
         let mut expected = vec![[0.0; 2]; 27];
         expected[4] = [1.0, 0.0];

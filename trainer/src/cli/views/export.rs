@@ -1,8 +1,6 @@
 //! `sinew views export`: a grid of parameters, or paths, for other tools.
 
-use super::input::load;
-use super::path::read;
-use super::values::{assignment, values};
+use super::input::{assignment, load, read_path, values};
 use crate::cli::files::{OutputFile, ending, make_folder, write};
 use crate::cli::{Output, counted};
 use anyhow::{Context, bail};
@@ -27,7 +25,7 @@ sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
 /// as the examples do, and an angle as far as they turn. All other parameters are set.
 #[derive(clap::Args)]
 #[command(override_usage = USAGE)]
-pub(in crate::cli) struct Arguments {
+pub(in crate::cli) struct Export {
     /// A file that `sinew views train` or `transfer` wrote
     model: PathBuf,
     /// Name of the map, where MODEL has several
@@ -90,7 +88,7 @@ fn sides(text: &str) -> Result<Sides, String> {
     names.into_iter().zip(counts).map(side).collect::<Result<_, _>>().map(Sides)
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+pub(in crate::cli) fn export(arguments: &Export, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     if !arguments.format.spine.is_empty() {
         return run_spine(arguments, output);
@@ -138,7 +136,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 }
 
 /// Writes an animation for each path.
-fn run_spine(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+fn run_spine(arguments: &Export, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     let paths = &arguments.format.spine;
     let taken: Vec<PathBuf> = paths.iter().chain([&arguments.model]).cloned().collect();
@@ -195,11 +193,11 @@ fn run_spine(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
 /// Shows the object along a path.
 fn frames(
     model: &Model<Vec<u8>>,
-    arguments: &Arguments,
+    arguments: &Export,
     set: &Values,
     path: &std::path::Path,
 ) -> anyhow::Result<Grid> {
-    let mut frames = read(path, None)?;
+    let mut frames = read_path(path, None)?;
     for values in &mut frames {
         for (name, value) in set {
             if values.insert(name.clone(), *value).is_some() {

@@ -1,4 +1,4 @@
-//! Tracked points, and what parameters they tell of.
+//! Tracked points, and the parameters that they show.
 
 use anyhow::{Context, bail};
 use sinew_trainer::views::fit::FitError;
@@ -39,7 +39,7 @@ impl Follower {
 
 /// Reads frames, CSV: a line a frame, x and y of each of some points, empty where one is not seen; a first line of names
 /// is passed over.
-pub(super) fn read(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
+pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
     let about = || file.display().to_string();
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

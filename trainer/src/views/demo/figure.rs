@@ -3,7 +3,7 @@
 use super::paint::{empty, fill};
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
-use crate::views::motion::JOINTS;
+use crate::views::set::JOINTS;
 
 const SIZE: [usize; 2] = [240, 300];
 /// The joints of [`JOINTS`].

@@ -1,7 +1,6 @@
 //! A grid as binary glTF: layers as flat meshes, a morph target a node, pictures as textures.
 
-use super::error::GridError;
-use super::grid::Grid;
+use super::grid::{Grid, GridError};
 use super::shown::{Shown, elements, name, numbered, triangles, uvs};
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;

@@ -1,7 +1,9 @@
 //! Outputs of one kind, fitted by one polynomial and one kernel.
+//! What a block of outputs may be fitted with.
+//! The polynomials that are tried: products of features.
 
-use super::candidate::Width;
-use super::terms::{Monomial, TermSet, terms};
+use crate::kernel::function::{by_name, order};
+use crate::kernel::model::{Input, InputKind};
 use crate::kernel::scattered::leave_one_out::LeaveOneOut;
 use crate::kernel::scattered::polynomial::{Polynomial, RANK_F64};
 use crate::kernel::scattered::solve::solve;
@@ -9,6 +11,7 @@ use crate::kernel::sum::{Term, powers};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use serde::Serialize;
+use sinew_runtime::kernel::Kernel;
 
 /// Least reciprocal condition of a system that is taken.
 const RCOND: f64 = 1e-13;
@@ -194,10 +197,139 @@ fn alone(polynomial: &Polynomial, values: &Mat<f64>) -> Coefficients {
     (Mat::zeros(values.nrows(), values.ncols()), &polynomial.basis * basis, left_out)
 }
 
+/// One over the widths that are tried, in mean distances of the views.
+const EPSILONS: [f64; 10] = [0.125, 0.177, 0.25, 0.354, 0.5, 0.707, 1.0, 1.414, 2.0, 4.0];
+/// Kernels without a width.
+const PLAIN: [Kernel; 3] = [Kernel::Linear, Kernel::ThinPlate, Kernel::Cubic];
+
+/// A polynomial with or without kernels, and how it does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Candidate {
+    /// The polynomial.
+    pub polynomial: &'static str,
+    /// The kernels beside it, and one over their width.
+    pub kernel: Option<Width>,
+    /// RMS error of numbers of views that are left out; none where the others do not determine a fit.
+    pub left_out: Option<f64>,
+}
+
+/// A kernel of a width.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Width {
+    /// G.
+    #[serde(serialize_with = "by_name")]
+    pub kernel: Kernel,
+    /// What distances are multiplied by, of which the mean one is 1.
+    pub epsilon: f64,
+}
+
+impl Width {
+    /// What serves where nothing can be chosen: lines from view to view.
+    pub(super) const PLAIN: Self = Self { kernel: Kernel::Linear, epsilon: 1.0 };
+
+    /// Lists all that may stand beside a polynomial.
+    pub(super) fn all(set: &TermSet) -> Vec<Self> {
+        let reached = |kernel: &Kernel| set.is_whole || order(*kernel).is_some_and(|o| o <= 1);
+        let plain = PLAIN.into_iter().filter(reached).map(|kernel| Self { kernel, epsilon: 1.0 });
+        let of = |epsilon| Self { kernel: Kernel::Gaussian, epsilon };
+        plain.chain(EPSILONS.map(of)).collect()
+    }
+}
+
+/// Features of a rotation's first two rows: all that an orthographic view of a rigid object is made of.
+const TWO_ROWS: usize = 6;
+
+/// A product of features, ascending; none is 1.
+pub(super) type Monomial = Vec<usize>;
+
+/// Monomials by what they are called, with the features themselves among them.
+#[derive(Clone, Debug)]
+pub(super) struct TermSet {
+    pub(super) name: &'static str,
+    pub(super) monomials: Vec<Monomial>,
+    /// Whether it has every feature that distances are measured in.
+    pub(super) is_whole: bool,
+}
+
+/// Lists the sets for inputs of which some features, those kept, change.
+pub(super) fn term_sets(inputs: &[Input], kept: &[usize]) -> Vec<TermSet> {
+    let (mut blocks, mut rows, mut first) = (Vec::new(), Vec::new(), 0);
+    for input in inputs {
+        let len = input.kind.feature_len();
+        let own = |most: usize| -> Vec<usize> {
+            (first..first + most.min(len)).filter(|feature| kept.contains(feature)).collect()
+        };
+        let is_rotation = matches!(input.kind, InputKind::Rotation { .. });
+        rows.push(own(if is_rotation { TWO_ROWS } else { len }));
+        blocks.push(own(len));
+        first += len;
+    }
+    let has_rotation = rows != blocks;
+    let set = |name, monomials: Vec<Monomial>| {
+        let is_whole = kept.iter().all(|&feature| monomials.contains(&vec![feature]));
+        TermSet { name, monomials, is_whole }
+    };
+    let mut out = vec![set("linear", linear(&blocks))];
+    let rows = if has_rotation { [linear(&rows), products(&rows)] } else { Default::default() };
+    let [plain, by_others] = rows;
+    let others = [
+        ("two rows", plain),
+        ("two rows x others", by_others),
+        ("products", products(&blocks)),
+        ("quadratic", quadratic(&blocks)),
+    ];
+    for (name, monomials) in others {
+        let is_new = out.iter().all(|other: &TermSet| other.monomials != monomials);
+        if is_new && !monomials.is_empty() {
+            out.push(set(name, monomials));
+        }
+    }
+    out
+}
+
+/// Makes the terms of monomials whose own factors are among them, and says where each has come to stand.
+pub(super) fn terms(monomials: &[Monomial]) -> (Vec<Monomial>, Vec<Term>) {
+    let mut sorted = monomials.to_vec();
+    sorted.sort_by(|a, b| (a.len(), a).cmp(&(b.len(), b)));
+    sorted.dedup();
+    let place = |of: &[usize]| sorted.iter().position(|other| other == of).unwrap_or(0);
+    let term = |monomial: &Monomial| match monomial.split_last() {
+        None => Term::One,
+        Some((&input, earlier)) => Term::Product { earlier: place(earlier), input },
+    };
+    let terms = sorted.iter().map(term).collect();
+    (sorted, terms)
+}
+
+fn linear(blocks: &[Vec<usize>]) -> Vec<Monomial> {
+    let features = blocks.iter().flatten().map(|&feature| vec![feature]);
+    std::iter::once(Vec::new()).chain(features).collect()
+}
+
+/// Adds products of features of two inputs.
+fn products(blocks: &[Vec<usize>]) -> Vec<Monomial> {
+    let mut out = linear(blocks);
+    for (number, block) in blocks.iter().enumerate() {
+        for &other in blocks[number + 1..].iter().flatten() {
+            out.extend(block.iter().map(|&feature| vec![feature, other]));
+        }
+    }
+    out
+}
+
+/// Adds products of all pairs of features.
+fn quadratic(blocks: &[Vec<usize>]) -> Vec<Monomial> {
+    let all: Vec<usize> = blocks.concat();
+    let pairs = |at: usize| all[at..].iter().map(move |&other| (at, other));
+    let pairs = (0..all.len()).flat_map(pairs).map(|(at, other)| vec![all[at], other]);
+    linear(blocks).into_iter().chain(pairs).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::sum::monomials;
+    use crate::kernel::rotations::Feature;
+    use crate::kernel::sum::{monomials, powers};
 
     #[test]
     fn products_that_no_view_shows_are_left_out() {
@@ -206,5 +338,32 @@ mod tests {
         let found = determined(&points, &monomials(2, 2));
         assert_eq!((found.rank(), found.terms.len()), (3, 6));
         assert!((0..6).all(|t| (found.basis.row(t).norm_max() > 0.0) == (t < 3)));
+    }
+
+    #[test]
+    fn sets_are_products_of_what_changes() {
+        let input = |kind| Input { name: String::new(), kind, weight: 1.0 };
+        let turn = InputKind::Rotation { feature: Feature::Matrix, order: None };
+        let inputs = [turn, InputKind::Scalar, InputKind::Scalar].map(input);
+        let kept: Vec<usize> = (0..11).filter(|feature| *feature != 4).collect();
+        let sets = term_sets(&inputs, &kept);
+        let sizes: Vec<_> = sets.iter().map(|set| (set.monomials.len(), set.is_whole)).collect();
+        let expected = [
+            (1 + 10, true),
+            (1 + 7, false),
+            (1 + 7 + 5 * 2 + 1, false),
+            (1 + 10 + 8 * 2 + 1, true),
+            (1 + 10 + 55, true),
+        ];
+        assert_eq!(sizes, expected);
+        assert_eq!(term_sets(&inputs[1..], &[0, 1]).len(), 3, "no rotation, no rows");
+        assert_eq!(term_sets(&inputs[1..2], &[0]).len(), 2, "no products");
+    }
+
+    #[test]
+    fn terms_are_their_monomials() {
+        let (sorted, terms) = terms(&[vec![0, 2], vec![2], vec![], vec![0], vec![2]]);
+        assert_eq!(sorted, [vec![], vec![0], vec![2], vec![0, 2]]);
+        assert_eq!(powers(&terms, &[3.0, 5.0, 7.0]), [1.0, 3.0, 7.0, 21.0]);
     }
 }

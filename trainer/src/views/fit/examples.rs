@@ -1,11 +1,9 @@
 //! A map of one motion: inputs, polynomial and kernel chosen, coefficients put together.
 
-use super::block::{Block, Fitted, LeftOutViews};
-use super::candidate::{Candidate, Width};
-use super::error::FitError;
-use super::inputs::{given, ways};
-use super::outputs::{MapOutputs, Shown};
-use super::terms::{Monomial, TermSet, term_sets, terms};
+use super::block::{
+    Block, Candidate, Fitted, LeftOutViews, Monomial, TermSet, Width, term_sets, terms,
+};
+use super::map::{FitError, MapOutputs, Shown, given, ways};
 use crate::kernel::bound::{largest, rounded};
 use crate::kernel::fade::Fade;
 use crate::kernel::model::{Figures, Input, KernelModel, features};

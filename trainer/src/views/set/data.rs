@@ -1,9 +1,18 @@
 //! What a set of views holds.
+//! Elements: what pictures are cut into.
+//! Pictures of key views.
 
-use super::elements::Element;
-use super::image::Image;
+use super::error::SetError;
+use crate::formats::FileError;
+use crate::formats::layered::{LayeredPicture, is_layered};
+use crate::formats::pixels::{Pixels, png_size, read_png};
+use crate::page::camera::Resolution;
+use crate::page::picture::Picture;
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
 
 /// Parameters by name: angles in degrees.
 pub type Values = BTreeMap<String, f64>;
@@ -174,5 +183,166 @@ impl View {
     /// Returns the points, and the origin for those that nobody knows.
     pub fn known(&self) -> Vec<[f64; 2]> {
         self.points.iter().map(|point| point.unwrap_or_default()).collect()
+    }
+}
+
+/// A triangle or a convex quad, by its points' numbers in turn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Three points.
+    Triangle([usize; 3]),
+    /// Four points.
+    Quad([usize; 4]),
+}
+
+impl Element {
+    /// Makes elements of a polygon: itself, or, of more corners than four, triangles about its first.
+    ///
+    /// # Errors
+    /// [`SetError::Element`]: it has fewer than three points, one that there is not, or one twice.
+    pub fn of_polygon(
+        element: usize,
+        polygon: &[usize],
+        points: usize,
+    ) -> Result<Vec<Self>, SetError> {
+        let wrong = |what: String| SetError::Element { element, what };
+        if let Some(point) = polygon.iter().find(|point| **point >= points) {
+            return Err(wrong(format!("point {point}, of {points}")));
+        }
+        let twice = (1..polygon.len()).find(|&at| polygon[..at].contains(&polygon[at]));
+        if let Some(at) = twice {
+            return Err(wrong(format!("point {} is there twice", polygon[at])));
+        }
+        match *polygon {
+            [a, b, c] => Ok(vec![Self::Triangle([a, b, c])]),
+            [a, b, c, d] => Ok(vec![Self::Quad([a, b, c, d])]),
+            [first, _, _, _, _, ..] => {
+                let fan = polygon[1..].windows(2).map(|pair| [first, pair[0], pair[1]]);
+                Ok(fan.map(Self::Triangle).collect())
+            }
+            _ => Err(wrong(format!("expected 3 points or more, found {}", polygon.len()))),
+        }
+    }
+
+    /// Lists its points.
+    pub fn points(&self) -> &[usize] {
+        match self {
+            Self::Triangle(points) => points,
+            Self::Quad(points) => points,
+        }
+    }
+}
+
+/// A picture, and what of it is the object.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// The picture: PNG, OpenRaster or Photoshop.
+    pub file: PathBuf,
+    /// A picture whose black is not the object.
+    pub mask: Option<PathBuf>,
+    /// The layer of a picture in layers; `None` for the whole picture.
+    pub layer: Option<String>,
+}
+
+impl Image {
+    /// Names a picture without a mask.
+    pub fn of_file(file: PathBuf) -> Self {
+        Self { file, mask: None, layer: None }
+    }
+
+    /// Names the picture of a layer: a picture in layers has it by the layer's name.
+    pub fn of_layer(file: PathBuf, layer: &str) -> Self {
+        let layer = is_layered(&file).then(|| layer.to_owned());
+        Self { layer, ..Self::of_file(file) }
+    }
+
+    /// Loads the picture, whatever its size.
+    ///
+    /// # Errors
+    /// [`SetError::Image`] and [`SetError::File`], and [`SetError::ImageSize`] of its mask.
+    pub fn load_any(&self) -> Result<Picture, SetError> {
+        self.load(picture_size(&self.file)?)
+    }
+
+    /// Loads the picture; beyond its mask nothing is covered.
+    ///
+    /// # Errors
+    /// [`SetError::Image`], [`SetError::File`] and [`SetError::ImageSize`].
+    pub fn load(&self, expected: [usize; 2]) -> Result<Picture, SetError> {
+        let mut picture = decoded(&self.file, self.layer.as_deref(), expected)?;
+        if let Some(mask) = &self.mask {
+            let mask = decoded(mask, None, expected)?;
+            for (pixel, mask) in picture.rgba.chunks_mut(4).zip(mask.rgba.chunks(4)) {
+                if mask[0] < 0x80 || mask[3] == 0 {
+                    pixel.fill(0);
+                }
+            }
+        }
+        Ok(picture)
+    }
+}
+
+/// Returns the width and height of a picture.
+///
+/// # Errors
+/// [`SetError::Image`] and [`SetError::File`].
+pub(super) fn picture_size(file: &Path) -> Result<[usize; 2], SetError> {
+    if is_layered(file) {
+        return Ok(LayeredPicture::open(file)?.size);
+    }
+    png_size(opened(file)?).map_err(|what| wrong(file, what))
+}
+
+fn decoded(file: &Path, layer: Option<&str>, expected: [usize; 2]) -> Result<Picture, SetError> {
+    let check = |found: [usize; 2]| match found == expected {
+        true => Ok(()),
+        false => Err(SetError::ImageSize { file: file.to_owned(), expected, found }),
+    };
+    let Pixels { size: [width, height], rgba } = if is_layered(file) {
+        let picture = LayeredPicture::open(file)?;
+        check(picture.size)?;
+        let found = match layer {
+            Some(name) => picture.find(name).and_then(|layer| picture.picture(layer)),
+            None => picture.flattened(),
+        };
+        found.map_err(|error| FileError { file: file.to_owned(), error: error.into() })?
+    } else {
+        check(picture_size(file)?)?;
+        read_png(opened(file)?).map_err(|what| wrong(file, what))?
+    };
+    Ok(Picture { size: Resolution { width, height }, rgba })
+}
+
+fn opened(file: &Path) -> Result<BufReader<File>, SetError> {
+    let opened = File::open(file).map_err(|error| wrong(file, error.to_string()))?;
+    Ok(BufReader::new(opened))
+}
+
+fn wrong(file: &Path, what: String) -> SetError {
+    SetError::Image { file: file.to_owned(), what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_become_triangles_about_their_first_corner() {
+        let found = Element::of_polygon(0, &[5, 1, 2, 3, 4], 6).unwrap();
+        let expected = [[5, 1, 2], [5, 2, 3], [5, 3, 4]].map(Element::Triangle);
+        assert_eq!(found, expected);
+        assert_eq!(Element::of_polygon(0, &[3, 2, 1, 0], 4).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn points_that_make_no_element_are_named() {
+        for (polygon, what) in [
+            (&[0, 1][..], "expected 3 points or more, found 2"),
+            (&[0, 1, 7], "point 7, of 4"),
+            (&[0, 1, 2, 1], "point 1 is there twice"),
+        ] {
+            let refused = Element::of_polygon(9, polygon, 4).unwrap_err();
+            assert_eq!(refused.to_string(), format!("element 9: {what}"));
+        }
     }
 }

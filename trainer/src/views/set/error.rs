@@ -190,9 +190,6 @@ pub enum SetError {
         /// As many as there are.
         vertices: usize,
     },
-    /// A Lottie file has nothing to learn from.
-    #[error("{0}")]
-    Lottie(&'static str),
 }
 
 impl SetError {

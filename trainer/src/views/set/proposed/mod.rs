@@ -3,18 +3,13 @@
 
 mod affine;
 mod bend;
-mod field;
-mod lattice;
 
-use super::data::{Parameter, Values, ViewSet};
-use super::elements::Element;
+use super::data::{Element, Parameter, Values, ViewSet};
+use super::elements::{Silhouette, cropped};
 use super::error::SetError;
-use super::silhouette::Silhouette;
 use crate::page::picture::Picture;
-use crate::views::covered::cropped;
-use affine::affine;
+use affine::{Field, affine};
 use bend::bent;
-use field::Field;
 use libm::remainder;
 use nalgebra::Vector2;
 use rayon::prelude::*;
