@@ -1,4 +1,4 @@
-//! Vertices that move as points do, and the elements between them (METHOD §6.9).
+//! Vertices that follow points, and the elements between the vertices (METHOD §6.9).
 
 use super::set::{Covered, Element};
 use crate::page::picture::Picture;
@@ -6,48 +6,47 @@ use nalgebra::{Complex, DMatrix, DVector};
 use sinew_runtime::views::{Element as FileElement, Layer, Vertex as FileVertex, Views};
 use std::collections::HashMap;
 
-/// Cells along the longer side of a layer that is bent as a whole, at least and at most, and how long each is at the least,
-/// pixels.
+/// Smallest and largest number of cells along the longer side of a warped layer.
 const CELLS: [f64; 2] = [2.0, 16.0];
 const CELL: f64 = 8.0;
-/// Width over length below which points lie on a line.
+/// Width over length below which points count as collinear.
 const LINE: f64 = 1e-3;
 
-/// A vertex: a place, and points, each times a complex weight, by which it is scaled and turned.
+/// A vertex: a place plus a sum of points, each times a complex weight that scales and turns the point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vertex {
-    /// Where it stands without points.
+    /// Place without points, pixels.
     pub place: [f64; 2],
-    /// Points and their weights.
+    /// Indices of points, and their weights.
     pub weights: Vec<(usize, Complex<f64>)>,
 }
 
-/// Vertices, and the elements of layers between them.
+/// Vertices, and the elements of the layers between the vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertices, V.
+    /// The V vertices.
     pub vertices: Vec<Vertex>,
-    /// By layer its elements, by numbers of vertices.
+    /// Elements of each layer. Their corners are indices of vertices.
     pub layers: Vec<Vec<Element>>,
 }
 
-/// A layer as key views show it: where its points are on the screen, and its picture with the place of its corner.
+/// A layer in a key view: points on the screen, and the picture with the position of its corner.
 pub struct Shown<'a> {
-    /// K points.
+    /// Positions of all K points, pixels.
     pub points: &'a [[f64; 2]],
-    /// How many of its points are seen.
+    /// Number of visible points of the layer.
     pub seen: usize,
-    /// Its picture, if it has one.
+    /// Picture of the layer and the position of its corner, if the key view shows the layer.
     pub picture: Option<&'a (Picture, [usize; 2])>,
 }
 
 impl Vertex {
-    /// Makes the vertex that a point is.
+    /// Makes a vertex that coincides with a point.
     pub fn of_point(point: usize) -> Self {
         Self { place: [0.0; 2], weights: vec![(point, Complex::ONE)] }
     }
 
-    /// Returns where it is.
+    /// Returns the position of the vertex, pixels.
     pub fn at(&self, points: &[[f64; 2]]) -> [f64; 2] {
         let add = |sum: Complex<f64>, (point, weight): &(usize, Complex<f64>)| {
             sum + weight * complex(points[*point])
@@ -58,7 +57,7 @@ impl Vertex {
 }
 
 impl Mesh {
-    /// Adds a layer of elements between points, and between places that are fixed, numbered from `point_len` on.
+    /// Adds a layer of elements between points and fixed places. Fixed places have the indices from `point_len` on.
     pub fn add_elements(&mut self, elements: &[Element], point_len: usize, fixed: &[[f64; 2]]) {
         self.add_layer(elements, |point| match point.checked_sub(point_len) {
             None => Vertex::of_point(point),
@@ -66,9 +65,9 @@ impl Mesh {
         });
     }
 
-    /// Adds a layer of elements, and a vertex for each number in them.
+    /// Adds a layer of elements, and a vertex for each index in the elements.
     ///
-    /// - `vertex`: makes the vertex of a number.
+    /// - `vertex`: makes the vertex of an index.
     pub(super) fn add_layer(&mut self, elements: &[Element], vertex: impl Fn(usize) -> Vertex) {
         let mut places: HashMap<usize, usize> = HashMap::new();
         let vertices = &mut self.vertices;
@@ -86,13 +85,13 @@ impl Mesh {
         self.layers.push(own);
     }
 
-    /// Adds a layer that is bent as a whole. A grid lies over the layer's pictures in all key views, and a thin plate spline
-    /// between the layer's points carries its vertices.
+    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin plate
+    /// spline between the points of the layer carries the vertices of the grid.
     ///
-    /// - `points`: of the layer, one at least.
-    /// - `views`: key views; one at least has a picture.
+    /// - `points`: indices of the points of the layer; at least one.
+    /// - `views`: key views; at least one has a picture.
     pub fn add_bent(&mut self, points: &[usize], views: &[Shown<'_>]) {
-        // Of views with a picture that in which most points are seen, the first of equals.
+        // The view at rest: the first of the pictured views with the most visible points.
         let pictured = views.iter().filter(|view| view.picture.is_some());
         let most = pictured.clone().map(|view| view.seen).max();
         let Some(rest) = pictured.clone().find(|view| Some(view.seen) == most) else {
@@ -103,7 +102,7 @@ impl Mesh {
             points.iter().map(|&point| view.points[point]).collect()
         };
         let own = of(rest);
-        // What any view shows, where it is at rest.
+        // Bounds of all pictures, moved back to rest.
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for view in pictured.clone() {
             let back = Bend::new(&of(view));
@@ -117,7 +116,7 @@ impl Mesh {
         }
         let longest = (0..2).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let cell = longest / (longest / CELL).clamp(CELLS[0], CELLS[1]).round();
-        // A cell more on each side: splines are not their own inverse.
+        // One more cell on each side, because the inverse of a spline is not a spline.
         let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 2);
         let start =
             [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * cell * counts[axis] as f64);
@@ -141,7 +140,7 @@ impl Mesh {
             let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
             let is_seen = placed.iter().zip(&covered).any(|(placed, (covered, corner))| {
                 let ring = [a, b, c, d].map(|at| placed[at]);
-                // With a pixel around the cell.
+                // Bounds of the cell, plus one pixel.
                 let own = |axis: usize| ring.map(|place| place[axis] - corner[axis] as f64);
                 let least = |axis| own(axis).into_iter().fold(f64::INFINITY, f64::min);
                 let most = |axis| own(axis).into_iter().fold(f64::NEG_INFINITY, f64::max);
@@ -155,7 +154,7 @@ impl Mesh {
         self.add_layer(&elements, |at| all[at].clone());
     }
 
-    /// Reads what a file holds.
+    /// Reads the mesh of a file.
     pub fn from_file(views: &Views<'_>) -> Self {
         let vertex = |vertex: FileVertex<'_>| Vertex {
             place: vertex.place().map(f64::from),
@@ -177,12 +176,12 @@ impl Mesh {
         }
     }
 
-    /// Returns how many elements all layers have.
+    /// Returns the number of elements in all layers.
     pub fn element_len(&self) -> usize {
         self.layers.iter().map(Vec::len).sum()
     }
 
-    /// Lists, element by element over all layers, the elements across its edges.
+    /// Lists the neighbours of each element of all layers, by edge.
     pub fn neighbours(&self) -> Vec<[Option<usize>; 4]> {
         let mut sides: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
         let elements: Vec<&Element> = self.layers.iter().flatten().collect();
@@ -207,12 +206,12 @@ fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
     points.iter().zip(ends).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 
-/// What carries places along with points: a thin plate spline; a similarity where points lie on a line; a shift where there
-/// is one.
+/// Warp that carries places along with points. Collinear points give a similarity, coinciding points give a shift, and
+/// any other points give a thin plate spline.
 struct Bend {
     rest: Vec<[f64; 2]>,
     centre: [f64; 2],
-    /// Of a spline the scale of distances, and the inverse of its system, transposed.
+    /// Scale of distances, and the transposed inverse of the spline's system.
     spline: Option<(f64, DMatrix<f64>)>,
 }
 
@@ -236,14 +235,14 @@ impl Bend {
         Self { rest, centre, spline: inverse.map(|inverse| (scale, inverse.transpose())) }
     }
 
-    /// Makes a vertex of a place, by numbers of the points.
+    /// Makes the vertex at a place. `points` are the indices of the points in the object.
     fn vertex(&self, place: [f64; 2], points: &[usize]) -> Vertex {
         let (own, weights) = self.weights(place);
         let weights = points.iter().copied().zip(weights).filter(|(_, w)| *w != Complex::ZERO);
         Vertex { place: own, weights: weights.collect() }
     }
 
-    /// Returns where a place comes to be as points move.
+    /// Returns the new position of a place after the points moved.
     fn moved(&self, place: [f64; 2], points: &[[f64; 2]]) -> [f64; 2] {
         let numbers: Vec<usize> = (0..points.len()).collect();
         self.vertex(place, &numbers).at(points)
@@ -273,7 +272,7 @@ impl Bend {
     }
 }
 
-/// Returns r² log r of a distance in some scale.
+/// Returns r² log r of the scaled distance r.
 fn plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
     let square = (0..2).map(|axis| ((a[axis] - b[axis]) / scale).powi(2)).sum::<f64>();
     if square > 0.0 { 0.5 * square * libm::log(square) } else { 0.0 }
@@ -287,7 +286,7 @@ fn complex([x, y]: [f64; 2]) -> Complex<f64> {
     Complex::new(x, y)
 }
 
-/// Lists the corners of pixels that a picture begins and ends with in each row.
+/// Lists the corners of the first and last covered pixel of each row.
 fn outline(picture: Option<&(Picture, [usize; 2])>) -> Vec<[f64; 2]> {
     let Some((picture, [left, top])) = picture else { return Vec::new() };
     let rows = picture.rgba.chunks(4 * picture.size.width.max(1)).enumerate();
@@ -378,7 +377,7 @@ mod tests {
                 assert!(covers([(at % 64) as f64 + 0.5, (at / 64) as f64 + 0.5]), "{at}");
             }
         }
-        // Elements of a grid meet at every edge but the outermost.
+        // Elements of a grid share every edge except the outermost.
         let alone = mesh.neighbours().iter().flatten().filter(|other| other.is_none()).count();
         assert!(alone < 2 * mesh.element_len());
     }

@@ -1,5 +1,4 @@
-//! An object of views in f64: what training makes and a file holds.
-//! A model as parts of a file: its maps, kernels, and the object, as FORMAT.md has them.
+//! Objects of views in f64, and the parts that bake writes of them (FORMAT.md).
 
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Vertex};
@@ -14,82 +13,83 @@ use nalgebra::Complex;
 use sinew_runtime::format::{Element as Number, PartKind, SectionKind};
 use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, ViewsCounts};
 
-/// An object: its key views, and maps from parameters to its points.
+/// An object: key views, and maps from parameters to its points.
 #[derive(Clone, Debug)]
 pub struct ViewsModel {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
     /// Width and height of the screen, pixels.
     pub size: [usize; 2],
-    /// Control points, K.
+    /// Number of control points, K.
     pub point_len: usize,
-    /// Vertices, and the elements of each layer between them.
+    /// Vertices, and the elements of each layer between the vertices.
     pub mesh: Mesh,
-    /// Layers, L.
+    /// The L layers, the hindmost first.
     pub layers: Vec<LayerModel>,
-    /// Key views, N.
+    /// The N key views.
     pub keys: Vec<KeyView>,
-    /// Maps, each with the outputs of [`MapOutputs`].
+    /// Maps of the motions, each with the outputs of [`MapOutputs`].
     pub maps: Vec<KernelModel>,
-    /// What training reached.
+    /// Errors on the training views.
     pub fit: Reached,
 }
 
-/// A layer beside its elements.
+/// Properties of a layer. [`Mesh::layers`] has the elements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LayerModel {
-    /// Its name.
+    /// Name of the layer.
     pub name: String,
-    /// The layer that clips it.
+    /// Index of the layer that clips this layer.
     pub clip: Option<usize>,
-    /// Whether its elements hide each other by depth.
+    /// Whether the elements hide each other by depth.
     pub has_depth: bool,
-    /// Whether it is drawn by itself before it is blended: elements may lie on each other where it is translucent.
+    /// Whether the layer is drawn separately before blending: elements may overlap where the layer is translucent.
     pub is_group: bool,
-    /// Whether elements that turn over are not drawn.
+    /// Whether elements that turn over are skipped.
     pub is_one_sided: bool,
 }
 
 /// A key view.
 #[derive(Clone, Debug)]
 pub struct KeyView {
-    /// Its name.
+    /// Name of the key view.
     pub name: String,
-    /// L pictures, each with where its corner is on the screen; none of a layer that it does not show.
+    /// L pictures, each with the position of its upper left corner on the screen. `None` if the key view does not show
+    /// the layer.
     pub pictures: Vec<Option<(Picture, [usize; 2])>>,
-    /// Where points are on the screen, K.
+    /// Positions of the K points on the screen, pixels.
     pub points: Vec<[f64; 2]>,
-    /// Which of them are seen, K.
+    /// Whether each of the K points is visible.
     pub visible: Vec<bool>,
-    /// What it has in common with its prototype, where its motion is lent.
+    /// Reference points of the prototype and of this object, if the motion is lent.
     pub reference: Option<Reference>,
 }
 
-/// What training reached, pixels.
+/// Errors on the training views. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reached {
-    /// RMS over points of the examples.
+    /// RMS error of the points of the training views.
     pub rms: f64,
-    /// The same of examples that are left out; 0 where they could not be.
+    /// RMS error of the points of left-out views; 0 if no view could be left out.
     pub left_out: f64,
-    /// Share of points whose visibility the maps give as the examples do.
+    /// Share of the known marks of visibility that the maps predict.
     pub visibility: f64,
 }
 
 impl ViewsModel {
-    /// Returns how many outputs each map has.
+    /// Returns the number of outputs of each map.
     pub fn outputs(&self) -> MapOutputs {
         MapOutputs { points: self.point_len, views: self.keys.len(), layers: self.layers.len() }
     }
 }
 
-/// Bits of a word of a mask.
+/// Bits in one word of a visibility mask.
 const BITS: usize = 32;
 
-/// Writes a model: its maps first, then the object.
+/// Makes the parts of a model: the maps first, then the object.
 ///
 /// # Errors
-/// [`BakeError::Size`] of a count that does not fit the file.
+/// [`BakeError::Size`]: a count does not fit the file.
 pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, BakeError> {
     let maps = model.maps.iter().map(kernel::bake::part);
     let mut out = maps.collect::<Result<Vec<_>, _>>()?;
@@ -184,7 +184,7 @@ fn object(model: &ViewsModel) -> Result<Part, BakeError> {
     Ok(Part { kind: PartKind::Views, sections, element: Number::F32 })
 }
 
-/// Writes of each layer where its elements end, what clips it, and its flags.
+/// Lists three words for each layer: the end of its elements, the layer that clips it, and its flags.
 fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
     let (mut out, mut end) = (Vec::new(), 0);
     for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
@@ -201,7 +201,7 @@ fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
     Ok(out)
 }
 
-/// Writes of each vertex where its weights end, and its place.
+/// Writes the end of the weights and the place of each vertex.
 fn vertices(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
     let (mut out, mut end) = (Vec::new(), 0);
     for vertex in &mesh.vertices {
@@ -248,9 +248,10 @@ fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-/// Writes where each vertex is in its layer's picture of each key view: the origin where there is none.
+/// Writes the position of each vertex in the picture of its layer, for each key view. The position is the origin if the
+/// key view has no picture of the layer.
 fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
-    // The layer of each vertex.
+    // Layer of each vertex.
     let mut owners = vec![0; model.mesh.vertices.len()];
     for (layer, elements) in model.mesh.layers.iter().enumerate() {
         elements.iter().flat_map(Element::points).for_each(|&vertex| owners[vertex] = layer);
@@ -268,7 +269,7 @@ fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
     model.keys.iter().flat_map(|key| floats(of_key(key).as_flattened())).collect()
 }
 
-/// Writes a bit a point and key view, those of each view in words of its own.
+/// Lists one bit for each point and key view. Each key view starts a new word.
 fn masks(keys: &[KeyView]) -> Vec<u32> {
     let word = |seen: &[bool]| {
         seen.iter().enumerate().fold(0, |word, (bit, seen)| word | u32::from(*seen) << bit)

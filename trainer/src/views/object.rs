@@ -1,7 +1,7 @@
-//! A map of an object in f64, with its points where the runtime has them.
-//! Parallel deformation: one object's motion lent to another of its class (S1 §2.3, Eq. 5; METHOD §6.6).
+//! Points of an object in f64, as the runtime places them, and parallel deformation (S1 §2.3, Eq. 5; METHOD §6.6).
 //!
-//! `O' = R'_B + s (O_B - R_B)`, and the prototype's barycentre, B for points less their own.
+//! Parallel deformation lends the motion of a prototype to an instance of the same class: `O' = R'_B + s (O_B - R_B)`
+//! plus the barycentre of the prototype. B marks points less their own barycentre.
 
 use super::fit::{FitError, MapOutputs, given, weights};
 use super::player::Player;
@@ -9,17 +9,17 @@ use super::set::Values;
 use crate::kernel::model::KernelModel;
 use sinew_runtime::views::Views;
 
-/// Step of a difference of points along the derivatives of the map's numbers.
+/// Step of the central difference along the slopes of the outputs.
 const DIFFERENCE: f64 = 1e-2;
 
-/// A map, and how its points are deformed where the motion is another object's.
+/// A map, and the deformation of its points if another object lent the motion.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectMap<'a> {
     /// The map.
     pub model: &'a KernelModel,
-    /// How many outputs it has.
+    /// Number of outputs of each kind.
     pub outputs: MapOutputs,
-    /// The deformations of a transferred object; `None` of one that moves by itself.
+    /// Deformations of a transferred object; `None` for an object with its own motion.
     pub deformations: Option<&'a Deformations>,
 }
 
@@ -33,7 +33,7 @@ impl ObjectMap<'_> {
         Ok(self.places(&evaluated.numbers))
     }
 
-    /// Returns the K points by the numbers of all outputs.
+    /// Returns the K points, given the numbers of all outputs.
     pub(super) fn places(&self, numbers: &[f64]) -> Vec<[f64; 2]> {
         let shown = self.outputs.shown(numbers);
         match self.deformations {
@@ -42,7 +42,7 @@ impl ObjectMap<'_> {
         }
     }
 
-    /// Returns the derivatives of the K points, where the numbers of all outputs change by `slopes`.
+    /// Returns the derivatives of the K points, given the derivatives `slopes` of the outputs.
     pub(super) fn slopes(&self, numbers: &[f64], slopes: &[f64]) -> Vec<[f64; 2]> {
         if self.deformations.is_none() {
             return self.outputs.shown(slopes).points;
@@ -59,7 +59,7 @@ impl ObjectMap<'_> {
     }
 }
 
-/// A map of a file, in f64.
+/// A map of a file in f64.
 #[derive(Debug)]
 pub struct FileMap {
     model: KernelModel,
@@ -68,7 +68,7 @@ pub struct FileMap {
 }
 
 impl FileMap {
-    /// Reads a player's map.
+    /// Reads the map of a player.
     pub fn new(player: &Player<'_>) -> Self {
         let views = player.views();
         Self {
@@ -78,28 +78,28 @@ impl FileMap {
         }
     }
 
-    /// Returns the map with the object's own points.
+    /// Returns the map with the points of the object.
     pub fn object(&self) -> ObjectMap<'_> {
         let Self { model, outputs, deformations } = self;
         ObjectMap { model, outputs: *outputs, deformations: deformations.as_ref() }
     }
 }
 
-/// The reference points of an instance and of its prototype in one key view.
+/// Reference points of an instance and its prototype in one key view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// The prototype's, less their barycentre, K.
+    /// The K points of the prototype, less their barycentre.
     pub prototype: Vec<[f64; 2]>,
-    /// The instance's, likewise.
+    /// The K points of the instance, less their barycentre.
     pub instance: Vec<[f64; 2]>,
-    /// s: 1, or the ratio of their norms.
+    /// Scale s: 1, or the norm of the instance over the norm of the prototype.
     pub scale: f64,
 }
 
 impl Reference {
-    /// Takes reference points of a prototype and of an instance, K each.
+    /// Makes a reference from K points of a prototype and K points of an instance.
     ///
-    /// - `by_size`: whether the motion is as large as the instance is (S1's footnote 2).
+    /// - `by_size`: whether the motion scales with the size of the instance (S1's footnote 2).
     pub fn new(prototype: &[[f64; 2]], instance: &[[f64; 2]], by_size: bool) -> Self {
         let [prototype, instance] = [prototype, instance].map(|points| centred(points).0);
         let ratio = norm(&instance) / norm(&prototype);
@@ -107,7 +107,7 @@ impl Reference {
         Self { prototype, instance, scale }
     }
 
-    /// Moves the instance as the prototype has moved.
+    /// Moves the instance as its prototype moved.
     pub fn moved(&self, prototype: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let (own, centre) = centred(prototype);
         let point = |(k, own): (usize, &[f64; 2])| {
@@ -120,15 +120,15 @@ impl Reference {
     }
 }
 
-/// How a transferred object is deformed from its prototype, by key view.
+/// Deformations of a transferred object from its prototype, by key view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformations {
-    /// Of each key view s, and R' - s R for K points, pixels.
+    /// Scale s and offsets R' - s R of the K points, pixels, for each key view.
     keys: Vec<(f64, Vec<[f64; 2]>)>,
 }
 
 impl Deformations {
-    /// Reads those of an object in a file; `None` of one that moves by itself.
+    /// Reads the deformations of an object in a file; `None` if the object has its own motion.
     pub fn of(views: &Views<'_>) -> Option<Self> {
         let key = |view| {
             let offsets = (0..).map_while(|point| views.offset(view, point));
@@ -138,10 +138,10 @@ impl Deformations {
         views.is_transferred().then(|| Self { keys: (0..).map_while(key).collect() })
     }
 
-    /// Moves the object as its prototype has moved, by the references of the key views that count there.
+    /// Moves the object as its prototype moved, by the references of the key views weighted by score.
     ///
     /// - `prototype`: K points, pixels.
-    /// - `scores`: N, of the object's key views.
+    /// - `scores`: N scores of the object's key views.
     pub fn moved(&self, prototype: &[[f64; 2]], scores: &[f64]) -> Vec<[f64; 2]> {
         let (own, centre) = centred(prototype);
         let weights = weights(scores);
@@ -158,7 +158,7 @@ impl Deformations {
     }
 }
 
-/// Takes the barycentre off points.
+/// Subtracts the barycentre from points, and returns both.
 pub fn centred(points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
     let len = points.len().max(1) as f64;
     let centre = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / len);
@@ -166,7 +166,7 @@ pub fn centred(points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
     (own.collect(), centre)
 }
 
-/// Returns the norm of points as one vector.
+/// Returns the norm of all points as one vector.
 pub fn norm(points: &[[f64; 2]]) -> f64 {
     points.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt()
 }

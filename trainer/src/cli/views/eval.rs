@@ -1,4 +1,4 @@
-//! `sinew views eval` and `report`: a model against views.
+//! `sinew views eval` and `report`: comparison of a model with views.
 
 use super::input::{SetArguments, load};
 use crate::cli::Output;
@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 /// Measures a model on views: points, visibility and pictures
 ///
-/// It takes the views under `test`, or, where there are none, those under `train`. Points are in pixels, visibility is
-/// the share of points for which it is right, pictures are in dB.
+/// The command takes the views under `test`, or those under `train` if there are no test views. Points are in pixels,
+/// visibility is the share of points with the right visibility, and pictures are in dB.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Eval {
     /// A file that `sinew views train` wrote
@@ -46,17 +46,17 @@ pub(in crate::cli) fn eval(arguments: &Eval, output: Output) -> anyhow::Result<(
     output.print(&found, &text)
 }
 
-/// Writes a page about a model and the views it was trained on
+/// Writes a page about a model and its training views
 ///
-/// The page has a sheet of views by their parameters, with the examples framed. It shows the parts of a view, the
-/// network over pixels beside it, and the object that lent its motion.
+/// The page has a sheet of views by their parameters, with the training views framed. It shows the parts of a view,
+/// networks over pixels, and the object that lent its motion.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Report {
     /// A file that `sinew views train` wrote
     model: PathBuf,
     #[command(flatten)]
     set: SetArguments,
-    /// The file that lent MODEL its motion, and was trained on VIEWS: both are shown side by side
+    /// The file that lent MODEL its motion, trained on VIEWS; both objects are drawn side by side
     #[arg(long, value_name = "MODEL")]
     prototype: Option<PathBuf>,
     /// The page to write, HTML

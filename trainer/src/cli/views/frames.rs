@@ -16,19 +16,19 @@ use std::path::{Path, PathBuf};
 
 /// Draws the object along a path of parameters
 ///
-/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, the number of pictures. The first one shows the first
-/// key, the last one the last key, and the others are evenly spread. There are 24 if PATH names no number.
+/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, the number of pictures, by default 24. The first
+/// picture shows the first key, the last picture shows the last key, and the others are evenly spread.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Animate {
     /// A file that `sinew views train` wrote
     model: PathBuf,
-    /// Name of the map, where MODEL has several
+    /// Name of the map, if MODEL has several
     #[arg(long)]
     map: Option<String>,
     /// The path
     #[arg(long, value_name = "PATH")]
     path: PathBuf,
-    /// How many pictures to write, in place of `frames` of PATH
+    /// Number of pictures, in place of `frames` of PATH
     #[arg(long = "frames", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
     #[command(flatten)]
@@ -51,20 +51,21 @@ pub(in crate::cli) fn animate(arguments: &Animate, output: Output) -> anyhow::Re
     output.print(&json!({ "frames": count, "frame_time": frame_time }), &text)
 }
 
-/// Bytes of a parameter that is sent.
+/// Bytes of a transmitted parameter.
 const PARAMETER: usize = 4;
 
 /// Draws the object as tracked points move
 ///
-/// The parameters follow from the points, wherever they are on the screen and however large.
+/// The parameters follow from the points. The position and size of the points on the screen do not matter.
 ///
-/// POINTS is CSV: a line a frame, x and y of each point, empty where a point is not seen; a first line of names is passed
-/// over. Points of an object that `sinew views transfer` made are its own, not those of its prototype.
+/// POINTS is CSV: a line for each frame with x and y of each point, empty if a point is hidden. A first line of names
+/// is skipped. For an object that `sinew views transfer` made, the points are the object's own, not those of its
+/// prototype.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Drive {
     /// A file that `sinew views train` wrote
     model: PathBuf,
-    /// Name of the map, where MODEL has several
+    /// Name of the map, if MODEL has several
     #[arg(long)]
     map: Option<String>,
     /// Tracked points
@@ -72,7 +73,8 @@ pub(in crate::cli) struct Drive {
     track: PathBuf,
     #[command(flatten)]
     frames: FramesArguments,
-    /// Also writes a table with a line a frame: number, parameters, RMS distance of the points, weight of each key view
+    /// Also writes a table with a line for each frame: number, parameters, RMS distance of the points, and weight of
+    /// each key view
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 }
@@ -82,7 +84,7 @@ pub(in crate::cli) struct Drive {
 struct Driven {
     values: Values,
     rms: f64,
-    /// By key view.
+    /// Weights of the key views.
     weights: Vec<f64>,
 }
 
@@ -129,11 +131,11 @@ fn table_file(path: &Path, taken: &[PathBuf]) -> anyhow::Result<OutputFile> {
     OutputFile::new(path, taken)
 }
 
-/// Writes a line a frame, and a line of names above.
+/// Writes a line of names, then a line for each frame.
 fn as_table(driven: &[Driven], key_views: &[&str]) -> anyhow::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let parameters = driven.iter().take(1).flat_map(|own| own.values.keys().cloned());
-    // A key view may be named as a parameter is.
+    // A key view may have the name of a parameter.
     let views = key_views.iter().map(|name| format!("view {name}"));
     let names = std::iter::once("frame".to_owned()).chain(parameters);
     out.write_record(names.chain(["rms".to_owned()]).chain(views))?;
@@ -145,18 +147,18 @@ fn as_table(driven: &[Driven], key_views: &[&str]) -> anyhow::Result<Vec<u8>> {
     Ok(out.into_inner()?)
 }
 
-/// Where pictures go.
+/// Destination of pictures.
 #[derive(clap::Args)]
 pub(super) struct FramesArguments {
-    /// The folder to fill with pictures, PNG; or one file, where it ends in .gif, on white
+    /// The folder for the pictures, PNG; or one GIF on white, if the name ends in .gif
     #[arg(short, long, value_name = "FOLDER|GIF")]
     out: PathBuf,
-    /// How long a GIF shows each picture, in seconds: hundredths, from 0.02 on
+    /// Time of each picture in a GIF, in seconds: whole hundredths, at least 0.02
     #[arg(long, value_name = "SECONDS", default_value = "0.04", value_parser = hundredths)]
     frame_time: u16,
 }
 
-/// Pictures on their way to where they go.
+/// Writer of numbered pictures or of a GIF.
 pub(super) struct Frames {
     place: Place,
     named: PathBuf,
@@ -168,13 +170,13 @@ enum Place {
     Gif { target: OutputFile, pictures: Gif, hundredths: u16 },
 }
 
-/// GIF's unit of time, in seconds.
+/// Unit of time in GIF, seconds.
 const HUNDREDTH: f64 = 0.01;
 
 fn hundredths(text: &str) -> Result<u16, String> {
     let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     let hundredths = (seconds / HUNDREDTH).round();
-    // Below two hundredths browsers take ten.
+    // Browsers replace times below two hundredths by ten hundredths.
     if (2.0..=f64::from(u16::MAX)).contains(&hundredths) {
         Ok(hundredths as u16)
     } else {
@@ -183,9 +185,9 @@ fn hundredths(text: &str) -> Result<u16, String> {
 }
 
 impl Frames {
-    /// Begins a GIF, or makes the folder; one that is there must hold no pictures of another run.
+    /// Begins a GIF, or makes the folder. A folder must hold no pictures of an earlier run.
     ///
-    /// - `taken`: what is read, and cannot be written.
+    /// - `taken`: input files, which must not be overwritten.
     pub(super) fn new(arguments: &FramesArguments, taken: &[PathBuf]) -> anyhow::Result<Self> {
         let FramesArguments { out, frame_time } = arguments;
         let is_gif = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif"));
@@ -199,7 +201,7 @@ impl Frames {
         Ok(Self { place, named: out.clone(), count: 0 })
     }
 
-    /// Adds the next picture, its colours times their alpha.
+    /// Adds the next picture, with premultiplied colours.
     pub(super) fn add(&mut self, picture: &Picture) -> anyhow::Result<()> {
         let picture = straight(picture);
         match &mut self.place {
@@ -216,9 +218,9 @@ impl Frames {
         Ok(())
     }
 
-    /// Writes what is not written yet.
+    /// Writes all that remains.
     ///
-    /// Returns what there is now, in words, and as JSON how many pictures and for how long each is shown.
+    /// Returns a summary as text, and the time of each picture as JSON (null for a folder).
     pub(super) fn finish(self) -> anyhow::Result<(String, serde_json::Value)> {
         let count = counted(self.count, "frame", "frames");
         let named = self.named.display();
@@ -230,7 +232,7 @@ impl Frames {
         Ok((format!("{named}: {count} of {seconds:.2} s"), seconds.into()))
     }
 
-    /// Returns how many there are.
+    /// Returns the number of pictures.
     pub(super) fn count(&self) -> usize {
         self.count
     }

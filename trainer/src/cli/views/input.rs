@@ -7,18 +7,18 @@ use sinew_runtime::Model;
 use sinew_trainer::views::set::{Values, ViewSet, read, read_drawing};
 use std::path::{Path, PathBuf};
 
-/// Views to read.
+/// Arguments that name a set of views.
 #[derive(clap::Args)]
 pub(super) struct SetArguments {
     /// Views as JSON, or the char_cfg.yaml of a drawing with joints, beside its texture.png and mask.png
     views: PathBuf,
-    /// The mesh of whose vertices `mesh_vertex_index` are the points, as OBJ: depths come from it
+    /// A mesh as OBJ that gives depths; `mesh_vertex_index` of VIEWS lists the vertex of each point
     #[arg(long, value_name = "OBJ")]
     mesh: Option<PathBuf>,
 }
 
 impl SetArguments {
-    /// Returns the file.
+    /// Returns the file of the views.
     pub(super) fn file(&self) -> &Path {
         &self.views
     }
@@ -50,7 +50,7 @@ pub(super) fn assignment(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-/// Takes parameters by name, none of them twice.
+/// Collects parameters by name. No parameter may be given twice.
 pub(super) fn values(all: &[(String, f64)]) -> anyhow::Result<Values> {
     let mut out = Values::new();
     for (name, value) in all {
@@ -73,12 +73,12 @@ const fn frames() -> usize {
     24
 }
 
-/// Lists the parameters of all frames of a path. The first frame is the first key, the last frame the last key.
+/// Lists the parameters of all frames of a path. The first frame is the first key, and the last frame the last key.
 ///
-/// - `frames`: how many, in place of the path's own number.
+/// - `frames`: number of frames, in place of the path's own number.
 ///
 /// # Errors
-/// If the file cannot be read, or is no path.
+/// The file cannot be read, or is not a path.
 pub(super) fn read_path(file: &Path, frames: Option<usize>) -> anyhow::Result<Vec<Values>> {
     let about = || file.display().to_string();
     let text = std::fs::read(file).with_context(about)?;

@@ -14,18 +14,18 @@ use std::path::{Path, PathBuf};
 
 /// Draws the object at parameters, or from tracked points
 ///
-/// It draws as an engine does.
+/// The runtime draws, as in an engine.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Render {
     /// A file that `sinew views train` wrote
     model: PathBuf,
-    /// Name of the map, where MODEL has several
+    /// Name of the map, if MODEL has several
     #[arg(long)]
     map: Option<String>,
-    /// A parameter, angles in degrees; once for each
+    /// A parameter; angles in degrees; once for each
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
-    /// Tracked points in place of parameters, which follow from them: CSV of one frame, as `drive` takes it
+    /// Tracked points in place of parameters: CSV of one frame, as for `drive`. The parameters follow from the points
     #[arg(long, value_name = "CSV", conflicts_with = "set")]
     points: Option<PathBuf>,
     /// The picture to write, PNG
@@ -71,7 +71,7 @@ pub(in crate::cli) fn render(arguments: &Render, output: Output) -> anyhow::Resu
     output.print(&json, &text)
 }
 
-/// Finds the parameters of the one frame of a file.
+/// Finds the parameters of the only frame of a file.
 fn tracked(follower: &mut Follower, file: &Path) -> anyhow::Result<Values> {
     let about = || file.display().to_string();
     match &read_track(file, follower.point_len())?[..] {
@@ -82,18 +82,18 @@ fn tracked(follower: &mut Follower, file: &Path) -> anyhow::Result<Values> {
 
 /// Draws the object with points dragged to places
 ///
-/// Parameters follow first, as they go together in the examples; then the neighbourhood of each point follows.
+/// The parameters follow first, by their covariance in training. Then the neighbourhood of each point follows.
 #[derive(clap::Args)]
 pub(in crate::cli) struct PinPoints {
     /// A file that `sinew views train` wrote
     model: PathBuf,
-    /// Name of the map, where MODEL has several
+    /// Name of the map, if MODEL has several
     #[arg(long)]
     map: Option<String>,
-    /// A parameter to begin with, angles in degrees; once for each
+    /// A parameter to start from; angles in degrees; once for each
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
-    /// A point by its number and where it is dragged to, in pixels; once for each
+    /// The number of a point and the position to drag it to, in pixels; once for each
     #[arg(long, value_name = "POINT=X,Y", value_parser = dragged, required = true)]
     pin: Vec<Pin>,
     /// The picture to write, PNG

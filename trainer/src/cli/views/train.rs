@@ -18,11 +18,11 @@ use std::path::{Path, PathBuf};
 
 /// Writes sets of views to try; needs no input
 ///
-/// They are a drawn figure of 16 joints that walks and jumps, a panel in perspective that bends, and a head that turns
-/// all the way round.
+/// The sets are a drawn figure of 16 joints that walks and jumps, a panel in perspective that bends, and a head that
+/// turns all the way round.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Demo {
-    /// The folder to write to; it is made where it is not there
+    /// The folder to write to; it is created if needed
     folder: PathBuf,
 }
 
@@ -54,12 +54,11 @@ fn described_set(set: &ViewSet) -> Value {
     })
 }
 
-/// Learns every view between some views, and bakes it into a file
+/// Learns all views between given views, and bakes them into a file
 ///
-/// VIEWS is JSON: `image_size`, and under `train` a view each, with its `points` in pixels, its parameters by name
-/// (angles end in `_deg`), and, of key views, its `image`: PNG, or layers as OpenRaster or PSD. With
-/// `"points": "auto"` points are proposed, and views have none. `sinew views demo` writes some sets to look at,
-/// VIEWS.md says the rest.
+/// VIEWS is JSON: `image_size`, and the views under `train`. A view has `points` in pixels, parameters by name (angles
+/// end in `_deg`), and, if it is a key view, an `image`: PNG, or layers as OpenRaster or PSD. With `"points": "auto"`
+/// the views need no points. `sinew views demo` writes sets to try, and VIEWS.md describes the format.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Train {
     #[command(flatten)]
@@ -67,14 +66,14 @@ pub(in crate::cli) struct Train {
     /// The file to write
     #[arg(short, long, value_name = "MODEL", required_unless_present = "pixels")]
     out: Option<PathBuf>,
-    /// Meets the points of every view, also where that is not what predicts left-out views best
+    /// Meets the points of every view, even if another fit predicts left-out views better
     #[arg(long)]
     exact: bool,
-    /// Negative control: prints the PSNR of networks over pixels beside that of the model, and writes no file. It predicts
-    /// test views, or each key view from the others. A network over Fourier transforms gives the same pictures
+    /// Negative control: prints the PSNR of networks over pixels beside that of the model, and writes no file. It
+    /// predicts test views, or each key view from the others. A network over Fourier transforms gives the same pictures
     #[arg(long, conflicts_with_all = ["out", "points_out"])]
     pixels: bool,
-    /// Writes the set with all its points, proposed ones among them, for you to correct: JSON, beside VIEWS
+    /// Writes the set with all its points, including proposed points, for you to correct: JSON, beside VIEWS
     #[arg(long, value_name = "JSON")]
     points_out: Option<PathBuf>,
 }
@@ -121,7 +120,7 @@ pub(in crate::cli) fn train_set(arguments: &Train, output: Output) -> anyhow::Re
     output.print(&json, &text)
 }
 
-/// Checks the place for the set with its points, whose pictures are named from the folder of the views.
+/// Checks the file for the set with its points. The set's pictures are named relative to the folder of the views.
 fn points_file(path: &Path, views: &Path, model: &OutputFile) -> anyhow::Result<OutputFile> {
     let points = OutputFile::new(path, &[views.to_owned()])?;
     ending(path, &["json"])?;
@@ -199,9 +198,9 @@ fn run_control(set: &SetArguments, options: FitOptions, output: Output) -> anyho
 ///
 /// The other object needs a picture, and its points in one or more of the key views of PROTOTYPE.
 ///
-/// INSTANCE is JSON: under `views` each has a key view's name as `view`, its `image` and its `points`. In place of `image`
-/// an instance of a PROTOTYPE in layers has `layers`, a picture for each by the layer's name. `sinew views drive` and `pin`
-/// take the points of the instance.
+/// INSTANCE is JSON with a list `views`. Each view has the name of a key view as `view`, an `image` and `points`. If
+/// PROTOTYPE has layers, a view may have `layers` in place of `image`: a picture for each layer by its name. `sinew
+/// views drive` and `pin` take the points of the instance.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Transfer {
     /// A file that `sinew views train` wrote
@@ -211,7 +210,7 @@ pub(in crate::cli) struct Transfer {
     /// The file to write
     #[arg(short, long, value_name = "MODEL")]
     out: PathBuf,
-    /// Moves as far as it is large, and not as far as its prototype
+    /// Scales the motion by the size of the object over that of its prototype
     #[arg(long)]
     by_size: bool,
 }

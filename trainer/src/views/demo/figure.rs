@@ -6,7 +6,7 @@ use crate::page::picture::Picture;
 use crate::views::set::JOINTS;
 
 const SIZE: [usize; 2] = [240, 300];
-/// The joints of [`JOINTS`].
+/// Positions of [`JOINTS`], pixels.
 const REST: [[f64; 2]; 16] = [
     [120.0, 175.0],
     [120.0, 170.0],
@@ -25,7 +25,7 @@ const REST: [[f64; 2]; 16] = [
     [150.0, 222.0],
     [164.0, 266.0],
 ];
-/// Half the pen's width, by the joint at a bone's end; the hip's bone is the body's own.
+/// Half the width of the pen for the bone that ends at each joint, pixels. The bone of the hip is the body.
 const PEN: [f64; 16] =
     [0.0, 20.0, 24.0, 9.0, 12.0, 10.0, 9.0, 12.0, 10.0, 9.0, 14.0, 13.0, 11.0, 14.0, 13.0, 11.0];
 const HEAD: f64 = 27.0;
@@ -36,7 +36,7 @@ const SHIRT: Colour = [0x3f, 0x7f, 0xbf];
 const TROUSERS: Colour = [0x7a, 0x55, 0x3a];
 const STRIPE: Colour = [0xf5, 0xd8, 0x4a];
 
-/// Draws the figure: its description and its pictures, `texture.png` and `mask.png`.
+/// Draws the figure: its description, and the pictures `texture.png` and `mask.png`.
 pub(super) fn drawn() -> (String, Vec<(String, Picture)>) {
     let mut texture = empty(SIZE);
     let order = [12, 11, 15, 14, 10, 13, 6, 5, 9, 8, 4, 7, 1, 2, 3];

@@ -1,5 +1,5 @@
-//! Sets of views that need no download: a drawn figure that walks and jumps, a panel in perspective that bends,
-//! a head that turns all the way round.
+//! Demo sets: a drawn figure that walks and jumps, a panel in perspective that bends, and a head that turns all the way
+//! round.
 
 mod figure;
 mod paint;
@@ -10,7 +10,7 @@ use crate::formats::FormatError;
 use crate::page::picture::Picture;
 use std::path::Path;
 
-/// Writes the sets: in a folder each, with `views.json` and its pictures; the figure's also as a drawing,
+/// Writes each set to its own folder, with `views.json` and its pictures. The figure is also written as a drawing:
 /// `char_cfg.yaml` with `texture.png` and `mask.png`.
 ///
 /// # Errors
@@ -48,7 +48,7 @@ fn save(
     Ok(write(name, text.as_bytes())?)
 }
 
-/// A set with its pictures, by the names that the set has for them.
+/// A set with its pictures, each with the file name that the set uses.
 struct Made {
     set: ViewSet,
     pictures: Vec<(String, Picture)>,

@@ -1,5 +1,4 @@
-//! A model at the nodes of a grid of parameters, or at those of its key views.
-//! Why a grid could not be made, or not be written.
+//! Evaluates a model at the nodes of a grid of parameters, at its key views, or along a path.
 
 use crate::formats::GlbError;
 use crate::kernel::model::{Input, InputKind, features};
@@ -10,51 +9,51 @@ use crate::views::player::{PlayError, Played, Player};
 use crate::views::set::Values;
 use sinew_runtime::Model;
 
-/// A side of a grid, as it is asked for.
+/// A requested side of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
-    /// The parameter.
+    /// Name of the parameter.
     pub name: String,
-    /// From where to where; where nothing is said, as far as the examples go.
+    /// Range of the side; if `None`, the range of the training views.
     pub range: Option<[f64; 2]>,
-    /// How many nodes it has.
+    /// Number of nodes.
     pub nodes: usize,
 }
 
-/// A model at the nodes of a grid.
+/// A model evaluated at the nodes of a grid.
 #[derive(Clone, Debug)]
 pub struct Grid {
-    /// Its sides, each with its range; none where nodes are key views or frames.
+    /// Sides with their ranges; empty if the nodes are key views or frames.
     pub sides: Vec<(Side, [f64; 2])>,
-    /// Its nodes, those of the first side slowest.
+    /// Nodes. The index of the first side changes slowest.
     pub nodes: Vec<Node>,
 }
 
 /// A node of a grid.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// What it is called.
+    /// Name of the node.
     pub name: String,
-    /// Its parameters.
+    /// Values of the parameters.
     pub values: Values,
-    /// What the map gives for them.
+    /// Outputs of the map.
     pub played: Played,
 }
 
-/// Share of a feature's range by which an angle may leave it.
+/// Share of a feature's range by which a rotation may leave the range.
 const BEYOND: f64 = 0.02;
-/// Pixels, RMS, from which on a key view is not one of a map.
+/// RMS error from which on a key view does not belong to a map, pixels.
 const OFF: f64 = 0.5;
-/// Degrees once round.
+/// Degrees of a full turn.
 const ROUND: usize = 360;
 
 impl Grid {
-    /// Shows a map at the nodes of a grid.
+    /// Evaluates a map at the nodes of a grid.
     ///
-    /// - `values`: all parameters that have no side.
+    /// - `values`: all parameters without a side.
     ///
     /// # Errors
-    /// [`GridError`] of the sides, and of what the runtime refuses.
+    /// [`GridError`] of the sides, and errors of the runtime.
     pub fn of_sides(
         model: &Model<Vec<u8>>,
         map: Option<&str>,
@@ -103,7 +102,7 @@ impl Grid {
         Ok(Self { sides: ranged, nodes: all.into_iter().map(node).collect::<Result<_, _>>()? })
     }
 
-    /// Shows a map at the frames of a path.
+    /// Evaluates a map at the frames of a path.
     ///
     /// # Errors
     /// [`GridError::Play`].
@@ -121,10 +120,10 @@ impl Grid {
         Ok(Self { sides: Vec::new(), nodes })
     }
 
-    /// Shows a map at the parameters of its key views, which are found of their points.
+    /// Evaluates a map at its key views. Their parameters are found from their points.
     ///
     /// # Errors
-    /// [`GridError::NoKeyView`], and those of the map.
+    /// [`GridError::NoKeyView`], and the errors of the map.
     pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, GridError> {
         let player = Player::new(model, map)?;
         let views = player.views();
@@ -151,7 +150,7 @@ impl Grid {
         }
     }
 
-    /// Lists the nodes of the cells that a node is a corner of; nodes without sides are a line.
+    /// Lists the nodes of all cells that a node is a corner of. Nodes without sides form a line.
     pub(super) fn beside(&self, node: usize) -> Vec<usize> {
         let rows = self.sides.get(1).map_or(1, |(side, _)| side.nodes);
         let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
@@ -162,7 +161,7 @@ impl Grid {
     }
 }
 
-/// Shows parameters by themselves.
+/// Evaluates one node.
 fn shown(
     model: &Model<Vec<u8>>,
     map: Option<&str>,
@@ -173,8 +172,8 @@ fn shown(
     Ok(Node { name, values, played })
 }
 
-/// Finds how far the examples go in a parameter: a number's range; of an angle the longest run of whole degrees whose
-/// rotation is among theirs, the other angles 0 where they have no value.
+/// Finds the range of a parameter in training. A number has a range. For an angle the range is the longest run of whole
+/// degrees whose rotation lies in the range of the training rotations. Other angles without a value are 0.
 fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
     let range = |feature: usize| {
         let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
@@ -217,7 +216,8 @@ fn among(
     }))
 }
 
-/// Returns the ends of the longest run of degrees, which come round, in -180 to 360; none if there is no run of two.
+/// Returns the ends of the longest run of degrees, which wraps around, between -180 and 360. `None` without a run of
+/// two degrees.
 fn run(among: &[bool]) -> Option<[f64; 2]> {
     if among.iter().all(|is_among| *is_among) {
         return Some([0.0, ROUND as f64]);
@@ -229,48 +229,48 @@ fn run(among: &[bool]) -> Option<[f64; 2]> {
     (len > 1).then(|| [from, from + (len - 1) as f64])
 }
 
-/// A grid that cannot be made, or not be written.
+/// Reasons why a grid cannot be made or written.
 #[derive(Debug, thiserror::Error)]
 pub enum GridError {
-    /// A side's parameter is none of the map's.
+    /// The map has no parameter of this name.
     #[error("\"{name}\" is no parameter: expected {expected}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// The parameters there are.
+        /// Names of the parameters.
         expected: String,
     },
-    /// A parameter is asked for twice: by two sides, or by a side and by a value.
+    /// A parameter is given twice: by two sides, or by a side and a value.
     #[error("parameter \"{0}\" is given twice")]
     Twice(String),
-    /// The file does not tell how far a parameter goes.
+    /// The file has no range for a parameter.
     #[error("how far does \"{0}\" go? Say from where to where: {0}=-30..30")]
     Range(String),
-    /// A side has no two nodes.
+    /// A side has fewer than two nodes, or an empty range.
     #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
     Empty(String),
-    /// No key view is the map's.
+    /// No key view belongs to the map.
     #[error("no key view is of this map: say a grid")]
     NoKeyView,
     /// Nothing is drawn at any node.
     #[error("nothing is drawn at any node")]
     Nothing,
-    /// The model cannot be shown.
+    /// The model cannot be evaluated.
     #[error(transparent)]
     Play(#[from] PlayError),
-    /// A key view's parameters cannot be found.
+    /// The parameters of a key view cannot be found.
     #[error(transparent)]
     Fit(#[from] FitError),
     /// A texture cannot be encoded.
     #[error(transparent)]
     Encode(#[from] png::EncodingError),
-    /// The puppet cannot be put together.
+    /// The puppet cannot be written as JSON.
     #[error("cannot be put together: {0}")]
     Json(#[from] serde_json::Error),
-    /// A section of the puppet would be larger than its format allows.
+    /// A section of the puppet is larger than its format allows.
     #[error("the file takes {0} bytes in one section, and INP holds 4 GiB")]
     TooLarge(usize),
-    /// The scene cannot be put together.
+    /// The scene cannot be assembled.
     #[error(transparent)]
     Glb(#[from] GlbError),
 }

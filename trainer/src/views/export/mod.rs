@@ -1,4 +1,4 @@
-//! Models for other tools (METHOD §6.8).
+//! Exports models for other tools (METHOD §6.8).
 //!
 //! A grid of parameters becomes an Inochi2D puppet, or binary glTF with morph targets. Paths become Spine JSON.
 

@@ -1,51 +1,51 @@
-//! Pictures with a mesh, as tools of 2-D rigs have them: one a layer and key view.
+//! Sheets: pictures with a mesh, as tools for 2-D rigs use them. Each layer and key view has a sheet.
 //!
-//! A layer without depth is a blend of its key views by their shares. Such tools have no depth, so an element with depth is
-//! textured by one view. The view of the highest score is in front. Views behind it show the elements that it does not.
-//! Pictures that are laid one over the other so that each counts by its share.
+//! A layer without depth blends its key views by their shares. The tools have no depth, so a single view textures an
+//! element with depth. The view with the highest score is in front. Views behind show the elements that the front view
+//! does not show.
 //!
-//! Tools of 2-D rigs blend a picture over those below it. Two halves at an opacity of 0.5 leave a quarter of the ground to
-//! be seen. So the undermost picture stays opaque, and those above it fade.
+//! The tools blend a picture over the pictures below. Two pictures at an opacity of 0.5 would let a quarter of the
+//! background through. So the lowest picture stays opaque, and the pictures above fade.
 
 use super::shown::{Shown, elements, name, numbered, texel, triangles, uvs};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use sinew_runtime::views::{Element, Views};
 
-/// A layer's picture in a key view, and what becomes of it.
+/// A picture of a layer in a key view, with its mesh and its opacity and order at each node.
 pub(super) struct Sheet {
-    /// Its layer.
+    /// Index of the layer.
     pub(super) layer: usize,
-    /// Its key view.
+    /// Index of the key view.
     view: usize,
-    /// Its name: that of its key view, after that of its layer if there are several.
+    /// Name of the key view, after the name of the layer if there are several layers.
     pub(super) name: String,
-    /// Its picture, of straight alpha.
+    /// Picture with straight alpha.
     pub(super) picture: Picture,
-    /// Numbers of its vertices.
+    /// Indices of the vertices in the object.
     pub(super) vertices: Vec<usize>,
-    /// Triangles by places in that list, the hindmost first.
+    /// Triangles as positions in `vertices`, the hindmost first.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// By node, how opaque it is.
+    /// Opacity at each node.
     pub(super) opacities: Vec<f64>,
-    /// By node, how many sheets are behind it.
+    /// Number of sheets behind at each node.
     pub(super) behind: Vec<usize>,
-    /// Whether its opacity jumps from node to node.
+    /// Whether the opacity jumps between nodes.
     pub(super) is_switched: bool,
 }
 
 impl Sheet {
-    /// Returns where its vertices are in its picture, in pixels.
+    /// Returns the positions of the vertices in the picture, pixels.
     pub(super) fn texels(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
         self.vertices.iter().map(|&vertex| texel(views, self.view, vertex)).collect()
     }
 
-    /// Returns the same in shares of its picture's width and height.
+    /// Returns the positions of the vertices in shares of the picture's width and height.
     pub(super) fn uvs(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
         uvs(views, self.view, &self.vertices, self.picture.size)
     }
 
-    /// Returns where its vertices are on the screen, from its middle.
+    /// Returns the positions of the vertices on the screen, relative to the middle, pixels.
     pub(super) fn places(&self, shown: &Shown<'_>, screen: [usize; 2]) -> Vec<[f64; 2]> {
         let middle = screen.map(|side| 0.5 * side as f64);
         let place = |&vertex: &usize| [0, 1].map(|axis| shown.places[vertex][axis] - middle[axis]);
@@ -53,9 +53,9 @@ impl Sheet {
     }
 }
 
-/// Makes the sheets of all layers, in the order of the file. Sheets of a layer come from the undermost on.
+/// Makes the sheets of all layers, in the order of the file. The sheets of a layer start with the lowest.
 ///
-/// - `beside`: lists the nodes that a tool goes to from a node.
+/// - `beside`: lists the nodes that a tool reaches from a node.
 pub(super) fn sheets(
     player: &Player<'_>,
     shown: &[Shown<'_>],
@@ -70,7 +70,7 @@ pub(super) fn sheets(
             false => faded(player, shown, number, &beside),
         });
     }
-    // Without what clips it nothing of a layer is seen.
+    // A layer is invisible if its clipping layer has no sheet.
     let layers: Vec<usize> = out.iter().map(|sheet| sheet.layer).collect();
     out.retain(|sheet| views.clips(sheet.layer).all(|clip| layers.contains(&clip)));
     stack(&mut out, shown);
@@ -123,7 +123,7 @@ fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet
     };
     let sources: Vec<Vec<Option<usize>>> = shown.iter().map(sources).collect();
     let of_view = |view: usize| {
-        // Elements with their mean depth at the nodes where the view textures them.
+        // Elements with their mean depth over the nodes where the view textures them.
         let mut own = Vec::new();
         for (number, element) in elements.iter().enumerate() {
             let nodes = shown.iter().zip(&sources).filter(|(_, all)| all[number] == Some(view));
@@ -146,7 +146,7 @@ fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet
     (0..views.view_len()).filter_map(of_view).collect()
 }
 
-/// Makes a sheet of elements.
+/// Makes a sheet of elements. `None` if the key view has no picture of the layer.
 fn of_elements(
     player: &Player<'_>,
     layer: usize,
@@ -164,7 +164,7 @@ fn of_elements(
     Some(Sheet { layer, view, name, picture, vertices, triangles, opacities, behind, is_switched })
 }
 
-/// Counts at each node the sheets behind each.
+/// Counts the sheets behind each sheet, at each node.
 fn stack(sheets: &mut [Sheet], shown: &[Shown<'_>]) {
     for shown in shown {
         let (layers, ranking) = (shown.layers(), shown.ranking());
@@ -181,12 +181,12 @@ fn stack(sheets: &mut [Sheet], shown: &[Shown<'_>]) {
     }
 }
 
-/// Opacity that is left to lower pictures below which none of them is seen.
+/// Remaining opacity below which the lower pictures are hidden.
 const HIDDEN: f64 = 1e-6;
 
-/// Lists the key views that count at a node, the undermost first: that of the greatest share in all nodes.
+/// Lists the key views with a share at some node, the lowest first. The lowest has the largest share in all nodes.
 ///
-/// - `shares`: by node, of N views.
+/// - `shares`: shares of the N views, by node.
 pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
     let len = shares.first().map_or(0, Vec::len);
     let whole = |view: usize| shares.iter().map(|own| own[view]).sum::<f64>();
@@ -197,13 +197,13 @@ pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
 
 /// Returns the opacities of pictures at a node. Opaque pictures then mix by their shares.
 ///
-/// A picture that is wholly covered is opaque if it counts beside the node. Tools go from node to node along lines, and the
-/// background stays hidden on the way.
+/// A fully covered picture stays opaque if it has a share at a neighbouring node. Tools interpolate linearly between
+/// nodes, so the background stays hidden between them.
 ///
-/// - `order`: views, the undermost first.
-/// - `shares`: of N views, 1 in sum or less.
-/// - `opacity`: of all of them together.
-/// - `counts_beside`: whether a view counts at a node beside this one.
+/// - `order`: views, the lowest first.
+/// - `shares`: shares of the N views, with a sum of at most 1.
+/// - `opacity`: opacity of all pictures together.
+/// - `counts_beside`: whether a view has a share at a neighbouring node.
 pub(super) fn opacities(
     order: &[usize],
     shares: &[f64],
@@ -228,7 +228,7 @@ pub(super) fn opacities(
 mod tests {
     use super::*;
 
-    /// How much of each picture is seen, and of the ground, where all are opaque.
+    /// Visible share of each opaque picture, and of the background.
     fn seen(opacities: &[f64]) -> Vec<f64> {
         let mut left = 1.0;
         let mut out: Vec<f64> = Vec::new();
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn nothing_is_seen_through_halfway_between_nodes() {
-        // Along a line of three nodes the first view goes over into the second, and that into the third.
+        // Along a line of three nodes the first view blends into the second, and the second into the third.
         let nodes = [vec![1.0, 0.0, 0.0], vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]];
         let order = order(&nodes);
         let at = |node: usize| {

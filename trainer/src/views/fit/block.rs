@@ -1,6 +1,4 @@
-//! Outputs of one kind, fitted by one polynomial and one kernel.
-//! What a block of outputs may be fitted with.
-//! The polynomials that are tried: products of features.
+//! Fits outputs of one kind by one polynomial and one kernel, and lists the polynomials and kernels to try.
 
 use crate::kernel::function::{by_name, order};
 use crate::kernel::model::{Input, InputKind};
@@ -13,49 +11,49 @@ use faer::linalg::solvers::SolveLstsq;
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 
-/// Least reciprocal condition of a system that is taken.
+/// Smallest accepted reciprocal condition of a system.
 const RCOND: f64 = 1e-13;
-/// Largest share of the values' range by which its equations may be missed.
+/// Largest accepted residual of the equations, over the range of the values.
 const MISSED: f64 = 1e-10;
 
-/// Values of n views, and of which each is known.
+/// Values of n views, grouped by the views in which they are known.
 pub(super) struct Block {
-    /// n x m.
+    /// Values, n x m; 0 where unknown.
     values: Mat<f64>,
     groups: Vec<Group>,
 }
 
-/// Values that are known in the same views.
+/// Columns that are known in the same views.
 struct Group {
     rows: Vec<usize>,
     columns: Vec<usize>,
 }
 
-/// A block's coefficients, and its errors on views that are left out.
+/// Coefficients of a block, and its errors on left-out views.
 pub(super) struct Fitted {
-    /// Of the kernels, n x m.
+    /// Coefficients of the kernels, n x m.
     pub(super) kernels: Mat<f64>,
-    /// The monomials, and their coefficients, T x m.
+    /// The T monomials, and their coefficients, T x m.
     pub(super) monomials: Vec<Monomial>,
     pub(super) coefficients: Mat<f64>,
-    /// What each view is missed by without it; 0 where nothing is known.
+    /// Error of each view when it is left out, n x m; 0 where unknown.
     pub(super) errors: Mat<f64>,
     known: usize,
-    /// Whether all views could be left out.
+    /// Whether every view could be left out.
     pub(super) is_determined: bool,
 }
 
-/// How well views are predicted by the others.
+/// Errors of views that are predicted from the others.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LeftOutViews {
-    /// RMS over the coordinates of all.
+    /// RMS error over the coordinates of all views.
     pub rms: f64,
-    /// The same by view.
+    /// RMS error of each view.
     pub each: Vec<f64>,
 }
 
 impl Block {
-    /// Takes values by view, none where they are not known.
+    /// Makes a block of values by view; `None` where unknown.
     pub(super) fn new(values: &[Vec<Option<f64>>]) -> Self {
         let (n, m) = (values.len(), values.first().map_or(0, Vec::len));
         let mut groups: Vec<Group> = Vec::new();
@@ -71,8 +69,9 @@ impl Block {
         Self { values, groups }
     }
 
-    /// Fits views at points (n x d, scaled by the width) with a polynomial, and kernels or none; none where
-    /// rounding decides.
+    /// Fits the views with a polynomial, and with kernels if `width` is given. Returns `None` if rounding dominates.
+    ///
+    /// - `points`: features of the views, n x d, scaled by the width.
     pub(super) fn fit(
         &self,
         points: &Mat<f64>,
@@ -122,7 +121,7 @@ impl Block {
 }
 
 impl Fitted {
-    /// Returns the RMS error of views that are left out; none where they cannot be, or of no values.
+    /// Returns the RMS error of left-out views. `None` if a view cannot be left out, or if no value is known.
     pub(super) fn left_out(&self) -> Option<f64> {
         let rms = (self.errors.squared_norm_l2() / self.known as f64).sqrt();
         Some(rms).filter(|rms| self.is_determined && rms.is_finite())
@@ -154,8 +153,8 @@ fn with_kernels(
     Some((solved.kernels, solved.monomials, left_out))
 }
 
-/// Makes the polynomials that views tell apart, of monomials by ascending degree: one that follows from those
-/// before it is left out, so that no view between two others is made of products that none of them shows.
+/// Selects the monomials that the views distinguish, by ascending degree. A monomial that depends linearly on earlier
+/// monomials is dropped. Products that no training view shows then do not shape the views between.
 fn determined(points: &Mat<f64>, terms: &[Term]) -> Polynomial {
     let n = points.nrows();
     let mut all = Mat::zeros(n, terms.len());
@@ -168,7 +167,7 @@ fn determined(points: &Mat<f64>, terms: &[Term]) -> Polynomial {
         let mut rest: Vec<f64> = all.col(t).iter().copied().collect();
         let norm = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
         let whole = norm(&rest);
-        // Twice is enough to be orthogonal.
+        // Two passes of Gram-Schmidt are enough for orthogonality.
         for direction in directions.iter().chain(&directions) {
             let along: f64 = direction.iter().zip(&rest).map(|(d, x)| d * x).sum();
             rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
@@ -197,37 +196,37 @@ fn alone(polynomial: &Polynomial, values: &Mat<f64>) -> Coefficients {
     (Mat::zeros(values.nrows(), values.ncols()), &polynomial.basis * basis, left_out)
 }
 
-/// One over the widths that are tried, in mean distances of the views.
+/// Shape parameters to try: one over the width, in mean distances of the views.
 const EPSILONS: [f64; 10] = [0.125, 0.177, 0.25, 0.354, 0.5, 0.707, 1.0, 1.414, 2.0, 4.0];
 /// Kernels without a width.
 const PLAIN: [Kernel; 3] = [Kernel::Linear, Kernel::ThinPlate, Kernel::Cubic];
 
-/// A polynomial with or without kernels, and how it does.
+/// A polynomial with or without kernels, and its error on left-out views.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Candidate {
-    /// The polynomial.
+    /// Name of the polynomial.
     pub polynomial: &'static str,
-    /// The kernels beside it, and one over their width.
+    /// The kernel and its shape parameter, if there are kernels.
     pub kernel: Option<Width>,
-    /// RMS error of numbers of views that are left out; none where the others do not determine a fit.
+    /// RMS error on left-out views; `None` if the other views do not determine a fit.
     pub left_out: Option<f64>,
 }
 
-/// A kernel of a width.
+/// A kernel and its shape parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Width {
-    /// G.
+    /// Kernel G.
     #[serde(serialize_with = "by_name")]
     pub kernel: Kernel,
-    /// What distances are multiplied by, of which the mean one is 1.
+    /// Factor of distances. The mean distance of the views is 1.
     pub epsilon: f64,
 }
 
 impl Width {
-    /// What serves where nothing can be chosen: lines from view to view.
+    /// Piecewise linear interpolation, for outputs without a choice.
     pub(super) const PLAIN: Self = Self { kernel: Kernel::Linear, epsilon: 1.0 };
 
-    /// Lists all that may stand beside a polynomial.
+    /// Lists the kernels that can accompany a polynomial.
     pub(super) fn all(set: &TermSet) -> Vec<Self> {
         let reached = |kernel: &Kernel| set.is_whole || order(*kernel).is_some_and(|o| o <= 1);
         let plain = PLAIN.into_iter().filter(reached).map(|kernel| Self { kernel, epsilon: 1.0 });
@@ -236,22 +235,22 @@ impl Width {
     }
 }
 
-/// Features of a rotation's first two rows: all that an orthographic view of a rigid object is made of.
+/// Features of the first two rows of a rotation. An orthographic view of a rigid object depends on these alone.
 const TWO_ROWS: usize = 6;
 
-/// A product of features, ascending; none is 1.
+/// Indices of the factors of a product of features, ascending. The empty product is 1.
 pub(super) type Monomial = Vec<usize>;
 
-/// Monomials by what they are called, with the features themselves among them.
+/// Monomials with a name. They include the features themselves.
 #[derive(Clone, Debug)]
 pub(super) struct TermSet {
     pub(super) name: &'static str,
     pub(super) monomials: Vec<Monomial>,
-    /// Whether it has every feature that distances are measured in.
+    /// Whether the monomials include every feature that distances depend on.
     pub(super) is_whole: bool,
 }
 
-/// Lists the sets for inputs of which some features, those kept, change.
+/// Lists the sets for inputs. `kept` are the indices of the features that vary.
 pub(super) fn term_sets(inputs: &[Input], kept: &[usize]) -> Vec<TermSet> {
     let (mut blocks, mut rows, mut first) = (Vec::new(), Vec::new(), 0);
     for input in inputs {
@@ -287,7 +286,8 @@ pub(super) fn term_sets(inputs: &[Input], kept: &[usize]) -> Vec<TermSet> {
     out
 }
 
-/// Makes the terms of monomials whose own factors are among them, and says where each has come to stand.
+/// Makes the terms of monomials, whose factors must be monomials of the list, too. Returns the sorted monomials and
+/// their terms.
 pub(super) fn terms(monomials: &[Monomial]) -> (Vec<Monomial>, Vec<Term>) {
     let mut sorted = monomials.to_vec();
     sorted.sort_by(|a, b| (a.len(), a).cmp(&(b.len(), b)));
@@ -306,7 +306,7 @@ fn linear(blocks: &[Vec<usize>]) -> Vec<Monomial> {
     std::iter::once(Vec::new()).chain(features).collect()
 }
 
-/// Adds products of features of two inputs.
+/// Adds the products of features of two inputs.
 fn products(blocks: &[Vec<usize>]) -> Vec<Monomial> {
     let mut out = linear(blocks);
     for (number, block) in blocks.iter().enumerate() {
@@ -317,7 +317,7 @@ fn products(blocks: &[Vec<usize>]) -> Vec<Monomial> {
     out
 }
 
-/// Adds products of all pairs of features.
+/// Adds the products of all pairs of features.
 fn quadratic(blocks: &[Vec<usize>]) -> Vec<Monomial> {
     let all: Vec<usize> = blocks.concat();
     let pairs = |at: usize| all[at..].iter().map(move |&other| (at, other));
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn products_that_no_view_shows_are_left_out() {
-        // A smile, an open jaw, never both: x y follows from 1, x and y.
+        // A smile and an open jaw, but never both: the product x y depends on 1, x and y.
         let points = Mat::from_fn(3, 2, |i, c| [[-0.4, -0.3], [0.6, -0.3], [-0.4, 0.7]][i][c]);
         let found = determined(&points, &monomials(2, 2));
         assert_eq!((found.rank(), found.terms.len()), (3, 6));

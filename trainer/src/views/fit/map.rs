@@ -1,10 +1,8 @@
-//! Parameters as inputs of a kernel map, and the ways in which they may be taken.
+//! Inputs and outputs of a map of views.
 //!
-//! A rotation's name is that of its angles about x, y and z with commas between, empty where there is none:
-//! so a file alone tells what an angle is.
-//! What a map of views gives: points with depths, visibility, scores, in the order of the file.
-//! How much each key view counts: from a configuration of points to the characteristic views (S1 §2, METHOD §6.3).
-//! Why views give no map.
+//! The name of a rotation joins the names of its angles about x, y and z by commas. An unused angle has an empty name.
+//! So the file alone says which angles a parameter sets. Outputs are points with depths, visibility, scores of key
+//! views, and opacities and orders of layers, in the order of the file.
 
 use crate::kernel::model::{EvaluationError, Input, InputKind, KernelModel, Output, OutputKind};
 use crate::kernel::rotations::Feature;
@@ -14,15 +12,15 @@ use crate::views::set::{Examples, Parameter, Values, View};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::views::{Blend, Views};
 
-/// Degrees of an angle's range from which on it is no number: what lies behind it comes round.
+/// Range of an angle, degrees, from which on the angle must be a rotation: a number does not wrap around.
 const HALF_TURN: f64 = 180.0;
 
-/// Lists the names by which values of inputs are given.
+/// Lists the names of the parameters of inputs.
 pub fn names_of(inputs: &[Input]) -> Vec<&str> {
     inputs.iter().flat_map(angles_of).filter(|name| !name.is_empty()).collect()
 }
 
-/// Makes what is given of all inputs of values by name.
+/// Lists the numbers of all inputs from values by name. Unused angles are 0.
 ///
 /// # Errors
 /// [`FitError::Missing`] and [`FitError::Unknown`].
@@ -38,14 +36,14 @@ pub fn given(inputs: &[Input], values: &Values) -> Result<Vec<f64>, FitError> {
     inputs.iter().flat_map(angles_of).map(value).collect()
 }
 
-/// Splits a rotation's name; any other input's is its own.
+/// Splits the name of a rotation into angles. The name of any other input is not split.
 fn angles_of(input: &Input) -> impl Iterator<Item = &str> {
     let parts = if matches!(input.kind, InputKind::Rotation { .. }) { 3 } else { 1 };
     input.name.splitn(parts, ',')
 }
 
-/// Lists the ways in which parameters may be taken: angles as one rotation, in each order that makes a
-/// difference where none is said; and as numbers, where none of them turns as far as half round.
+/// Lists the encodings of parameters as inputs. Angles are one rotation, in each order that makes a difference if the
+/// order is open. If no angle varies by half a turn, angles are also tried as numbers.
 pub(super) fn ways(examples: &Examples) -> Vec<Vec<Input>> {
     let mut out = vec![Vec::new()];
     for parameter in &examples.parameters {
@@ -94,7 +92,7 @@ fn range(views: &[View], name: &str) -> f64 {
     high - low
 }
 
-/// Lists the orders that differ in angles that are not 0 in all views.
+/// Lists the orders that differ for the angles that turn in some view.
 fn orders(angles: &[Option<String>; 3], views: &[View]) -> Vec<EulerOrder> {
     let turns = |axis: usize| {
         let values = angles[axis].iter().flat_map(|name| views.iter().map(|v| v.values.get(name)));
@@ -114,67 +112,67 @@ fn orders(angles: &[Option<String>; 3], views: &[View]) -> Vec<EulerOrder> {
     out
 }
 
-/// Above it a point is seen.
+/// Visibility above which a point is visible.
 const SEEN: f64 = 0.5;
 
-/// How many outputs of each kind there are.
+/// Number of outputs of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapOutputs {
-    /// Control points, K.
+    /// Number of control points, K.
     pub points: usize,
-    /// Key views, N.
+    /// Number of key views, N.
     pub views: usize,
-    /// Layers, L.
+    /// Number of layers, L.
     pub layers: usize,
 }
 
-/// What a map gives for parameters.
+/// Outputs of a map at parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// K points, pixels.
+    /// The K points, pixels.
     pub points: Vec<[f64; 2]>,
-    /// K depths.
+    /// The K depths, pixels.
     pub depths: Vec<f64>,
-    /// K: whether each is seen.
+    /// Whether each of the K points is visible.
     pub visible: Vec<bool>,
-    /// N: how much each key view counts, 1 at its own parameters and 0 at those of others; the highest is the
-    /// characteristic view.
+    /// The N scores of the key views: 1 at the view's own parameters, 0 at those of the others. The characteristic view
+    /// has the highest score.
     pub scores: Vec<f64>,
 }
 
 impl MapOutputs {
-    /// Returns those of a file's object.
+    /// Returns the numbers of outputs of an object in a file.
     pub fn of(views: &Views<'_>) -> Self {
         let (points, layers) = (views.point_len(), views.layer_len());
         Self { points, views: views.view_len(), layers }
     }
 
-    /// Returns how many values all are.
+    /// Returns the number of values of all outputs.
     pub fn value_len(self) -> usize {
         4 * self.points + self.views + 2 * self.layers
     }
 
-    /// Lists the values of points: x and y.
+    /// Lists the indices of the values of points: x and y.
     pub(super) fn places(self) -> Vec<usize> {
         (0..self.points).flat_map(|k| [3 * k, 3 * k + 1]).collect()
     }
 
-    /// Lists the values of depths.
+    /// Lists the indices of the values of depths.
     pub(super) fn depths(self) -> Vec<usize> {
         (0..self.points).map(|k| 3 * k + 2).collect()
     }
 
-    /// Lists the values of visibility.
+    /// Lists the indices of the values of visibility.
     pub(super) fn visibility(self) -> Vec<usize> {
         (3 * self.points..4 * self.points).collect()
     }
 
-    /// Lists the values of key views' scores, of layers' opacities and of their orders.
+    /// Lists the indices of the values of key views' scores, layers' opacities and layers' orders.
     pub(super) fn numbers(self) -> Vec<usize> {
         (4 * self.points..self.value_len()).collect()
     }
 
-    /// Names them.
+    /// Lists the outputs with their names.
     pub fn outputs(self) -> Vec<Output> {
         let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
         let scalar = OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 };
@@ -193,16 +191,16 @@ impl MapOutputs {
         .concat()
     }
 
-    /// Evaluates a map of these outputs.
+    /// Evaluates a map with these outputs.
     ///
     /// # Errors
-    /// [`FitError`] of the values.
+    /// [`FitError`]: the values are invalid.
     pub fn evaluate(self, model: &KernelModel, values: &Values) -> Result<Shown, FitError> {
         let evaluated = model.evaluate(&given(&model.inputs, values)?)?;
         Ok(self.shown(&evaluated.numbers))
     }
 
-    /// Reads the numbers of all outputs.
+    /// Splits the numbers of all outputs.
     pub fn shown(self, numbers: &[f64]) -> Shown {
         let (points, rest) = numbers.split_at((3 * self.points).min(numbers.len()));
         let (visible, rest) = rest.split_at(self.points.min(rest.len()));
@@ -218,14 +216,15 @@ impl MapOutputs {
 }
 
 impl Shown {
-    /// Returns the characteristic view, the first of equals.
+    /// Returns the characteristic view. The first of equal scores wins.
     pub fn view(&self) -> Option<usize> {
         let best = self.scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.scores.iter().position(|score| *score == best)
     }
 }
 
-/// Returns the weights of N key views by their scores, as the runtime has them: not negative, and they sum to 1.
+/// Returns the weights of N key views by their scores, as the runtime computes them (S1 §2, METHOD §6.3). Weights are
+/// not negative and sum to 1.
 pub fn weights(scores: &[f64]) -> Vec<f64> {
     let single: Vec<f32> = scores.iter().map(|score| *score as f32).collect();
     let mut out = vec![0.0; scores.len()];
@@ -235,46 +234,46 @@ pub fn weights(scores: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Views that no map was fitted to; views count from 0.
+/// Reasons why no map can be fitted or evaluated. Views count from 0.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
-    /// Parameters of a view cannot be taken.
+    /// The parameters of a view are invalid.
     #[error("train view {view}: {error}")]
     Site {
-        /// The view.
+        /// Index of the view.
         view: usize,
-        /// Why.
+        /// Cause.
         error: EvaluationError,
     },
-    /// Parameters cannot be taken.
+    /// The parameters are invalid.
     #[error(transparent)]
     Given(#[from] EvaluationError),
     /// A parameter has no value.
     #[error("parameter \"{0}\" is missing")]
     Missing(String),
-    /// A name is no parameter's.
+    /// No parameter has this name.
     #[error("\"{found}\" is no parameter: expected {expected}")]
     Unknown {
         /// The name.
         found: String,
-        /// Those that there are.
+        /// Names of the parameters.
         expected: String,
     },
-    /// The parameters of all views cannot be measured.
+    /// The distances of the views' parameters are undefined.
     #[error(transparent)]
     Kernel(#[from] KernelError),
-    /// Two views have the same parameters and different points.
+    /// Two views have the same parameters.
     #[error("train views {first} and {second} have the same parameters")]
     Same {
-        /// The earlier view.
+        /// Index of the earlier view.
         first: usize,
-        /// The later one.
+        /// Index of the later view.
         second: usize,
     },
-    /// Nothing could be solved.
+    /// No candidate could be solved.
     #[error("no polynomial and no kernel can be fitted to {views} views")]
     None {
-        /// Views.
+        /// Number of views.
         views: usize,
     },
 }

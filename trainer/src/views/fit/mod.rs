@@ -1,4 +1,4 @@
-//! From views to a map: inputs, polynomial and kernel chosen by leaving views out (METHOD §6).
+//! Fits maps to views. Inputs, polynomial and kernel are chosen by leaving views out (METHOD §6).
 
 mod block;
 mod examples;

@@ -1,5 +1,4 @@
-//! A hand drawing with its mask and 16 joints, cut into triangles and set in motion.
-//! Motions of a figure of 16 joints: a walk by its phase, a jump by its time.
+//! A hand drawing with a mask and 16 joints: cuts it into triangles and animates a walk and a jump.
 
 use super::data::{Element, Examples, Image, Layer, Parameter, View, ViewSet, picture_size};
 use super::elements::Silhouette;
@@ -8,17 +7,17 @@ use crate::formats::FormatError;
 use crate::page::picture::Picture;
 use std::path::Path;
 
-/// Triangles' sides along the longer side of the drawing.
+/// Number of triangle sides along the longer side of the drawing.
 const ACROSS: f64 = 32.0;
-/// How fast the hold of a bone falls with the distance from it.
+/// Exponent by which the weight of a bone falls with the distance.
 const FALL: i32 = 4;
-/// Phases of the walk that are examples, degrees.
+/// Phases of the walk's training views, degrees.
 const PHASES: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
-/// Times of the jump that are examples; the first is the drawing.
+/// Times of the jump's training views. The drawing is the first.
 const TIMES: [f64; 7] = [0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
 
-/// Reads a drawing by its description, `char_cfg.yaml`, beside which `texture.png` and `mask.png` lie: points
-/// are its joints and the corners of triangles inside the mask, motions a walk and a jump.
+/// Reads a drawing by its description `char_cfg.yaml`, with `texture.png` and `mask.png` in the same folder. Points are
+/// the joints and the corners of triangles inside the mask. The motions are a walk and a jump.
 ///
 /// # Errors
 /// [`SetError`].
@@ -68,7 +67,7 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
     })
 }
 
-/// Reads the joints: of each its place and its name.
+/// Reads the positions of the joints, pixels.
 fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
     let mut out = [None; 16];
     let mut place = Vec::new();
@@ -94,12 +93,12 @@ fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
     missing.map_or_else(|| Ok(out.map(Option::unwrap_or_default)), |joint| Err(lacking(joint)))
 }
 
-/// Triangles over a drawing, and what holds their corners.
+/// Triangles over a drawing, and the bone weights of their corners.
 struct Mesh {
     corners: Vec<[f64; 2]>,
-    /// How much each bone holds a corner, by the joint at its end.
+    /// Weight of each bone at each corner. A bone has the index of the joint at its end.
     weights: Vec<[f64; 16]>,
-    /// Of the joints and the corners behind them: what is in the middle of the figure last.
+    /// Elements over points: the joints, then the corners. Elements in the middle of the figure come last.
     elements: Vec<Element>,
 }
 
@@ -121,7 +120,7 @@ impl Mesh {
         Ok(Self { corners, weights, elements: order.into_iter().map(behind).collect() })
     }
 
-    /// Lists joints and corners of a pose.
+    /// Lists joints and corners in a pose.
     fn posed(&self, rest: &[[f64; 2]; 16], posed: &Posed) -> Vec<[f64; 2]> {
         let corner = |(corner, weights): (&[f64; 2], &[f64; 16])| {
             let mut out = [0.0; 2];
@@ -137,7 +136,7 @@ impl Mesh {
     }
 }
 
-/// Returns how far in front a bone lies: legs, arms, then what is in the middle.
+/// Returns the depth order of a bone: legs, then arms, then the middle in front.
 fn layer(joint: usize) -> usize {
     match joint {
         10..=15 => 0,
@@ -146,7 +145,7 @@ fn layer(joint: usize) -> usize {
     }
 }
 
-/// Returns how much each bone holds a point.
+/// Returns the weight of each bone at a point.
 fn held(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
     let mut out = [0.0; 16];
     for (joint, (_, parent)) in JOINTS.iter().enumerate() {
@@ -158,7 +157,7 @@ fn held(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
     out.map(|weight| weight / sum)
 }
 
-/// Returns how far a point is from a line between two others.
+/// Returns the distance of a point from a line segment.
 fn distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let to = [point[0] - a[0], point[1] - a[1]];
@@ -168,7 +167,7 @@ fn distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (to[0] - share * along[0]).hypot(to[1] - share * along[1])
 }
 
-/// Joints, and the parent of each: parents stand first.
+/// Names of the joints, and the index of each parent. Parents come first.
 pub const JOINTS: [(&str, Option<usize>); 16] = [
     ("root", None),
     ("hip", Some(0)),
@@ -188,26 +187,26 @@ pub const JOINTS: [(&str, Option<usize>); 16] = [
     ("left_foot", Some(14)),
 ];
 
-/// How far a figure is from rest.
+/// A pose, relative to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pose {
-    /// How far the root has moved, in heights of the figure, y down.
+    /// Shift of the root, in heights of the figure, y down.
     shift: [f64; 2],
-    /// Degrees by which the bone that ends at each joint has turned against its parent's, clockwise as seen.
+    /// Angle of the bone that ends at each joint, relative to the parent's bone, degrees, clockwise on the screen.
     turns: [f64; 16],
 }
 
-/// A figure's joints, and how its bones have turned.
+/// Joints of a posed figure, and the turns of its bones.
 #[derive(Clone, Debug, PartialEq)]
 struct Posed {
     /// Positions, pixels.
     joints: [[f64; 2]; 16],
-    /// Radians by which the bone that ends at each joint has turned.
+    /// Absolute turn of the bone that ends at each joint, radians.
     turned: [f64; 16],
 }
 
 impl Pose {
-    /// A stride and its way back: a phase of 360 degrees is one of 0.
+    /// Walks: a phase of 360 degrees is the same as 0.
     fn walk(phase: f64) -> Self {
         let phase = phase.to_radians();
         let (s, c) = phase.sin_cos();
@@ -221,7 +220,7 @@ impl Pose {
         Self { shift: [0.0, 0.012 * (2.0 * phase).cos()], turns }
     }
 
-    /// A jump from standing at 0 to standing at 1.
+    /// Jumps: the figure stands at times 0 and 1.
     fn jump(time: f64) -> Self {
         let up = (std::f64::consts::PI * time).sin();
         let bent = (2.0 * std::f64::consts::PI * time).sin().powi(2);
@@ -233,7 +232,9 @@ impl Pose {
         Self { shift: [0.0, -0.06 * up * up], turns }
     }
 
-    /// Poses joints that are at rest, pixels.
+    /// Poses joints.
+    ///
+    /// - `rest`: positions at rest, pixels.
     fn posed(&self, rest: &[[f64; 2]; 16]) -> Posed {
         let ends = |axis: usize| {
             let all = rest.map(|joint| joint[axis]);
@@ -256,7 +257,7 @@ impl Pose {
     }
 }
 
-/// Turns a point about where a joint was, and moves it with the joint.
+/// Turns a point around the rest position of a joint, and moves the point with the joint.
 fn carried(point: [f64; 2], rest: [f64; 2], joint: [f64; 2], turned: f64) -> [f64; 2] {
     let (s, c) = turned.sin_cos();
     let [x, y] = [point[0] - rest[0], point[1] - rest[1]];

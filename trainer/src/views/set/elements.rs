@@ -1,6 +1,5 @@
-//! Elements over a view: made of its points, and checked in it.
-//! Triangles over the covered pixels of a picture.
-//! Which pixels of a picture are covered: those with an alpha above 0.
+//! Makes and checks elements: triangles between the points of a view, and over the covered pixels of a picture. A pixel
+//! is covered if its alpha is above 0.
 
 use super::data::{Element, View};
 use super::error::SetError;
@@ -9,13 +8,14 @@ use crate::page::picture::Picture;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 use std::cmp::Ordering;
 
-/// Area, over the square of the longest side, below which an element has none.
+/// Area below which an element counts as flat, over the square of its longest side.
 const NO_AREA: f64 = 1e-6;
 
-/// Makes Delaunay triangles of a view's visible points, and of places that are fixed, which are numbered after all points.
+/// Triangulates the visible points of a view and fixed places (Delaunay). Fixed places have the indices after all
+/// points.
 ///
 /// # Errors
-/// [`SetError::Triangulation`]: two points are one, or all lie on a line.
+/// [`SetError::Triangulation`]: two points coincide, or all points are collinear.
 pub fn triangulated(
     view: &View,
     fixed: &[[f64; 2]],
@@ -43,9 +43,9 @@ pub fn triangulated(
     if elements.is_empty() { Err(wrong("they lie on a line".to_owned())) } else { Ok(elements) }
 }
 
-/// Checks elements in a key view: those whose points are all seen.
+/// Checks the elements whose points are all visible in a key view.
 ///
-/// - `sources`: for each element its place in the file, where a polygon may become several.
+/// - `sources`: index in the file of each element's polygon. A polygon can become several elements.
 ///
 /// # Errors
 /// [`SetError::NoArea`], [`SetError::Concave`] and [`SetError::Crossed`].
@@ -72,14 +72,14 @@ pub(super) fn check_elements(
             return Err(SetError::NoArea { element: source, points, view: view() });
         }
         let &Element::Quad(points) = element else { continue };
-        // The way round in which most corners turn; 0 if edges cross.
+        // Sign of the turn of most corners; 0 if edges cross.
         let way: f64 = turns.iter().map(|turn| turn.signum()).sum();
         let is_dent = |&c: &usize| flat(&turns[c]) || turns[c] * way <= 0.0;
         let dents: Vec<usize> = (0..4).filter(is_dent).collect();
         match dents[..] {
             [] => {}
             [turn] => {
-                // A turn is that of the corner after it, from which a diagonal cuts the quad.
+                // The turn at index `turn` belongs to the next corner. A diagonal from that corner splits the quad.
                 let point = |after: usize| points[(turn + 1 + after) % 4];
                 let triangles = [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(point));
                 return Err(SetError::Concave { element: source, points, view: view(), triangles });
@@ -99,25 +99,25 @@ fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
     (0..2).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }
 
-/// Parts of a side at which triangles are tested for coverage.
+/// Number of parts of a side, at which triangles are tested for coverage.
 const PARTS: i32 = 8;
 
 /// Triangles of nearly equal sides that cover a silhouette.
 pub(super) struct Silhouette {
     /// Corners, pixels.
     pub(super) corners: Vec<[f64; 2]>,
-    /// Triangles, by corners.
+    /// Triangles, by indices of corners.
     pub(super) faces: Vec<[usize; 3]>,
 }
 
 impl Silhouette {
     /// Triangulates the covered pixels of a picture.
     ///
-    /// - `across`: triangles' sides along the longer side of the picture.
-    /// - `margin`: pixels around the coverage that triangles cover too.
+    /// - `across`: number of triangle sides along the longer side of the picture.
+    /// - `margin`: pixels around the coverage that triangles must cover, too.
     ///
     /// # Errors
-    /// [`SetError::Empty`]: the picture covers nothing.
+    /// [`SetError::Empty`]: the picture has no covered pixels.
     pub(super) fn of(picture: &Picture, across: f64, margin: usize) -> Result<Self, SetError> {
         let [width, height] = [picture.size.width, picture.size.height];
         let step = width.max(height) as f64 / across;
@@ -134,7 +134,7 @@ impl Silhouette {
         let rows = (height as f64 / step) as usize + 3;
         let node = |place: usize| {
             let (i, j) = (place % columns, place / columns);
-            // Every other row half a step aside: triangles of nearly equal sides.
+            // Every second row is shifted by half a step, for triangles of nearly equal sides.
             let aside = if j % 2 == 0 { -1.0 } else { -0.5 };
             [step * (i as f64 + aside), step * (j as f64 - 1.0)]
         };
@@ -169,8 +169,8 @@ impl Silhouette {
     }
 }
 
-/// Cuts a picture to its covered pixels and `border` pixels around them, and returns the place of its corner; none of a
-/// picture that covers nothing.
+/// Crops a picture to its covered pixels plus `border` pixels, and returns the position of the corner. `None` if the
+/// picture has no covered pixels.
 pub(in crate::views) fn cropped(whole: &Picture, border: usize) -> Option<(Picture, [usize; 2])> {
     let [width, height] = [whole.size.width, whole.size.height];
     let covers = |x: usize, y: usize| whole.rgba[4 * (y * width + x) + 3] > 0;
@@ -188,7 +188,7 @@ pub(in crate::views) fn cropped(whole: &Picture, border: usize) -> Option<(Pictu
     Some((Picture { size, rgba: rgba.collect() }, [left, top]))
 }
 
-/// Counts of a picture's covered pixels, over all rectangles from its corner.
+/// Summed-area table of the covered pixels of a picture.
 pub(in crate::views) struct Covered {
     size: [usize; 2],
     sums: Vec<u32>,
@@ -207,9 +207,10 @@ impl Covered {
         Self { size: [width, height], sums }
     }
 
-    /// Whether a pixel of a rectangle is covered.
+    /// Whether some pixel of a rectangle is covered.
     ///
-    /// - `low`, `high`: its corners between pixels, whole numbers; beyond the picture there are none.
+    /// - `low`, `high`: corners of the rectangle between pixels, whole numbers. Pixels outside the picture are not
+    ///   covered.
     pub(in crate::views) fn any(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         let within = |place: [f64; 2]| {
             [0, 1].map(|axis| place[axis].clamp(0.0, self.size[axis] as f64) as usize)
@@ -268,7 +269,7 @@ mod tests {
             said(&quad, &dent),
             "element 5: quad [0, 1, 2, 3] is not convex in view 1: write [2, 3, 0], [2, 0, 1] in its place"
         );
-        // The triangles cover the quad, whichever corner is the dent, and however it turns.
+        // The triangles cover the quad, for a dent at any corner and for both orientations.
         for turned in 0..4 {
             let mut corners = [0, 1, 2, 3];
             corners.rotate_left(turned);
@@ -312,7 +313,7 @@ mod tests {
     #[test]
     fn lines_and_spots_are_covered_with_their_margin() {
         let size = Resolution { width: 90, height: 40 };
-        // A line of one pixel, and a spot apart from it.
+        // A line one pixel wide, and a separate spot.
         let is_set = |x: usize, y: usize| (y == x / 3 && x < 80) || (x > 84 && y > 36);
         let rgba = (0..90 * 40).flat_map(|at| [0, 0, 0, u8::from(is_set(at % 90, at / 90))]);
         let picture = Picture { size, rgba: rgba.collect() };

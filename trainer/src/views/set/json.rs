@@ -10,9 +10,9 @@ use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What the name of an angle ends with where nothing declares it.
+/// Suffix of the names of angles, in a set without `parameters`.
 const DEGREES: &str = "_deg";
-/// Angles that make one rotation where nothing declares it: about x, y and z.
+/// Angles about x, y and z that make one rotation, in a set without `parameters`.
 const HEAD: [&str; 3] = ["pitch", "yaw", "roll"];
 
 #[derive(Deserialize)]
@@ -22,7 +22,7 @@ pub(super) struct Written {
     #[serde(default)]
     pub(super) elements: Vec<Vec<usize>>,
     pub(super) layers: Option<Vec<WrittenLayer>>,
-    /// Names of points, which nobody reads, or [`AUTO`].
+    /// Names of points, which are ignored, or the word `"auto"`.
     pub(super) points: Option<Value>,
     pub(super) mesh_vertex_index: Option<Vec<usize>>,
     #[serde(default)]
@@ -94,7 +94,7 @@ pub(super) fn parameter(written: WrittenParameter) -> Result<Parameter, SetError
     Ok(Parameter::Rotation { angles: [Axis::X, Axis::Y, Axis::Z].map(angle), order: known })
 }
 
-/// Takes every number of a view for a parameter: those that end as degrees for angles.
+/// Makes a parameter of every number of a view, and an angle of every number whose name ends in degrees.
 pub(super) fn inferred(values: Option<&BTreeMap<String, Value>>) -> Vec<Parameter> {
     let numbers = || values.into_iter().flatten().filter(|(_, value)| value.is_number());
     let angle = |name: &str| numbers().any(|(key, _)| key.strip_suffix(DEGREES) == Some(name));
@@ -135,7 +135,7 @@ pub(super) fn view(
         values.insert(name.to_owned(), number.ok_or_else(|| wrong("no number"))?);
     }
     let field = |name: &str, what: &str| Err(SetError::field(named, name, what));
-    // A number may be a parameter of another map.
+    // A number may be a parameter of another motion.
     if let Some((name, _)) = all.iter().find(|(_, value)| !value.is_number()) {
         return field(
             name,
@@ -185,9 +185,9 @@ pub(super) fn view(
     Ok(view)
 }
 
-/// Writes a set as [`super::read`] reads it.
+/// Writes a set in the format that [`super::read`] reads.
 ///
-/// - `folder`: where the set is to lie; pictures are named from there.
+/// - `folder`: folder of the set. Pictures are named relative to the folder.
 pub fn as_json(set: &ViewSet, folder: &Path) -> Value {
     let mut out = Map::new();
     out.insert("name".to_owned(), json!(set.name));
@@ -251,7 +251,7 @@ fn path_json(path: &Path, folder: &Path) -> Value {
     json!(path.strip_prefix(folder).unwrap_or(path).to_string_lossy())
 }
 
-/// Writes a layer of a view, without the picture if the view's picture in layers has it.
+/// Writes a layer of a view. The picture is omitted if the view's own picture contains the layer.
 fn layer_view_json(own: &LayerView, whole: Option<&Image>, folder: &Path) -> Value {
     let mut out = Map::new();
     let is_implied = |image: &Image| {

@@ -1,5 +1,4 @@
-//! Layers of a set, as JSON has them.
-//! Layers of a set as its pictures in layers have them.
+//! Layers of a set, as JSON and as pictures in layers define them.
 
 use super::data::{Element, Image, Layer, LayerView, ViewSet};
 use super::elements::check_elements;
@@ -11,7 +10,7 @@ use sinew_runtime::views::CLIPS_MAX;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A layer of a set.
+/// A layer of a set in JSON.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenLayer {
@@ -22,7 +21,7 @@ pub(super) struct WrittenLayer {
     pub(super) clip: Option<String>,
 }
 
-/// Points of a layer: their numbers, or that they are to be proposed.
+/// Points of a layer: their indices, or the word for proposed points.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected \"auto\" or a list of numbers of points")]
 enum WrittenPoints {
@@ -30,7 +29,7 @@ enum WrittenPoints {
     Given(Vec<usize>),
 }
 
-/// The word in place of points that are to be proposed.
+/// The word for proposed points.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Auto {
@@ -38,7 +37,7 @@ enum Auto {
 }
 
 impl WrittenLayer {
-    /// Makes a layer whose points are to be proposed.
+    /// Makes a layer with proposed points.
     pub(super) fn proposed(name: String) -> Self {
         Self {
             name,
@@ -48,18 +47,18 @@ impl WrittenLayer {
         }
     }
 
-    /// Whether its points are to be proposed.
+    /// Whether the points are proposed.
     pub(super) fn is_proposed(&self) -> bool {
         matches!(self.points, Some(WrittenPoints::Auto(_)))
     }
 
-    /// Proposes the layer's points unless they are given.
+    /// Marks the points as proposed, unless they are given.
     pub(super) fn propose(&mut self) {
         self.points.get_or_insert(WrittenPoints::Auto(Auto::Auto));
     }
 }
 
-/// A layer of a view: its picture, and what else is known of it.
+/// A layer of a view in JSON: a picture, and optionally opacity and order.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -78,10 +77,14 @@ pub(super) struct WholeLayerView {
     order: Option<f64>,
 }
 
-/// Takes what a view says of its layers.
+/// Reads the layers of a view.
+///
+/// - `names`: names of the set's layers.
+///
+/// - `named`: name of the view in errors.
 ///
 /// # Errors
-/// [`SetError::Layer`] of a name that no layer has, and of an opacity beyond 0 to 1.
+/// [`SetError::Layer`]: no layer has a name, or an opacity is outside 0 to 1.
 pub(super) fn layer_views(
     written: BTreeMap<String, WrittenLayerView>,
     names: &[&str],
@@ -109,10 +112,11 @@ pub(super) fn layer_views(
     names.iter().map(own).collect()
 }
 
-/// Makes the layers of a set whose views are read, and lists those without points, which are to be proposed.
+/// Makes the layers of a set whose views are read. Also lists the layers without points, whose points are to be
+/// proposed.
 ///
 /// # Errors
-/// [`SetError::Layer`], and those of elements.
+/// [`SetError::Layer`], and the errors of elements.
 pub(super) fn layered(
     set: &ViewSet,
     written: Vec<WrittenLayer>,
@@ -153,10 +157,10 @@ pub(super) fn layered(
     Ok((out, auto))
 }
 
-/// Makes elements of polygons, and checks them in every key view.
+/// Makes elements of polygons, and checks the elements in every key view.
 ///
 /// # Errors
-/// Those of [`Element::of_polygon`] and [`check_elements`].
+/// The errors of [`Element::of_polygon`] and [`check_elements`].
 pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
     let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
@@ -170,7 +174,7 @@ pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Elem
     Ok(out)
 }
 
-/// Checks that each point is of one layer, and elements of their layer's points.
+/// Checks that each point is in one layer, and that elements use points of their own layer.
 fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     let mut owner: Vec<Option<&Layer>> = vec![None; set.point_len()];
     for layer in layers {
@@ -195,7 +199,7 @@ fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     }
 }
 
-/// Checks that no layer is clipped by itself, directly or through others, or by too many.
+/// Checks that no layer clips itself, directly or through others, and that chains of clips are short enough.
 fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     for (number, layer) in layers.iter().enumerate() {
         let (mut at, mut way) = (layer.clip, vec![layer.name.as_str()]);
@@ -218,7 +222,7 @@ fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Checks that each layer has a picture, and that a key view has one of each layer that shows a point.
+/// Checks that each layer has a picture, and that a key view has a picture of each layer with a visible point.
 fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     for (map, number) in set.key_views() {
         let view = &set.maps[map].train[number];
@@ -244,11 +248,11 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     }
 }
 
-/// Makes the layers of a set that names none. All its pictures must have the same layers, in any order;
-/// points are proposed. A layer that is drawn in none of them is left out.
+/// Makes the layers of a set without `layers`, with proposed points. All pictures must have the same layers, in any
+/// order. A layer that no picture shows is dropped.
 ///
 /// # Errors
-/// [`SetError::File`] of a picture, and [`SetError::Layer`] of a layer that some picture lacks.
+/// [`SetError::File`] of a picture, and [`SetError::Layer`] if a picture lacks a layer.
 pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
     let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?.layers));
     let pictures = files.iter().map(open).collect::<Result<Vec<_>, SetError>>()?;
@@ -279,11 +283,11 @@ pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetEr
     Ok(drawn.map(|at| WrittenLayer::proposed(name(at))).collect())
 }
 
-/// Adds the layers of a view's picture, unless the view itself has a picture of them, with their opacities, and their
-/// order if that is not the set's.
+/// Adds the layers of a view's picture, with their opacities. The order is added if it differs from the set's. A
+/// picture that the view names itself stays.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`] of a layer that the picture shows and the set does not have.
+/// [`SetError::File`], and [`SetError::Layer`] if the picture shows a layer that the set does not have.
 pub(super) fn add_painted(
     file: &Path,
     names: &[&str],
@@ -302,7 +306,7 @@ pub(super) fn add_painted(
     let mut sorted: Vec<usize> = places.iter().copied().flatten().collect();
     let is_reordered = !sorted.is_sorted();
     sorted.sort_unstable();
-    // The number of the layer that is at each place of the set's order.
+    // Order of each layer of the file among the layers of the set.
     let numbers: BTreeMap<usize, usize> = sorted.into_iter().zip(numbers).collect();
     for (view, place) in views.iter_mut().zip(&places) {
         let Some(place) = place else { continue };
@@ -317,8 +321,8 @@ pub(super) fn add_painted(
     Ok(())
 }
 
-/// Adds the pictures of a view's layers, unless the view itself has a picture of them, and lists which layer of the file
-/// each is.
+/// Adds the pictures of a view's layers. A picture that the view names itself stays. Also lists the index in the file
+/// of each layer.
 ///
 /// # Errors
 /// [`SetError::File`].
@@ -338,21 +342,21 @@ pub(super) fn add_pictures(
     Ok((picture, places))
 }
 
-/// Clips layers as the pictures do, unless the set says so itself.
+/// Clips layers as the pictures do. A `clip` of the set stays.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`]: the set does not name the layer that another is clipped to, or two
-/// pictures clip one differently.
+/// [`SetError::File`], and [`SetError::Layer`]: the set does not have the clipping layer, or two pictures clip a layer
+/// differently.
 pub(super) fn clip_as_painted(
     files: &[&Path],
     layers: &mut [WrittenLayer],
 ) -> Result<(), SetError> {
     let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
-    // Of each layer the first file that has it, and the layer that it is clipped to there.
+    // For each layer: the first file that has the layer, and its clipping layer there.
     let mut known: Vec<Option<(&Path, Option<String>)>> = vec![None; layers.len()];
     for file in files {
         let picture = LayeredPicture::open(file)?;
-        // A layer that is not in the file has its own pictures, or is reported with its view.
+        // A layer that is not in the file has other pictures, or causes an error with its view.
         let places: Vec<Option<usize>> = names.iter().map(|name| picture.find(name).ok()).collect();
         for (layer, known) in known.iter_mut().enumerate() {
             let Some(place) = places[layer].filter(|_| layers[layer].clip.is_none()) else {

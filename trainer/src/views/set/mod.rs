@@ -1,4 +1,4 @@
-//! Views as a person writes them: parameters, points, what is visible, pictures, elements.
+//! Sets of views as a person writes them: parameters, points, visibility, pictures, elements.
 
 mod data;
 mod drawing;

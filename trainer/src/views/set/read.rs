@@ -14,11 +14,11 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// In place of points: propose them.
+/// Value of `points` for proposed points.
 const AUTO: &str = "auto";
 /// Reads a set of views.
 ///
-/// - `mesh`: an OBJ, of whose vertices `mesh_vertex_index` are the points: depths come from it.
+/// - `mesh`: an OBJ that gives depths. `mesh_vertex_index` lists the vertex of each point.
 ///
 /// # Errors
 /// [`SetError`].
@@ -98,20 +98,20 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     Ok(set)
 }
 
-/// Lists the pictures in layers of views to learn from.
+/// Lists the training pictures that have layers.
 fn painted_files(maps: &[WrittenMap], folder: &Path) -> Vec<PathBuf> {
     let views = maps.iter().flat_map(|map| &map.train);
     let files = views.filter_map(|view| view.image.as_ref()).map(|file| folder.join(file));
     files.filter(|file| is_layered(file)).collect()
 }
 
-/// Reads views of an instance. Each has the name of a prototype's key view under `view`, and its picture, which may have
-/// layers, or pictures of the prototype's layers.
+/// Reads views of an instance. Each view names a key view of the prototype under `view`. A view has one picture, which
+/// may have layers, or pictures of the prototype's layers.
 ///
-/// - `layers`: their names.
+/// - `layers`: names of the prototype's layers.
 ///
 /// # Errors
-/// [`SetError`] of reading, and of each view by itself.
+/// [`SetError`] of reading, and of each view.
 pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>, SetError> {
     #[derive(Deserialize)]
     struct Instance {
@@ -175,7 +175,7 @@ fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples,
     Ok(Examples { name, parameters, train, test })
 }
 
-/// Lists all views with what they are called.
+/// Lists all views with their names.
 fn all_views(set: &ViewSet) -> impl Iterator<Item = (String, &View)> {
     set.maps.iter().flat_map(|map| {
         let named = |split: &'static str| {
@@ -186,9 +186,10 @@ fn all_views(set: &ViewSet) -> impl Iterator<Item = (String, &View)> {
     })
 }
 
-/// Checks that all views have as many points, and every point a place in some view of each motion.
+/// Checks that all views have the same number of points, and that every point has a position in some view of each
+/// motion.
 ///
-/// - `is_proposed`: whether there may be no points yet.
+/// - `is_proposed`: whether points may still be missing.
 fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), SetError> {
     let expected = set.point_len();
     if set.maps.is_empty() || (expected == 0 && !is_proposed) {
@@ -210,7 +211,7 @@ fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Gives depths to training views that have none.
+/// Adds depths to training views without depths.
 fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), SetError> {
     let (expected, found) = (set.point_len(), vertices.len());
     if found != expected {
@@ -233,16 +234,16 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
     Ok(())
 }
 
-/// Makes the layer of a set that names none, of the elements that are given.
+/// Makes the layer of a set without layers, with the given elements.
 fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, SetError> {
     Ok(Layer::whole(&set.name, set.point_len(), checked(set, polygons)?))
 }
 
-/// Finds the affine projection of K positions that comes nearest to a view's known points: rows of x and y,
-/// the last column their offset.
+/// Finds the affine projection of K positions that is nearest to the known points of a view. The rows give x and y, and
+/// the last column is the offset.
 ///
 /// # Errors
-/// [`SetError::Triangulation`]: the known points do not determine it.
+/// [`SetError::Triangulation`]: the known points do not determine a projection.
 fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4<f64>, SetError> {
     let known: Vec<(usize, [f64; 2])> =
         view.points.iter().enumerate().filter_map(|(k, point)| Some((k, (*point)?))).collect();
@@ -264,15 +265,15 @@ fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4
     Ok(Matrix2x4::from_fn(|r, c| found[(c, r)]))
 }
 
-/// Computes depths of K positions in a view, in its pixels, growing away from the viewer: along what is
-/// orthogonal to x and y of the affine projection that comes nearest to its points.
+/// Computes the depths of K positions in a view, in its pixels, growing away from the viewer. Depth is measured
+/// orthogonal to the x and y of the nearest affine projection.
 ///
 /// # Errors
-/// That of [`project`].
+/// The error of [`project`].
 fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, SetError> {
     let projection = project(view, positions, named)?;
     let [x, y] = [0, 1].map(|r| Vector3::from_fn(|c, _| projection[(r, c)]));
-    // Right x down points away; its length is that of a pixel's square.
+    // The product of right and down points away. Its length is that of a pixel, squared.
     let away = x.cross(&y) / (x.norm() * y.norm()).sqrt();
     Ok(positions.iter().map(|p| away.dot(&Vector3::from(*p))).collect())
 }
@@ -285,7 +286,7 @@ mod tests {
     fn depth_is_what_a_view_from_the_front_does_not_show() {
         let positions =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 2.0], [0.0, 1.0, -1.0], [1.0, 1.0, 0.5], [0.3, 0.9, 3.0]];
-        // The viewer is where z is large; y points up there, and down in pixels.
+        // The viewer is at large z. y points up in space, and down in pixels.
         let points = positions.map(|[x, y, _]| Some([10.0 * x + 3.0, 50.0 - 10.0 * y]));
         let view = View {
             values: Default::default(),

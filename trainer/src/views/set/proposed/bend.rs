@@ -1,31 +1,32 @@
-//! The smooth map between two pictures of a layer, with the least difference of the pictures in both directions.
-//! Smooth maps of the plane: uniform cubic B-splines over a lattice.
+//! Finds the smooth map between two pictures of a layer that minimises their difference in both directions. Maps are
+//! uniform cubic B-splines over a lattice.
 
 use super::affine::{Affine, ENOUGH, Field};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::{Matrix2, Vector2};
 
-/// Cells along the longer side of the shape, and the blur as a part of its radius: coarse to fine.
+/// Levels from coarse to fine: number of cells along the longer side of the shape, and the radius of the shape over the
+/// blur.
 const LEVELS: [(f64, f64); 4] = [(2.0, 12.0), (4.0, 24.0), (8.0, 48.0), (8.0, f64::INFINITY)];
-/// Least blur, pixels.
+/// Smallest blur, pixels.
 const LEAST_BLUR: f64 = 0.7;
-/// Room around the shape, of its longer side.
+/// Margin around the shape, over its longer side.
 const ROOM: f64 = 0.25;
-/// Weight of bending against the difference of two pictures apart.
+/// Weight of bending, over the difference of two disjoint pictures.
 const BENDING: f64 = 3e-3;
-/// Steps a level.
+/// Largest number of steps at a level.
 const STEPS: usize = 20;
-/// Share of the difference of two pictures apart below which a difference is none.
+/// Smallest improvement of a step, over the difference of two disjoint pictures.
 const EXACT: f64 = 1e-7;
-/// Least area over the area before.
+/// Smallest determinant of the map's derivative.
 const LEAST_AREA: f64 = 0.05;
-/// Largest distance of a place from its target, pixels.
+/// Largest distance of a mapped place from its target, pixels.
 const NEAR: f64 = 0.5;
 
 /// Finds the smooth map from a picture to another.
 ///
-/// - `starts`: affine maps to start from. At each level the worse half is left behind.
+/// - `starts`: affine maps to start from. Each level drops the worse half.
 pub(super) fn bent(rest: &Field, other: &Field, starts: &[Affine]) -> Option<Bent> {
     let radius = rest.moments().radius();
     let size = Vector2::from(rest.size.map(|len| len as f64));
@@ -55,24 +56,24 @@ pub(super) fn bent(rest: &Field, other: &Field, starts: &[Affine]) -> Option<Ben
     maps.into_iter().next().map(|(_, map)| map)
 }
 
-/// A place of a picture with its difference from the other, and the slopes of that along the moved place.
+/// Normal equations of one place: squared slopes along the mapped place, and slopes times difference.
 struct Difference {
     place: Vector2<f64>,
     square: Matrix2<f64>,
     right: Vector2<f64>,
 }
 
-/// Differences of a map and their sum.
+/// Differences of a map, and their sum.
 struct Tried {
     error: f64,
     bending: f64,
     differences: Vec<Difference>,
-    /// Where the other picture's places come from.
+    /// Places that map to the other picture's places.
     sources: Vec<Vector2<f64>>,
 }
 
-/// Improves a map by damped steps of Gauss and Newton, and returns its difference and bending over the difference
-/// of two pictures apart.
+/// Improves a map by damped Gauss-Newton steps. Returns its difference and bending, over the difference of two disjoint
+/// pictures.
 fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> f64 {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
@@ -95,7 +96,7 @@ fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> 
                 && slope.determinant() > LEAST_AREA
                 && map.lattice.is_within(own);
             match slope.try_inverse().filter(|_| is_there) {
-                // Pixels that nothing comes to be are missed as a whole.
+                // Pixels without a source count with their full value.
                 None => out.error += square(rgba),
                 Some(inverse) => {
                     let (found, slopes) = fields[0].sample(own);
@@ -145,7 +146,9 @@ fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> 
 }
 
 impl Tried {
-    /// Adds a place: by channel its difference, and the slope of that along the moved place.
+    /// Adds a place.
+    ///
+    /// - `of`: difference of a channel, and its slope along the mapped place.
     fn add(&mut self, place: Vector2<f64>, of: impl Fn(usize) -> (f64, Vector2<f64>)) {
         let (mut square, mut right) = (Matrix2::zeros(), Vector2::zeros());
         for k in 0..4 {
@@ -160,7 +163,8 @@ impl Tried {
     }
 }
 
-/// Makes the normal equations of a step; nodes' x and y alternate, and the matrix is filled below its diagonal.
+/// Makes the normal equations of a step. The unknowns are x and y of each node in turn. Only the lower triangle of the
+/// matrix is filled.
 fn equations(
     map: &Bent,
     tried: &Tried,
@@ -204,19 +208,19 @@ fn equations(
 #[derive(Clone, Debug)]
 pub(super) struct Lattice {
     origin: Vector2<f64>,
-    /// The side of a cell.
+    /// Side of a cell.
     cell: f64,
-    /// Nodes across and down: cells and 3.
+    /// Number of nodes across and down: 3 more than cells.
     counts: [usize; 2],
 }
 
-/// Weights of the 4 x 4 nodes around a place, row by row from the node `first`.
+/// Weights of the 4 x 4 nodes around a place, by rows. `first` is the index of the first node.
 pub(super) struct Around {
     pub(super) first: usize,
     pub(super) weights: [f64; 16],
 }
 
-/// A map: a place a node.
+/// A spline map: the coefficient of each node.
 #[derive(Clone, Debug)]
 pub(super) struct Bent {
     pub(super) lattice: Lattice,
@@ -237,12 +241,12 @@ impl Lattice {
         self.counts[0] * self.counts[1]
     }
 
-    /// Returns the number of a node of the 4 x 4 around a place.
+    /// Returns the index of one of the 4 x 4 nodes around a place.
     pub(super) fn node(&self, first: usize, number: usize) -> usize {
         first + number / 4 * self.counts[0] + number % 4
     }
 
-    /// Returns the nearest place within.
+    /// Returns the nearest place inside the lattice.
     fn within(&self, place: Vector2<f64>) -> Vector2<f64> {
         let high = self.origin + self.extent();
         place.zip_map(&self.origin, f64::max).zip_map(&high, f64::min)
@@ -256,14 +260,14 @@ impl Lattice {
         self.within(place) == place
     }
 
-    /// Returns the cell and the place in it, from 0 to 1.
+    /// Returns the cell of a place, and the position in the cell from 0 to 1.
     fn local(&self, place: Vector2<f64>) -> ([usize; 2], [f64; 2]) {
         let at = (place - self.origin) / self.cell;
         let cell = [0, 1].map(|axis| (at[axis].max(0.0) as usize).min(self.counts[axis] - 4));
         (cell, [0, 1].map(|axis| at[axis] - cell[axis] as f64))
     }
 
-    /// Returns the weights at a place within.
+    /// Returns the weights at a place inside the lattice.
     pub(super) fn around(&self, place: Vector2<f64>) -> Around {
         let ([x, y], [s, t]) = self.local(place);
         let (across, down) = (spline(s), spline(t));
@@ -271,7 +275,7 @@ impl Lattice {
         Around { first: y * self.counts[0] + x, weights }
     }
 
-    /// Returns where each node lies.
+    /// Lists the positions of the nodes.
     fn centres(&self) -> impl Iterator<Item = Vector2<f64>> {
         let columns = self.counts[0];
         (0..self.len()).map(move |node| {
@@ -280,7 +284,7 @@ impl Lattice {
         })
     }
 
-    /// Lists second differences, each by nodes and their weights: the sum of their squares is the bending of a map.
+    /// Lists second differences, each as nodes with weights. The sum of their squares is the bending of a map.
     pub(super) fn differences(&self) -> Vec<Vec<(usize, f64)>> {
         let [columns, rows] = self.counts;
         let mut out = Vec::new();
@@ -304,9 +308,9 @@ impl Lattice {
 }
 
 impl Bent {
-    /// Takes a map over to a lattice; straight maps are kept exactly.
+    /// Approximates a map on a lattice. Affine maps are kept exactly.
     pub(super) fn of(lattice: Lattice, map: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Self {
-        // The interpolation of cubic splines, cut off after the nearest neighbours.
+        // Coefficients of cubic spline interpolation, truncated after the nearest neighbours.
         let own = [-1.0 / 6.0, 8.0 / 6.0, -1.0 / 6.0];
         let node = |centre: Vector2<f64>| {
             let mut sum = Vector2::zeros();
@@ -320,7 +324,7 @@ impl Bent {
         Self { lattice, nodes }
     }
 
-    /// Returns where a place comes to be and the derivative there; beyond the lattice the map is straight.
+    /// Returns the image of a place and the derivative there. Outside the lattice the map is extended linearly.
     pub(super) fn at(&self, place: Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let inside = self.lattice.within(place);
         let ([x, y], [s, t]) = self.lattice.local(inside);
@@ -338,7 +342,8 @@ impl Bent {
         (found + slope * (place - inside), slope)
     }
 
-    /// Finds the place that comes to be at `target`, by Newton's steps from a guess; the last guess where there is none.
+    /// Finds the place that maps to `target`, by Newton steps from a guess. Returns the last guess if there is no such
+    /// place.
     pub(super) fn back(&self, target: Vector2<f64>, guess: Vector2<f64>) -> Vector2<f64> {
         let mut place = guess;
         for _ in 0..NEWTON {
@@ -354,7 +359,7 @@ impl Bent {
     }
 }
 
-/// Newton's steps from the last place to the next.
+/// Number of Newton steps.
 const NEWTON: usize = 4;
 
 fn spline(t: f64) -> [f64; 4] {
@@ -386,7 +391,7 @@ mod tests {
         let bent = |p: Vector2<f64>| p + 0.02 * Vector2::new(p.y * p.y, p.x * p.y);
         let kept = Bent::of(lattice, bent);
         for place in [[0.0, 3.0], [8.0, 7.5], [12.0, 5.0]].map(Vector2::from) {
-            // Cubic splines hold quadratic maps.
+            // Cubic splines reproduce quadratic maps.
             assert!((kept.at(place).0 - bent(place)).norm() < 1e-12);
             let slope = Matrix2::new(1.0, 0.04 * place.y, 0.02 * place.y, 1.0 + 0.02 * place.x);
             assert!((kept.at(place).1 - slope).norm() < 1e-12);

@@ -1,5 +1,5 @@
-//! Points proposed for a layer: corners of triangles over its silhouette in one view, and where the layer's pictures
-//! match them in the others.
+//! Proposes points for a layer: corners of triangles over the silhouette in one view, and the matching places of the
+//! layer's pictures in the other views.
 
 mod affine;
 mod bend;
@@ -14,23 +14,23 @@ use libm::remainder;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// Sides of triangles along the longer side of a layer, at most, and how long each is at the least, pixels.
+/// Largest number of triangle sides along the longer side of a layer.
 const ACROSS: f64 = 8.0;
 const LEAST: f64 = 4.0;
-/// Pixels around a silhouette that triangles cover at the least, and as a part of their sides.
+/// Smallest margin around a silhouette that triangles cover, pixels.
 const MARGIN: usize = 2;
 const MARGIN_PART: f64 = 0.25;
-/// Longer side of the largest picture that is matched, pixels. Larger ones are shrunk.
+/// Longer side of the largest matched picture, pixels. Larger pictures are shrunk.
 const SIDE: f64 = 128.0;
-/// Share of a sum of distances below which two sums are equal.
+/// Relative difference below which two sums of distances are equal.
 const EQUAL: f64 = 1e-9;
 
 /// Adds points and elements to layers without points.
 ///
-/// - `layers`: the layers, by number.
+/// - `layers`: indices of the layers.
 ///
 /// # Errors
-/// [`SetError`] of a picture, and [`SetError::Layer`]: no view shows a layer.
+/// [`SetError`] of a picture, and [`SetError::Layer`] if no view shows a layer.
 pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
     let keys = set.key_views();
     let mut found = Vec::new();
@@ -43,7 +43,7 @@ pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
         for map in &mut set.maps {
             for view in map.train.iter_mut().chain(&mut map.test) {
                 view.points.resize(first + len, None);
-                // Nobody knows in views without pictures.
+                // In views without pictures the visibility is unknown.
                 view.visible.resize(first + len, !view.is_key());
             }
         }
@@ -61,14 +61,14 @@ pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Points of a layer.
+/// Proposed points of a layer.
 struct Proposed {
-    /// By key view where the points are; `None` where the layer has no picture, or an empty one.
+    /// Positions of the points by key view; `None` if the layer has no picture, or an empty one.
     points: Vec<Option<Vec<[f64; 2]>>>,
     triangles: Vec<[usize; 3]>,
 }
 
-/// A picture of a layer, cut to its covered pixels.
+/// A picture of a layer, cropped to its covered pixels.
 struct Shown {
     key: usize,
     picture: Picture,
@@ -89,7 +89,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     let scale = (SIDE / longest as f64).min(1.0);
     let field = |Shown { picture, corner, .. }: &Shown| {
         let size = [picture.size.width, picture.size.height];
-        // Small enough to be blurred in f64.
+        // Averages squares of pixels first, so that the blur in f64 stays small.
         let side = (0.5 / scale).max(1.0) as usize;
         Field::new(&picture.rgba, size, *corner, side).scaled(scale * side as f64)
     };
@@ -122,9 +122,9 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     Ok(Proposed { points, triangles: faces })
 }
 
-/// Chooses the view whose parameters are nearest to those of the others of its motion; the first of equals.
+/// Chooses the view whose parameters are nearest to those of the other views of its motion. The first of equals wins.
 ///
-/// - `keys`: motion and number of each view. The first motion has the chosen view.
+/// - `keys`: indices of the motion and the view. The chosen view is in the first motion.
 fn central(set: &ViewSet, keys: &[(usize, usize)]) -> usize {
     let Some(&(first, _)) = keys.first() else { return 0 };
     let examples = &set.maps[first];
