@@ -89,6 +89,49 @@ pub enum ControlError {
     Bake(#[from] BakeError),
 }
 
+/// Shape parameters of the gaussians: one over the width, in mean distances of the views.
+const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
+
+/// Kernel and shape parameter (one over the width) of each network over pixels.
+pub const NETWORKS: [(Kernel, f64); 7] = [
+    (Kernel::Linear, 1.0),
+    (Kernel::Multiquadric, 1.0),
+    (Kernel::Gaussian, EPSILONS[0]),
+    (Kernel::Gaussian, EPSILONS[1]),
+    (Kernel::Gaussian, EPSILONS[2]),
+    (Kernel::Gaussian, EPSILONS[3]),
+    (Kernel::Gaussian, EPSILONS[4]),
+];
+
+/// Returns the weights with which a network over the parameters mixes the views' pictures at `at`. A network is linear
+/// in the pictures, so these weights determine its picture.
+///
+/// # Errors
+/// [`KernelError`] of the fit.
+pub fn network_weights(
+    (kernel, epsilon): (Kernel, f64),
+    parameters: &[Parameter],
+    views: &[&View],
+    at: &View,
+) -> Result<Vec<f64>, KernelError> {
+    let names: Vec<&str> = parameters.iter().flat_map(Parameter::names).collect();
+    let value = |view: &View, c: usize| view.values.get(names[c]).copied().unwrap_or_default();
+    let sites = Mat::from_fn(views.len(), names.len(), |i, c| value(views[i], c));
+    let blocks = vec![Block { len: 1, weight: 1.0 }; names.len()];
+    let samples = Samples::of_weights(&sites, &blocks)?;
+    let fit = Fit::new(&samples, &Options { epsilon, ..Options::new(kernel) })?;
+    Ok(fit.sum.evaluate(&(0..names.len()).map(|c| value(at, c)).collect::<Vec<_>>()))
+}
+
+/// Mixes pictures of equal length by their weights.
+pub fn mixed(weights: &[f64], pictures: &[&[f64]]) -> Vec<f64> {
+    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.len())];
+    for (weight, picture) in weights.iter().zip(pictures) {
+        out.iter_mut().zip(*picture).for_each(|(out, x)| *out += weight * x);
+    }
+    out
+}
+
 /// A training set, and views of one motion to predict.
 struct Case {
     set: ViewSet,
@@ -236,47 +279,4 @@ impl Case {
 /// Rounds a picture to bytes.
 fn bytes(picture: &[f64]) -> Vec<u8> {
     picture.iter().map(|x| x.round().clamp(0.0, 255.0) as u8).collect()
-}
-
-/// Shape parameters of the gaussians: one over the width, in mean distances of the views.
-const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
-
-/// Kernel and shape parameter (one over the width) of each network over pixels.
-pub const NETWORKS: [(Kernel, f64); 7] = [
-    (Kernel::Linear, 1.0),
-    (Kernel::Multiquadric, 1.0),
-    (Kernel::Gaussian, EPSILONS[0]),
-    (Kernel::Gaussian, EPSILONS[1]),
-    (Kernel::Gaussian, EPSILONS[2]),
-    (Kernel::Gaussian, EPSILONS[3]),
-    (Kernel::Gaussian, EPSILONS[4]),
-];
-
-/// Returns the weights with which a network over the parameters mixes the views' pictures at `at`. A network is linear
-/// in the pictures, so these weights determine its picture.
-///
-/// # Errors
-/// [`KernelError`] of the fit.
-pub fn network_weights(
-    (kernel, epsilon): (Kernel, f64),
-    parameters: &[Parameter],
-    views: &[&View],
-    at: &View,
-) -> Result<Vec<f64>, KernelError> {
-    let names: Vec<&str> = parameters.iter().flat_map(Parameter::names).collect();
-    let value = |view: &View, c: usize| view.values.get(names[c]).copied().unwrap_or_default();
-    let sites = Mat::from_fn(views.len(), names.len(), |i, c| value(views[i], c));
-    let blocks = vec![Block { len: 1, weight: 1.0 }; names.len()];
-    let samples = Samples::of_weights(&sites, &blocks)?;
-    let fit = Fit::new(&samples, &Options { epsilon, ..Options::new(kernel) })?;
-    Ok(fit.sum.evaluate(&(0..names.len()).map(|c| value(at, c)).collect::<Vec<_>>()))
-}
-
-/// Mixes pictures of equal length by their weights.
-pub fn mixed(weights: &[f64], pictures: &[&[f64]]) -> Vec<f64> {
-    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.len())];
-    for (weight, picture) in weights.iter().zip(pictures) {
-        out.iter_mut().zip(*picture).for_each(|(out, x)| *out += weight * x);
-    }
-    out
 }

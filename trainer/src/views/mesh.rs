@@ -1,5 +1,6 @@
 //! Vertices that follow points, and the elements between the vertices (METHOD §6.9).
 
+use super::object::centred;
 use super::set::{Covered, Element};
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -8,6 +9,7 @@ use std::collections::HashMap;
 
 /// Smallest and largest number of cells along the longer side of a warped layer.
 const CELLS: [f64; 2] = [2.0, 16.0];
+/// Smallest side of a cell, pixels.
 const CELL: f64 = 8.0;
 /// Width over length below which points count as collinear.
 const LINE: f64 = 1e-3;
@@ -31,7 +33,7 @@ pub struct Mesh {
 }
 
 /// A layer in a key view: points on the screen, and the picture with the position of its corner.
-pub struct Shown<'a> {
+pub struct LayerInView<'a> {
     /// Positions of all K points, pixels.
     pub points: &'a [[f64; 2]],
     /// Number of visible points of the layer.
@@ -85,12 +87,12 @@ impl Mesh {
         self.layers.push(own);
     }
 
-    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin plate
+    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin thin_plate
     /// spline between the points of the layer carries the vertices of the grid.
     ///
     /// - `points`: indices of the points of the layer; at least one.
     /// - `views`: key views; at least one has a picture.
-    pub fn add_bent(&mut self, points: &[usize], views: &[Shown<'_>]) {
+    pub fn add_warped(&mut self, points: &[usize], views: &[LayerInView<'_>]) {
         // The view at rest: the first of the pictured views with the most visible points.
         let pictured = views.iter().filter(|view| view.picture.is_some());
         let most = pictured.clone().map(|view| view.seen).max();
@@ -98,14 +100,14 @@ impl Mesh {
             self.layers.push(Vec::new());
             return;
         };
-        let of = |view: &Shown<'_>| -> Vec<[f64; 2]> {
+        let of = |view: &LayerInView<'_>| -> Vec<[f64; 2]> {
             points.iter().map(|&point| view.points[point]).collect()
         };
         let own = of(rest);
         // Bounds of all pictures, moved back to rest.
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for view in pictured.clone() {
-            let back = Bend::new(&of(view));
+            let back = Warp::new(&of(view));
             for place in outline(view.picture) {
                 let found = back.moved(place, &own);
                 for axis in 0..2 {
@@ -124,9 +126,9 @@ impl Mesh {
         let place = |at: usize| {
             [start[0] + cell * (at % across) as f64, start[1] + cell * (at / across) as f64]
         };
-        let bend = Bend::new(&own);
+        let warp = Warp::new(&own);
         let all: Vec<Vertex> =
-            (0..across * (counts[1] + 1)).map(|at| bend.vertex(place(at), points)).collect();
+            (0..across * (counts[1] + 1)).map(|at| warp.vertex(place(at), points)).collect();
         let placed: Vec<Vec<[f64; 2]>> = pictured
             .clone()
             .map(|view| all.iter().map(|vertex| vertex.at(view.points)).collect())
@@ -207,18 +209,18 @@ fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
 }
 
 /// Warp that carries places along with points. Collinear points give a similarity, coinciding points give a shift, and
-/// any other points give a thin plate spline.
-struct Bend {
+/// any other points give a thin thin_plate spline.
+struct Warp {
     rest: Vec<[f64; 2]>,
     centre: [f64; 2],
     /// Scale of distances, and the transposed inverse of the spline's system.
     spline: Option<(f64, DMatrix<f64>)>,
 }
 
-impl Bend {
+impl Warp {
     fn new(rest: &[[f64; 2]]) -> Self {
         let rest = rest.to_vec();
-        let (n, centre) = (rest.len(), mean(&rest));
+        let (n, centre) = (rest.len(), centred(&rest).1);
         let off = DMatrix::from_fn(n, 2, |i, axis| rest[i][axis] - centre[axis]);
         let sides = off.singular_values();
         if n < 3 || sides[1] <= LINE * sides[0] {
@@ -226,7 +228,7 @@ impl Bend {
         }
         let scale = sides[0] / (n as f64).sqrt();
         let system = DMatrix::from_fn(n + 3, n + 3, |i, j| match (i < n, j < n) {
-            (true, true) => plate(rest[i], rest[j], scale),
+            (true, true) => thin_plate(rest[i], rest[j], scale),
             (true, false) => [1.0, off[(i, 0)] / scale, off[(i, 1)] / scale][j - n],
             (false, true) => [1.0, off[(j, 0)] / scale, off[(j, 1)] / scale][i - n],
             (false, false) => 0.0,
@@ -253,7 +255,7 @@ impl Bend {
         if let Some((scale, inverse)) = &self.spline {
             let [x, y] = [0, 1].map(|axis| (place[axis] - centre[axis]) / *scale);
             let own = DVector::from_fn(n + 3, |i, _| match i.checked_sub(n) {
-                None => plate(self.rest[i], place, *scale),
+                None => thin_plate(self.rest[i], place, *scale),
                 Some(term) => [1.0, x, y][term],
             });
             let found = inverse * own;
@@ -273,13 +275,9 @@ impl Bend {
 }
 
 /// Returns r² log r of the scaled distance r.
-fn plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
+fn thin_plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
     let square = (0..2).map(|axis| ((a[axis] - b[axis]) / scale).powi(2)).sum::<f64>();
     if square > 0.0 { 0.5 * square * libm::log(square) } else { 0.0 }
-}
-
-fn mean(points: &[[f64; 2]]) -> [f64; 2] {
-    [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64)
 }
 
 fn complex([x, y]: [f64; 2]) -> Complex<f64> {
@@ -314,33 +312,33 @@ mod tests {
     }
 
     #[test]
-    fn what_is_bent_goes_through_its_points_and_follows_affine_maps() {
-        let bend = Bend::new(&POINTS);
+    fn a_warp_meets_its_points_and_reproduces_affine_maps() {
+        let warp = Warp::new(&POINTS);
         let moved = POINTS.map(|[x, y]| [x + 3.0 * (0.1 * y).sin(), y - 0.02 * x * x]);
         for (point, target) in POINTS.iter().zip(moved) {
-            assert!(far(bend.moved(*point, &moved), target) < 1e-9);
+            assert!(far(warp.moved(*point, &moved), target) < 1e-9);
         }
         let affine = |[x, y]: [f64; 2]| [1.5 * x - 0.25 * y + 7.0, 0.5 * x + 0.75 * y - 20.0];
         let moved = POINTS.map(affine);
         for place in [[0.0, 0.0], [30.0, 20.0], [90.0, -40.0]] {
-            assert!(far(bend.moved(place, &moved), affine(place)) < 1e-9);
+            assert!(far(warp.moved(place, &moved), affine(place)) < 1e-9);
         }
     }
 
     #[test]
-    fn two_points_turn_and_scale_what_is_between_and_beside_them_and_one_shifts_it() {
+    fn two_points_turn_and_scale_their_surroundings_and_one_shifts_it() {
         let similar = |[x, y]: [f64; 2]| [-2.0 * y + 5.0, 2.0 * x - 1.0];
         for points in [vec![[1.0, 2.0], [9.0, 2.0]], vec![[1.0, 1.0], [3.0, 3.0], [8.0, 8.0]]] {
             let moved: Vec<_> = points.iter().copied().map(similar).collect();
-            let found = Bend::new(&points).moved([4.0, 7.0], &moved);
+            let found = Warp::new(&points).moved([4.0, 7.0], &moved);
             assert!(far(found, similar([4.0, 7.0])) < 1e-12);
         }
-        let found = Bend::new(&[[3.0, 4.0]]).moved([5.0, 5.0], &[[13.0, 24.0]]);
+        let found = Warp::new(&[[3.0, 4.0]]).moved([5.0, 5.0], &[[13.0, 24.0]]);
         assert!(far(found, [15.0, 25.0]) < 1e-12);
     }
 
     #[test]
-    fn a_grid_covers_what_every_view_shows() {
+    fn a_grid_covers_the_pictures_of_every_view() {
         let disc = |centre: [f64; 2], radius: f64| {
             let size = Resolution { width: 64, height: 64 };
             let inside = |at: usize| {
@@ -356,11 +354,11 @@ mod tests {
         };
         let pictures = [disc([20.0, 20.0], 12.0), disc([40.0, 36.0], 20.0)];
         let points = [square([20.0, 20.0], 8.0), square([40.0, 36.0], 12.0)];
-        let views: Vec<Shown<'_>> = (0..2)
-            .map(|k| Shown { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
+        let views: Vec<LayerInView<'_>> = (0..2)
+            .map(|k| LayerInView { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
             .collect();
         let mut mesh = Mesh::default();
-        mesh.add_bent(&[0, 1, 2, 3], &views);
+        mesh.add_warped(&[0, 1, 2, 3], &views);
         for (view, (picture, _)) in points.iter().zip(&pictures) {
             let places: Vec<[f64; 2]> = mesh.vertices.iter().map(|v| v.at(view)).collect();
             let covers = |p: [f64; 2]| {

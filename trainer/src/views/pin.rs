@@ -72,20 +72,20 @@ pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Val
 pub fn bend(points: &mut [[f64; 2]], pins: &[Pin]) {
     let (centre, size) = (centred(points), points.len().max(1) as f64);
     let reach = REACH * norm(&centre.0) / size.sqrt() * 2.0;
-    let hold = |a: [f64; 2], b: [f64; 2]| {
+    let falloff = |a: [f64; 2], b: [f64; 2]| {
         let square = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
         libm::exp(-square / (reach * reach))
     };
     let at: Vec<[f64; 2]> = pins.iter().map(|(k, _)| points[*k]).collect();
     let matrix = DMatrix::from_fn(pins.len(), pins.len(), |i, k| {
-        hold(at[i], at[k]) + if i == k { 1e-9 } else { 0.0 }
+        falloff(at[i], at[k]) + if i == k { 1e-9 } else { 0.0 }
     });
     let off = DMatrix::from_fn(pins.len(), 2, |i, axis| pins[i].1[axis] - at[i][axis]);
     let Some(solved) = matrix.cholesky().map(|factor| factor.solve(&off)) else { return };
     for point in points.iter_mut() {
         let own = *point;
         for (row, pin) in at.iter().enumerate() {
-            let share = hold(own, *pin);
+            let share = falloff(own, *pin);
             (0..2).for_each(|axis| point[axis] += share * solved[(row, axis)]);
         }
     }
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_dragged_comes_to_its_place_and_what_is_far_stays() {
+    fn dragged_points_meet_their_pins_and_far_points_stay() {
         let grid = |place: usize| [f64::from(place as u32 % 10), f64::from(place as u32 / 10)];
         let mut points: Vec<[f64; 2]> = (0..100).map(grid).collect();
         bend(&mut points, &[(0, [-0.5, 0.25]), (11, [1.0, 1.0])]);

@@ -1,7 +1,7 @@
 //! Trains a model on a set of views.
 
 use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
-use super::mesh::{Mesh, Shown};
+use super::mesh::{LayerInView, Mesh};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Layer, SetError, View, ViewSet, cropped, triangulated};
 use std::collections::BTreeSet;
@@ -151,12 +151,12 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
             let elements = triangulated(of(most), &frame, &set.view_name(most))?;
             out.add_elements(&elements, set.point_len(), &frame);
         } else {
-            let views = keys.iter().zip(pictures).map(|(&key, picture)| Shown {
+            let views = keys.iter().zip(pictures).map(|(&key, picture)| LayerInView {
                 points: &picture.points,
                 seen: seen(of(key)),
                 picture: picture.pictures[number].as_ref(),
             });
-            out.add_bent(&layer.points, &views.collect::<Vec<_>>());
+            out.add_warped(&layer.points, &views.collect::<Vec<_>>());
         }
     }
     Ok(out)

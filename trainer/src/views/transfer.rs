@@ -2,7 +2,7 @@
 //! references of the instance.
 
 use super::fit::MapOutputs;
-use super::mesh::{Mesh, Shown, Vertex};
+use super::mesh::{LayerInView, Mesh, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::object::Reference;
 use super::set::{Element, LayerView, SetError, View, cropped};
@@ -180,8 +180,8 @@ fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Tran
     if found != 0 && found != expected {
         return Err(wrong(format!("expected {expected} layers, found {found}")));
     }
-    let is_said = |layer: &LayerView| layer.opacity.is_some() || layer.order.is_some();
-    if let Some(layer) = view.layers.iter().position(is_said) {
+    let has_own = |layer: &LayerView| layer.opacity.is_some() || layer.order.is_some();
+    if let Some(layer) = view.layers.iter().position(has_own) {
         let name = names[layer];
         return Err(wrong(format!(
             "layer \"{name}\" has an opacity or an order, which are the prototype's: leave them out"
@@ -198,10 +198,10 @@ fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Tran
 fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
     let mut out = Mesh::default();
     for (number, elements) in prototype.layers.iter().enumerate() {
-        match bent(prototype, elements) {
+        match warped_points(prototype, elements) {
             Some(points) => {
-                let shown = |key| shown(key, number, &points);
-                out.add_bent(&points, &keys.iter().map(shown).collect::<Vec<_>>());
+                let in_view = |key| in_view(key, number, &points);
+                out.add_warped(&points, &keys.iter().map(in_view).collect::<Vec<_>>());
             }
             None => out.add_layer(elements, |at| prototype.vertices[at].clone()),
         }
@@ -211,7 +211,7 @@ fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
 
 /// Lists the points of a layer that is warped as a whole, whose vertices lie between points. `None` for any other
 /// layer.
-fn bent(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
+fn warped_points(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
     let vertices = || elements.iter().flat_map(Element::points).map(|&at| &prototype.vertices[at]);
     let is_between = |vertex: &Vertex| match vertex.weights[..] {
         [] => false,
@@ -223,8 +223,8 @@ fn bent(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
     vertices().any(is_between).then(|| points.into_iter().collect())
 }
 
-fn shown<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> Shown<'a> {
-    Shown {
+fn in_view<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> LayerInView<'a> {
+    LayerInView {
         points: &key.points,
         seen: points.iter().filter(|&&point| key.visible[point]).count(),
         picture: key.pictures[layer].as_ref(),

@@ -3,7 +3,7 @@
 use super::paint::{empty, fill};
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
-use crate::views::set::JOINTS;
+use crate::views::set::{JOINTS, segment_distance};
 
 const SIZE: [usize; 2] = [240, 300];
 /// Positions of [`JOINTS`], pixels.
@@ -89,14 +89,7 @@ fn colour(joint: usize) -> Colour {
 
 fn bone(picture: &mut Picture, joint: usize, width: f64, colour: Colour) {
     let Some(parent) = JOINTS[joint].1 else { return };
-    let (a, b) = (REST[parent], REST[joint]);
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let squared = along[0] * along[0] + along[1] * along[1];
-    fill(picture, colour, |[x, y]| {
-        let to = [x - a[0], y - a[1]];
-        let share = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
-        (to[0] - share * along[0]).hypot(to[1] - share * along[1]) <= width
-    });
+    fill(picture, colour, |place| segment_distance(place, REST[parent], REST[joint]) <= width);
 }
 
 fn disc(picture: &mut Picture, [x, y]: [f64; 2], radius: f64, colour: Colour) {

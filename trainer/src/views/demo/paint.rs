@@ -6,7 +6,7 @@ use crate::page::picture::Picture;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 4;
-/// Pixels by which the colours of polygons extend beyond their outline.
+/// Width of the border that the colours of polygons add around their outline, pixels.
 const BLEED: usize = 2;
 
 /// Makes a picture without covered pixels.
@@ -20,7 +20,7 @@ pub(super) fn fill(picture: &mut Picture, colour: Colour, inside: impl Fn([f64; 
     for place in 0..picture.size.width * picture.size.height {
         let count = samples(picture.size, place).filter(|p| inside(*p)).count();
         if count > 0 {
-            over(&mut picture.rgba[4 * place..4 * place + 4], colour, count);
+            blend(&mut picture.rgba[4 * place..4 * place + 4], colour, count);
         }
     }
 }
@@ -85,8 +85,8 @@ fn samples(size: Resolution, place: usize) -> impl Iterator<Item = [f64; 2]> {
         .map(move |s| [x as f64 + part(s % SAMPLES), y as f64 + part(s / SAMPLES)])
 }
 
-/// Blends a colour over a pixel of straight alpha. `count` is the number of covered samples.
-fn over(pixel: &mut [u8], colour: Colour, count: usize) {
+/// Blends a colour blend a pixel of straight alpha. `count` is the number of covered samples.
+fn blend(pixel: &mut [u8], colour: Colour, count: usize) {
     let share = count as f64 / (SAMPLES * SAMPLES) as f64;
     let below = f64::from(pixel[3]) / 255.0 * (1.0 - share);
     let alpha = share + below;

@@ -27,8 +27,8 @@ const HEAD_SIZE: [usize; 2] = [160, 192];
 const HEAD_QUADS: [usize; 2] = [16, 8];
 /// Training views around the head. Every second view has a picture.
 const HEAD_VIEWS: usize = 24;
-/// Cosine of the angle between a quad and the eye. Points of quads below the cosine are hidden, since such quads are too
-/// narrow for a picture.
+/// Smallest cosine of the angle between the normal of a quad and the eye, for which the quad shows its points. Quads at
+/// steeper angles are too narrow for a picture.
 const GRAZING: f64 = 0.15;
 /// Half the head's width, height and depth, pixels.
 const RADII: [f64; 3] = [56.0, 78.0, 66.0];

@@ -40,10 +40,56 @@ pub struct Node {
     pub played: Played,
 }
 
-/// Share of a feature's range by which a rotation may leave the range.
-const BEYOND: f64 = 0.02;
-/// RMS error from which on a key view does not belong to a map, pixels.
-const OFF: f64 = 0.5;
+/// Reasons why a grid cannot be made or written.
+#[derive(Debug, thiserror::Error)]
+pub enum GridError {
+    /// The map has no parameter of this name.
+    #[error("\"{name}\" is no parameter: expected {expected}")]
+    Unknown {
+        /// The requested name.
+        name: String,
+        /// Names of the parameters.
+        expected: String,
+    },
+    /// A parameter is given twice: by two sides, or by a side and a value.
+    #[error("parameter \"{0}\" is given twice")]
+    Twice(String),
+    /// The file has no range for a parameter.
+    #[error("how far does \"{0}\" go? Say from where to where: {0}=-30..30")]
+    Range(String),
+    /// A side has fewer than two nodes, or an empty range.
+    #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
+    Empty(String),
+    /// No key view belongs to the map.
+    #[error("no key view is of this map: say a grid")]
+    NoKeyView,
+    /// Nothing is drawn at any node.
+    #[error("nothing is drawn at any node")]
+    Nothing,
+    /// The model cannot be evaluated.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// The parameters of a key view cannot be found.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// A texture cannot be encoded.
+    #[error(transparent)]
+    Encode(#[from] png::EncodingError),
+    /// The puppet cannot be written as JSON.
+    #[error("cannot be put together: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A section of the puppet is larger than its format allows.
+    #[error("the file takes {0} bytes in one section, and INP holds 4 GiB")]
+    TooLarge(usize),
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
+}
+
+/// Tolerance around the range of a rotation's feature, over the range.
+const TOLERANCE: f64 = 0.02;
+/// Largest RMS error of a key view that belongs to a map, pixels.
+const MATCH: f64 = 0.5;
 /// Degrees of a full turn.
 const ROUND: usize = 360;
 
@@ -76,7 +122,7 @@ impl Grid {
         for side in sides {
             let range = match side.range {
                 Some(range) => range,
-                None => reach(&player, values, &side.name)?,
+                None => training_range(&player, values, &side.name)?,
             };
             if side.nodes < 2 || range[0].total_cmp(&range[1]).is_ge() {
                 return Err(GridError::Empty(side.name.clone()));
@@ -138,7 +184,7 @@ impl Grid {
             };
             let points: Vec<_> = (0..views.point_len()).map(place).collect();
             let found = object.find(&points, &starts)?;
-            if found.rms < OFF {
+            if found.rms < MATCH {
                 let name = views.view_name(view).unwrap_or_default().to_owned();
                 nodes.push(shown(model, map, name, found.values)?);
             }
@@ -174,7 +220,7 @@ fn shown(
 
 /// Finds the range of a parameter in training. A number has a range. For an angle the range is the longest run of whole
 /// degrees whose rotation lies in the range of the training rotations. Other angles without a value are 0.
-fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
+fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
     let range = |feature: usize| {
         let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
         [low, high]
@@ -187,16 +233,16 @@ fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], G
                 return Ok(range(first));
             }
             let ranges: Vec<[f64; 2]> = (first..first + len).map(range).collect();
-            let is_among = |degrees: usize| among(input, values, name, degrees, &ranges);
-            let among: Vec<bool> = (0..ROUND).map(is_among).collect::<Result<_, _>>()?;
-            return run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
+            let is_inside = |degrees: usize| in_training(input, values, name, degrees, &ranges);
+            let among: Vec<bool> = (0..ROUND).map(is_inside).collect::<Result<_, _>>()?;
+            return longest_run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
         }
         first += len;
     }
     Err(GridError::Range(name.to_owned()))
 }
 
-fn among(
+fn in_training(
     input: &Input,
     values: &Values,
     name: &str,
@@ -211,15 +257,15 @@ fn among(
     let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other))).collect();
     let own = features(inputs, &given(inputs, &own)?).map_err(FitError::Given)?;
     Ok(own.iter().zip(ranges).all(|(x, [low, high])| {
-        let beyond = BEYOND * (high - low) + 1e-6;
+        let beyond = TOLERANCE * (high - low) + 1e-6;
         (low - beyond..=high + beyond).contains(x)
     }))
 }
 
 /// Returns the ends of the longest run of degrees, which wraps around, between -180 and 360. `None` without a run of
 /// two degrees.
-fn run(among: &[bool]) -> Option<[f64; 2]> {
-    if among.iter().all(|is_among| *is_among) {
+fn longest_run(among: &[bool]) -> Option<[f64; 2]> {
+    if among.iter().all(|is_inside| *is_inside) {
         return Some([0.0, ROUND as f64]);
     }
     let len = |from: &usize| (0..ROUND).take_while(|step| among[(from + step) % ROUND]).count();
@@ -227,52 +273,6 @@ fn run(among: &[bool]) -> Option<[f64; 2]> {
     let back = if from >= ROUND / 2 { ROUND as f64 } else { 0.0 };
     let from = from as f64 - back;
     (len > 1).then(|| [from, from + (len - 1) as f64])
-}
-
-/// Reasons why a grid cannot be made or written.
-#[derive(Debug, thiserror::Error)]
-pub enum GridError {
-    /// The map has no parameter of this name.
-    #[error("\"{name}\" is no parameter: expected {expected}")]
-    Unknown {
-        /// The requested name.
-        name: String,
-        /// Names of the parameters.
-        expected: String,
-    },
-    /// A parameter is given twice: by two sides, or by a side and a value.
-    #[error("parameter \"{0}\" is given twice")]
-    Twice(String),
-    /// The file has no range for a parameter.
-    #[error("how far does \"{0}\" go? Say from where to where: {0}=-30..30")]
-    Range(String),
-    /// A side has fewer than two nodes, or an empty range.
-    #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
-    Empty(String),
-    /// No key view belongs to the map.
-    #[error("no key view is of this map: say a grid")]
-    NoKeyView,
-    /// Nothing is drawn at any node.
-    #[error("nothing is drawn at any node")]
-    Nothing,
-    /// The model cannot be evaluated.
-    #[error(transparent)]
-    Play(#[from] PlayError),
-    /// The parameters of a key view cannot be found.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// A texture cannot be encoded.
-    #[error(transparent)]
-    Encode(#[from] png::EncodingError),
-    /// The puppet cannot be written as JSON.
-    #[error("cannot be put together: {0}")]
-    Json(#[from] serde_json::Error),
-    /// A section of the puppet is larger than its format allows.
-    #[error("the file takes {0} bytes in one section, and INP holds 4 GiB")]
-    TooLarge(usize),
-    /// The scene cannot be assembled.
-    #[error(transparent)]
-    Glb(#[from] GlbError),
 }
 
 #[cfg(test)]
@@ -302,7 +302,9 @@ mod tests {
 
     #[test]
     fn the_longest_run_of_degrees_comes_round() {
-        let of = |inside: &dyn Fn(usize) -> bool| run(&(0..ROUND).map(inside).collect::<Vec<_>>());
+        let of = |inside: &dyn Fn(usize) -> bool| {
+            longest_run(&(0..ROUND).map(inside).collect::<Vec<_>>())
+        };
         assert_eq!(of(&|at| at <= 40 || at >= 325), Some([-35.0, 40.0]));
         assert_eq!(of(&|at| (90..=270).contains(&at) || at == 3), Some([90.0, 270.0]));
         assert_eq!(of(&|_| true), Some([0.0, 360.0]));

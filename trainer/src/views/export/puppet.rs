@@ -188,7 +188,7 @@ const PNG: u8 = 0;
 ///
 /// # Errors
 /// [`GridError::Json`] and [`GridError::TooLarge`].
-pub(super) fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, GridError> {
+fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, GridError> {
     let json = serde_json::to_vec(puppet)?;
     let mut out = Vec::new();
     out.extend(MAGIC);

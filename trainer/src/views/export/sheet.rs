@@ -187,7 +187,7 @@ const HIDDEN: f64 = 1e-6;
 /// Lists the key views with a share at some node, the lowest first. The lowest has the largest share in all nodes.
 ///
 /// - `shares`: shares of the N views, by node.
-pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
+fn order(shares: &[Vec<f64>]) -> Vec<usize> {
     let len = shares.first().map_or(0, Vec::len);
     let whole = |view: usize| shares.iter().map(|own| own[view]).sum::<f64>();
     let mut out: Vec<usize> = (0..len).filter(|&view| whole(view) > 0.0).collect();
@@ -204,7 +204,7 @@ pub(super) fn order(shares: &[Vec<f64>]) -> Vec<usize> {
 /// - `shares`: shares of the N views, with a sum of at most 1.
 /// - `opacity`: opacity of all pictures together.
 /// - `counts_beside`: whether a view has a share at a neighbouring node.
-pub(super) fn opacities(
+fn opacities(
     order: &[usize],
     shares: &[f64],
     opacity: f64,

@@ -252,7 +252,7 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// Lists the vertices along the longest border of triangles, each once. Empty without a border.
-pub(super) fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
+fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
     let edges = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
     let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
     for [a, b] in triangles.iter().copied().flat_map(edges) {

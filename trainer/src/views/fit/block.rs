@@ -224,7 +224,7 @@ pub struct Width {
 
 impl Width {
     /// Piecewise linear interpolation, for outputs without a choice.
-    pub(super) const PLAIN: Self = Self { kernel: Kernel::Linear, epsilon: 1.0 };
+    pub(super) const LINEAR: Self = Self { kernel: Kernel::Linear, epsilon: 1.0 };
 
     /// Lists the kernels that can accompany a polynomial.
     pub(super) fn all(set: &TermSet) -> Vec<Self> {

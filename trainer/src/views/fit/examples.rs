@@ -3,7 +3,7 @@
 use super::block::{
     Block, Candidate, Fitted, LeftOutViews, Monomial, TermSet, Width, term_sets, terms,
 };
-use super::map::{FitError, MapOutputs, Shown, given, ways};
+use super::map::{FitError, MapOutputs, Shown, encodings, given};
 use crate::kernel::bound::{largest, rounded};
 use crate::kernel::fade::Fade;
 use crate::kernel::model::{Figures, Input, KernelModel, features};
@@ -88,7 +88,8 @@ pub fn fit(
     options: FitOptions,
 ) -> Result<FittedMap, FitError> {
     let points = Block::new(&places(&examples.train));
-    let sites = ways(examples).into_iter().map(|way| Sites::new(way, &examples.train));
+    let sites =
+        encodings(examples).into_iter().map(|encoding| Sites::new(encoding, &examples.train));
     let sites = sites.collect::<Result<Vec<_>, _>>()?;
     let tried: Vec<Vec<Tried>> =
         sites.iter().map(|sites| sites.all(&points, !options.exact, None)).collect();
@@ -99,7 +100,7 @@ pub fn fit(
     let error = |tried: &Tried| tried.error().max(EXACT * extent);
     let mut order: Vec<&Tried> = tried[chosen].iter().collect();
     order.sort_by(|a, b| error(a).total_cmp(&error(b)));
-    if let Some(plain) = order.iter().position(|tried| tried.is_plain())
+    if let Some(plain) = order.iter().position(|tried| tried.is_piecewise_linear())
         && error(order[0]) > BETTER * error(order[plain])
     {
         let plain = order.remove(plain);
@@ -109,7 +110,7 @@ pub fn fit(
     let limit = ROUNDING * extent;
     let mut best: Option<FittedMap> = None;
     for first in order {
-        let Some(made) = sites[chosen].put_together(first, examples, keys, &tried[chosen]) else {
+        let Some(made) = sites[chosen].assemble(first, examples, keys, &tried[chosen]) else {
             continue;
         };
         if made.model.fit.bound <= limit {
@@ -133,11 +134,11 @@ pub fn fit_each(
     let points = Block::new(&places(&examples.train));
     let limit = ROUNDING * extent(&examples.train);
     let mut out = Vec::new();
-    for way in ways(examples) {
-        let sites = Sites::new(way, &examples.train)?;
+    for encoding in encodings(examples) {
+        let sites = Sites::new(encoding, &examples.train)?;
         let tried = sites.all(&points, !options.exact, None);
         let determined = tried.iter().filter(|tried| tried.candidate.left_out.is_some());
-        let made = determined.filter_map(|one| sites.put_together(one, examples, keys, &tried));
+        let made = determined.filter_map(|one| sites.assemble(one, examples, keys, &tried));
         out.extend(made.filter(|made| made.model.fit.bound <= limit));
     }
     Ok(out)
@@ -161,8 +162,8 @@ struct Tried {
 
 impl Tried {
     /// Whether the candidate is piecewise linear interpolation.
-    fn is_plain(&self) -> bool {
-        self.candidate.polynomial == "linear" && self.candidate.kernel == Some(Width::PLAIN)
+    fn is_piecewise_linear(&self) -> bool {
+        self.candidate.polynomial == "linear" && self.candidate.kernel == Some(Width::LINEAR)
     }
 
     fn error(&self) -> f64 {
@@ -233,7 +234,7 @@ impl Sites {
     }
 
     /// Fits depths, visibility and numbers, and joins all outputs in one map. `None` if rounding dominates.
-    fn put_together(
+    fn assemble(
         &self,
         points: &Tried,
         examples: &Examples,
@@ -246,22 +247,22 @@ impl Sites {
             views: keys.len(),
             layers: examples.layer_len(),
         };
-        let points = self.or_plain(points);
+        let points = self.or_piecewise_linear(points);
         let numbers = numbers(views, keys, outputs.layers);
         let blocks =
             [places(views), depths(views), visibility(views), numbers].map(|own| Block::new(&own));
         let mut width = points.candidate.kernel;
-        let depths = self.or_plain(best(&self.all(&blocks[1], true, width))?);
+        let depths = self.or_piecewise_linear(best(&self.all(&blocks[1], true, width))?);
         width = width.or(depths.candidate.kernel);
         // The map meets the known visibility of every view, so a kernel is required.
         let visibility = match changes(views) {
-            true => self.or_plain(best(&self.all(&blocks[2], false, width))?),
+            true => self.or_piecewise_linear(best(&self.all(&blocks[2], false, width))?),
             // Every candidate fits constant visibility exactly, so the smallest error would be a matter of rounding.
-            false => self.lines(width),
+            false => self.piecewise_linear(width),
         };
         width = width.or(visibility.candidate.kernel);
         // The views do not determine the numbers between key views, so these are interpolated linearly.
-        let numbers = self.lines(width);
+        let numbers = self.piecewise_linear(width);
         width = width.or(numbers.candidate.kernel);
         let epsilon = width.map_or(1.0, |width| width.epsilon);
         let scaled = self.points(epsilon);
@@ -334,18 +335,18 @@ impl Sites {
     }
 
     /// Returns the candidate, or piecewise linear interpolation if views could not be left out.
-    fn or_plain(&self, tried: &Tried) -> Tried {
+    fn or_piecewise_linear(&self, tried: &Tried) -> Tried {
         if tried.candidate.left_out.is_some() {
             return tried.clone();
         }
-        self.lines(tried.candidate.kernel)
+        self.piecewise_linear(tried.candidate.kernel)
     }
 
     /// Returns piecewise linear interpolation; with the given kernel, if there is one.
-    fn lines(&self, width: Option<Width>) -> Tried {
+    fn piecewise_linear(&self, width: Option<Width>) -> Tried {
         let set = self.sets.iter().position(|set| set.name == "linear").unwrap_or(0);
         let polynomial = self.sets[set].name;
-        let kernel = Some(width.unwrap_or(Width::PLAIN));
+        let kernel = Some(width.unwrap_or(Width::LINEAR));
         Tried { set, candidate: Candidate { polynomial, kernel, left_out: None } }
     }
 }

@@ -12,8 +12,52 @@ use crate::views::set::{Examples, Parameter, Values, View};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::views::{Blend, Views};
 
-/// Range of an angle, degrees, from which on the angle must be a rotation: a number does not wrap around.
+/// Smallest range of an angle that must be a rotation, degrees. Numbers do not wrap around.
 const HALF_TURN: f64 = 180.0;
+
+/// Reasons why no map can be fitted or evaluated. Views count from 0.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// The parameters of a view are invalid.
+    #[error("train view {view}: {error}")]
+    Site {
+        /// Index of the view.
+        view: usize,
+        /// Cause.
+        error: EvaluationError,
+    },
+    /// The parameters are invalid.
+    #[error(transparent)]
+    Given(#[from] EvaluationError),
+    /// A parameter has no value.
+    #[error("parameter \"{0}\" is missing")]
+    Missing(String),
+    /// No parameter has this name.
+    #[error("\"{found}\" is no parameter: expected {expected}")]
+    Unknown {
+        /// The name.
+        found: String,
+        /// Names of the parameters.
+        expected: String,
+    },
+    /// The distances of the views' parameters are undefined.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
+    /// Two views have the same parameters.
+    #[error("train views {first} and {second} have the same parameters")]
+    Same {
+        /// Index of the earlier view.
+        first: usize,
+        /// Index of the later view.
+        second: usize,
+    },
+    /// No candidate could be solved.
+    #[error("no polynomial and no kernel can be fitted to {views} views")]
+    None {
+        /// Number of views.
+        views: usize,
+    },
+}
 
 /// Lists the names of the parameters of inputs.
 pub fn names_of(inputs: &[Input]) -> Vec<&str> {
@@ -40,76 +84,6 @@ pub fn given(inputs: &[Input], values: &Values) -> Result<Vec<f64>, FitError> {
 fn angles_of(input: &Input) -> impl Iterator<Item = &str> {
     let parts = if matches!(input.kind, InputKind::Rotation { .. }) { 3 } else { 1 };
     input.name.splitn(parts, ',')
-}
-
-/// Lists the encodings of parameters as inputs. Angles are one rotation, in each order that makes a difference if the
-/// order is open. If no angle varies by half a turn, angles are also tried as numbers.
-pub(super) fn ways(examples: &Examples) -> Vec<Vec<Input>> {
-    let mut out = vec![Vec::new()];
-    for parameter in &examples.parameters {
-        let own: Vec<Input> = match parameter {
-            Parameter::Scalar(name) => vec![scalar(name)],
-            Parameter::Rotation { angles, order } => {
-                let orders = match order {
-                    Some(order) => vec![*order],
-                    None => orders(angles, &examples.train),
-                };
-                orders.into_iter().map(|order| rotation(angles, order)).collect()
-            }
-        };
-        out = out
-            .iter()
-            .flat_map(|way| own.iter().map(|input| [way.clone(), vec![input.clone()]].concat()))
-            .collect();
-    }
-    let has_rotation = |way: &[Input]| way.iter().any(|input| input.kind != InputKind::Scalar);
-    let names: Vec<&str> = examples.parameters.iter().flat_map(Parameter::names).collect();
-    let narrow = examples.parameters.iter().all(|parameter| match parameter {
-        Parameter::Scalar(_) => true,
-        Parameter::Rotation { angles, .. } => {
-            angles.iter().flatten().all(|angle| range(&examples.train, angle) < HALF_TURN)
-        }
-    });
-    if narrow && has_rotation(&out[0]) {
-        out.push(names.into_iter().map(scalar).collect());
-    }
-    out
-}
-
-fn scalar(name: &str) -> Input {
-    Input { name: name.to_owned(), kind: InputKind::Scalar, weight: 1.0 }
-}
-
-fn rotation(angles: &[Option<String>; 3], order: EulerOrder) -> Input {
-    let name = angles.each_ref().map(|angle| angle.as_deref().unwrap_or_default()).join(",");
-    let kind = InputKind::Rotation { feature: Feature::Matrix, order: Some(order) };
-    Input { name, kind, weight: 1.0 }
-}
-
-fn range(views: &[View], name: &str) -> f64 {
-    let values: Vec<f64> = views.iter().filter_map(|view| view.values.get(name).copied()).collect();
-    let [low, high] = ends(&values);
-    high - low
-}
-
-/// Lists the orders that differ for the angles that turn in some view.
-fn orders(angles: &[Option<String>; 3], views: &[View]) -> Vec<EulerOrder> {
-    let turns = |axis: usize| {
-        let values = angles[axis].iter().flat_map(|name| views.iter().map(|v| v.values.get(name)));
-        values.flatten().any(|value| *value != 0.0)
-    };
-    let turning: Vec<char> =
-        "XYZ".chars().enumerate().filter(|(axis, _)| turns(*axis)).map(|(_, c)| c).collect();
-    let own = |order: &EulerOrder| -> String {
-        order.name().chars().filter(|axis| turning.contains(axis)).collect()
-    };
-    let mut out: Vec<EulerOrder> = Vec::new();
-    for order in EulerOrder::ALL {
-        if out.iter().all(|other| own(other) != own(&order)) {
-            out.push(order);
-        }
-    }
-    out
 }
 
 /// Visibility above which a point is visible.
@@ -234,48 +208,77 @@ pub fn weights(scores: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Reasons why no map can be fitted or evaluated. Views count from 0.
-#[derive(Debug, thiserror::Error)]
-pub enum FitError {
-    /// The parameters of a view are invalid.
-    #[error("train view {view}: {error}")]
-    Site {
-        /// Index of the view.
-        view: usize,
-        /// Cause.
-        error: EvaluationError,
-    },
-    /// The parameters are invalid.
-    #[error(transparent)]
-    Given(#[from] EvaluationError),
-    /// A parameter has no value.
-    #[error("parameter \"{0}\" is missing")]
-    Missing(String),
-    /// No parameter has this name.
-    #[error("\"{found}\" is no parameter: expected {expected}")]
-    Unknown {
-        /// The name.
-        found: String,
-        /// Names of the parameters.
-        expected: String,
-    },
-    /// The distances of the views' parameters are undefined.
-    #[error(transparent)]
-    Kernel(#[from] KernelError),
-    /// Two views have the same parameters.
-    #[error("train views {first} and {second} have the same parameters")]
-    Same {
-        /// Index of the earlier view.
-        first: usize,
-        /// Index of the later view.
-        second: usize,
-    },
-    /// No candidate could be solved.
-    #[error("no polynomial and no kernel can be fitted to {views} views")]
-    None {
-        /// Number of views.
-        views: usize,
-    },
+/// Lists the encodings of parameters as inputs. Angles are one rotation, in each order that makes a difference if the
+/// order is open. If no angle varies by half a turn, angles are also tried as numbers.
+pub(super) fn encodings(examples: &Examples) -> Vec<Vec<Input>> {
+    let mut out = vec![Vec::new()];
+    for parameter in &examples.parameters {
+        let own: Vec<Input> = match parameter {
+            Parameter::Scalar(name) => vec![scalar(name)],
+            Parameter::Rotation { angles, order } => {
+                let orders = match order {
+                    Some(order) => vec![*order],
+                    None => orders(angles, &examples.train),
+                };
+                orders.into_iter().map(|order| rotation(angles, order)).collect()
+            }
+        };
+        out = out
+            .iter()
+            .flat_map(|encoding| {
+                own.iter().map(|input| [encoding.clone(), vec![input.clone()]].concat())
+            })
+            .collect();
+    }
+    let has_rotation =
+        |encoding: &[Input]| encoding.iter().any(|input| input.kind != InputKind::Scalar);
+    let names: Vec<&str> = examples.parameters.iter().flat_map(Parameter::names).collect();
+    let narrow = examples.parameters.iter().all(|parameter| match parameter {
+        Parameter::Scalar(_) => true,
+        Parameter::Rotation { angles, .. } => {
+            angles.iter().flatten().all(|angle| range(&examples.train, angle) < HALF_TURN)
+        }
+    });
+    if narrow && has_rotation(&out[0]) {
+        out.push(names.into_iter().map(scalar).collect());
+    }
+    out
+}
+
+fn scalar(name: &str) -> Input {
+    Input { name: name.to_owned(), kind: InputKind::Scalar, weight: 1.0 }
+}
+
+fn rotation(angles: &[Option<String>; 3], order: EulerOrder) -> Input {
+    let name = angles.each_ref().map(|angle| angle.as_deref().unwrap_or_default()).join(",");
+    let kind = InputKind::Rotation { feature: Feature::Matrix, order: Some(order) };
+    Input { name, kind, weight: 1.0 }
+}
+
+fn range(views: &[View], name: &str) -> f64 {
+    let values: Vec<f64> = views.iter().filter_map(|view| view.values.get(name).copied()).collect();
+    let [low, high] = ends(&values);
+    high - low
+}
+
+/// Lists the orders that differ for the angles that turn in some view.
+fn orders(angles: &[Option<String>; 3], views: &[View]) -> Vec<EulerOrder> {
+    let turns = |axis: usize| {
+        let values = angles[axis].iter().flat_map(|name| views.iter().map(|v| v.values.get(name)));
+        values.flatten().any(|value| *value != 0.0)
+    };
+    let turning: Vec<char> =
+        "XYZ".chars().enumerate().filter(|(axis, _)| turns(*axis)).map(|(_, c)| c).collect();
+    let own = |order: &EulerOrder| -> String {
+        order.name().chars().filter(|axis| turning.contains(axis)).collect()
+    };
+    let mut out: Vec<EulerOrder> = Vec::new();
+    for order in EulerOrder::ALL {
+        if out.iter().all(|other| own(other) != own(&order)) {
+            out.push(order);
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -307,7 +310,7 @@ mod tests {
 
     #[test]
     fn angles_are_rotations_in_each_order_that_matters_or_numbers_where_they_are_narrow() {
-        let count = |order, reach| ways(&head(order, reach)).len();
+        let count = |order, reach| encodings(&head(order, reach)).len();
         assert_eq!(count(None, 90.0), 3, "x before y, y before x, numbers");
         assert_eq!(count(Some(EulerOrder::Yxz), 90.0), 2);
         assert_eq!(count(Some(EulerOrder::Yxz), 270.0), 1);
@@ -316,15 +319,18 @@ mod tests {
     #[test]
     fn values_are_given_by_name() {
         let examples = head(Some(EulerOrder::Yxz), 90.0);
-        let way = &ways(&examples)[0];
-        assert_eq!(names_of(way), ["pitch", "yaw", "smile"]);
+        let encoding = &encodings(&examples)[0];
+        assert_eq!(names_of(encoding), ["pitch", "yaw", "smile"]);
         let mut values = examples.train[1].values.clone();
-        assert_eq!(given(way, &values).unwrap(), [5.0, 90.0, 0.0, 0.5]);
+        assert_eq!(given(encoding, &values).unwrap(), [5.0, 90.0, 0.0, 0.5]);
         values.insert("frown".to_owned(), 1.0);
-        let refused = given(way, &values).unwrap_err().to_string();
+        let refused = given(encoding, &values).unwrap_err().to_string();
         assert_eq!(refused, "\"frown\" is no parameter: expected pitch, yaw, smile");
         values.remove("frown");
         values.remove("yaw");
-        assert_eq!(given(way, &values).unwrap_err().to_string(), "parameter \"yaw\" is missing");
+        assert_eq!(
+            given(encoding, &values).unwrap_err().to_string(),
+            "parameter \"yaw\" is missing"
+        );
     }
 }

@@ -9,12 +9,32 @@ use std::path::Path;
 
 /// Number of triangle sides along the longer side of the drawing.
 const ACROSS: f64 = 32.0;
-/// Exponent by which the weight of a bone falls with the distance.
-const FALL: i32 = 4;
+/// Exponent of the distance in the weight of a bone.
+const FALLOFF: i32 = 4;
 /// Phases of the walk's training views, degrees.
 const PHASES: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
 /// Times of the jump's training views. The drawing is the first.
 const TIMES: [f64; 7] = [0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
+
+/// Names of the joints, and the index of each parent. Parents come first.
+pub const JOINTS: [(&str, Option<usize>); 16] = [
+    ("root", None),
+    ("hip", Some(0)),
+    ("torso", Some(1)),
+    ("neck", Some(2)),
+    ("right_shoulder", Some(2)),
+    ("right_elbow", Some(4)),
+    ("right_hand", Some(5)),
+    ("left_shoulder", Some(2)),
+    ("left_elbow", Some(7)),
+    ("left_hand", Some(8)),
+    ("right_hip", Some(0)),
+    ("right_knee", Some(10)),
+    ("right_foot", Some(11)),
+    ("left_hip", Some(0)),
+    ("left_knee", Some(13)),
+    ("left_foot", Some(14)),
+];
 
 /// Reads a drawing by its description `char_cfg.yaml`, with `texture.png` and `mask.png` in the same folder. Points are
 /// the joints and the corners of triangles inside the mask. The motions are a walk and a jump.
@@ -105,14 +125,15 @@ struct Mesh {
 impl Mesh {
     fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, SetError> {
         let Silhouette { corners, faces } = Silhouette::of(picture, ACROSS, 0)?;
-        let weights: Vec<[f64; 16]> = corners.iter().map(|corner| held(*corner, rest)).collect();
+        let weights: Vec<[f64; 16]> =
+            corners.iter().map(|corner| bone_weights(*corner, rest)).collect();
         let mut order: Vec<(usize, [usize; 3])> = Vec::new();
         for own in faces {
             let strongest = |k: usize| {
                 let weights = &weights[own[k]];
                 (0..16).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default()
             };
-            order.push((layer(strongest(0)), own));
+            order.push((depth_order(strongest(0)), own));
         }
         order.sort_by_key(|(layer, _)| *layer);
         let behind =
@@ -126,7 +147,7 @@ impl Mesh {
             let mut out = [0.0; 2];
             for (joint, weight) in weights.iter().enumerate() {
                 let Some(parent) = JOINTS[joint].1 else { continue };
-                let own = carried(*corner, rest[parent], posed.joints[parent], posed.turned[joint]);
+                let own = rotated(*corner, rest[parent], posed.joints[parent], posed.turned[joint]);
                 (0..2).for_each(|axis| out[axis] += weight * own[axis]);
             }
             out
@@ -137,7 +158,7 @@ impl Mesh {
 }
 
 /// Returns the depth order of a bone: legs, then arms, then the middle in front.
-fn layer(joint: usize) -> usize {
+fn depth_order(joint: usize) -> usize {
     match joint {
         10..=15 => 0,
         4..=9 => 1,
@@ -146,11 +167,12 @@ fn layer(joint: usize) -> usize {
 }
 
 /// Returns the weight of each bone at a point.
-fn held(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
+fn bone_weights(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
     let mut out = [0.0; 16];
     for (joint, (_, parent)) in JOINTS.iter().enumerate() {
         if let Some(parent) = *parent {
-            out[joint] = 1.0 / (1.0 + distance(point, rest[parent], rest[joint])).powi(FALL);
+            out[joint] =
+                1.0 / (1.0 + segment_distance(point, rest[parent], rest[joint])).powi(FALLOFF);
         }
     }
     let sum: f64 = out.iter().sum();
@@ -158,7 +180,7 @@ fn held(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
 }
 
 /// Returns the distance of a point from a line segment.
-fn distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(in crate::views) fn segment_distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let to = [point[0] - a[0], point[1] - a[1]];
     let squared = along[0] * along[0] + along[1] * along[1];
@@ -166,26 +188,6 @@ fn distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let share = share.clamp(0.0, 1.0);
     (to[0] - share * along[0]).hypot(to[1] - share * along[1])
 }
-
-/// Names of the joints, and the index of each parent. Parents come first.
-pub const JOINTS: [(&str, Option<usize>); 16] = [
-    ("root", None),
-    ("hip", Some(0)),
-    ("torso", Some(1)),
-    ("neck", Some(2)),
-    ("right_shoulder", Some(2)),
-    ("right_elbow", Some(4)),
-    ("right_hand", Some(5)),
-    ("left_shoulder", Some(2)),
-    ("left_elbow", Some(7)),
-    ("left_hand", Some(8)),
-    ("right_hip", Some(0)),
-    ("right_knee", Some(10)),
-    ("right_foot", Some(11)),
-    ("left_hip", Some(0)),
-    ("left_knee", Some(13)),
-    ("left_foot", Some(14)),
-];
 
 /// A pose, relative to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -251,14 +253,14 @@ impl Pose {
             };
             let turned = out.turned[parent] + self.turns[joint].to_radians();
             out.turned[joint] = turned;
-            out.joints[joint] = carried(rest[joint], rest[parent], out.joints[parent], turned);
+            out.joints[joint] = rotated(rest[joint], rest[parent], out.joints[parent], turned);
         }
         out
     }
 }
 
 /// Turns a point around the rest position of a joint, and moves the point with the joint.
-fn carried(point: [f64; 2], rest: [f64; 2], joint: [f64; 2], turned: f64) -> [f64; 2] {
+fn rotated(point: [f64; 2], rest: [f64; 2], joint: [f64; 2], turned: f64) -> [f64; 2] {
     let (s, c) = turned.sin_cos();
     let [x, y] = [point[0] - rest[0], point[1] - rest[1]];
     [joint[0] + c * x - s * y, joint[1] + s * x + c * y]

@@ -62,7 +62,7 @@ pub enum SetError {
     #[error(
         "{view}: point {point}: \"visible\" is null, expected true or false where there is a place or a picture"
     )]
-    Unsaid {
+    NullVisibility {
         /// Name of the view.
         view: String,
         /// Index of the point.

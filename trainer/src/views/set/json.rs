@@ -177,8 +177,10 @@ pub(super) fn view(
         let view = || named.to_owned();
         match (seen, place) {
             (Some(true), None) => return Err(SetError::Unknown { view: view(), point }),
-            (None, Some(_)) => return Err(SetError::Unsaid { view: view(), point }),
-            (None, None) if has_picture => return Err(SetError::Unsaid { view: view(), point }),
+            (None, Some(_)) => return Err(SetError::NullVisibility { view: view(), point }),
+            (None, None) if has_picture => {
+                return Err(SetError::NullVisibility { view: view(), point });
+            }
             _ => {}
         }
     }

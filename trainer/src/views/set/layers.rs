@@ -80,7 +80,6 @@ pub(super) struct WholeLayerView {
 /// Reads the layers of a view.
 ///
 /// - `names`: names of the set's layers.
-///
 /// - `named`: name of the view in errors.
 ///
 /// # Errors
@@ -148,7 +147,7 @@ pub(super) fn layered(
             Some(WrittenPoints::Given(points)) if !points.is_empty() => points,
             _ => return Err(wrong(&name, "it has no points".to_owned())),
         };
-        let elements = checked(set, &elements)?;
+        let elements = checked_elements(set, &elements)?;
         out.push(Layer { name, points, elements, clip });
     }
     check_points(set, &out)?;
@@ -161,7 +160,10 @@ pub(super) fn layered(
 ///
 /// # Errors
 /// The errors of [`Element::of_polygon`] and [`check_elements`].
-pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
+pub(super) fn checked_elements(
+    set: &ViewSet,
+    polygons: &[Vec<usize>],
+) -> Result<Vec<Element>, SetError> {
     let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
         out.extend(Element::of_polygon(number, polygon, set.point_len())?);

@@ -10,6 +10,7 @@ mod proposed;
 mod read;
 
 pub use data::{Element, Examples, Image, Layer, LayerView, Parameter, Values, View, ViewSet};
+pub(in crate::views) use drawing::segment_distance;
 pub use drawing::{JOINTS, read_drawing};
 pub use elements::triangulated;
 pub(in crate::views) use elements::{Covered, cropped};

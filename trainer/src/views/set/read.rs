@@ -4,7 +4,8 @@ use super::data::{Examples, Layer, View, ViewSet};
 use super::error::SetError;
 use super::json::{Written, WrittenMap, WrittenView, inferred, parameter, view};
 use super::layers::{
-    WrittenLayer, add_painted, add_pictures, checked, clip_as_painted, layered, painted_layers,
+    WrittenLayer, add_painted, add_pictures, checked_elements, clip_as_painted, layered,
+    painted_layers,
 };
 use super::proposed;
 use crate::formats::layered::is_layered;
@@ -236,7 +237,7 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
 
 /// Makes the layer of a set without layers, with the given elements.
 fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, SetError> {
-    Ok(Layer::whole(&set.name, set.point_len(), checked(set, polygons)?))
+    Ok(Layer::whole(&set.name, set.point_len(), checked_elements(set, polygons)?))
 }
 
 /// Finds the affine projection of K positions that is nearest to the known points of a view. The rows give x and y, and

@@ -49,7 +49,7 @@ impl Affine {
     }
 
     /// Returns the largest distance of two maps on a circle around their origin.
-    fn apart(&self, other: &Self, radius: f64) -> f64 {
+    fn distance(&self, other: &Self, radius: f64) -> f64 {
         (self.to - other.to).norm() + radius * (self.by - other.by).singular_values().max()
     }
 
@@ -65,7 +65,7 @@ impl Affine {
 ///
 /// Outlines decide which map is likeliest. The other returned maps turn less, so that a pattern may prevent a turn but
 /// never cause one: an iris moves in its eye.
-pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
+pub(super) fn affine_maps(rest: &Field, other: &Field) -> Vec<Affine> {
     let [own, target] = [rest.moments(), other.moments()];
     // The blur scales with the larger shape.
     let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
@@ -81,7 +81,7 @@ pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
     let mut out = vec![likeliest];
     let others = all.into_iter().take_while(|(cost, _)| *cost <= LIKELY * least);
     for (_, map) in others.filter(|(_, map)| cosine(&map.by) > cosine(&likeliest.by)) {
-        let is_new = out.iter().all(|other| map.apart(other, own.radius()) > sigma);
+        let is_new = out.iter().all(|other| map.distance(other, own.radius()) > sigma);
         if is_new {
             out.push(map);
         }
@@ -183,7 +183,6 @@ impl Tried {
     /// Adds a place.
     ///
     /// - `off`: offset of the place from the origin of the map.
-    ///
     /// - `of`: difference of a channel, and its slope along the mapped place.
     fn add(&mut self, off: Vector2<f64>, of: impl Fn(usize) -> (f64, Vector2<f64>)) {
         for (k, weight) in WEIGHTS.into_iter().enumerate() {

@@ -27,14 +27,15 @@ const NEAR: f64 = 0.5;
 /// Finds the smooth map from a picture to another.
 ///
 /// - `starts`: affine maps to start from. Each level drops the worse half.
-pub(super) fn bent(rest: &Field, other: &Field, starts: &[Affine]) -> Option<Bent> {
+pub(super) fn smooth_map(rest: &Field, other: &Field, starts: &[Affine]) -> Option<SplineMap> {
     let radius = rest.moments().radius();
     let size = Vector2::from(rest.size.map(|len| len as f64));
     let room = Vector2::repeat(ROOM * size.max());
     let (low, high) = (rest.corner - room, rest.corner + size + room);
     let lattice = |cells: f64| Lattice::new(low, high, cells * (1.0 + 2.0 * ROOM));
-    let first = |start: &Affine| Bent::of(lattice(LEVELS[0].0), |place| start.at(place));
-    let mut maps: Vec<(&Affine, Bent)> = starts.iter().map(|start| (start, first(start))).collect();
+    let first = |start: &Affine| SplineMap::of(lattice(LEVELS[0].0), |place| start.at(place));
+    let mut maps: Vec<(&Affine, SplineMap)> =
+        starts.iter().map(|start| (start, first(start))).collect();
     let mut last = None;
     for (cells, by) in LEVELS {
         let level = (cells, (radius / by).max(LEAST_BLUR));
@@ -45,7 +46,7 @@ pub(super) fn bent(rest: &Field, other: &Field, starts: &[Affine]) -> Option<Ben
         let fields = [rest.blurred(sigma), other.blurred(sigma)];
         let mut tried = Vec::new();
         for (start, map) in maps {
-            let mut map = Bent::of(lattice(cells), |place| map.at(place).0);
+            let mut map = SplineMap::of(lattice(cells), |place| map.at(place).0);
             let error = improved(&fields, &mut map, start, sigma);
             tried.push((start.cost(error), start, map));
         }
@@ -74,14 +75,14 @@ struct Tried {
 
 /// Improves a map by damped Gauss-Newton steps. Returns its difference and bending, over the difference of two disjoint
 /// pictures.
-fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> f64 {
+fn improved(fields: &[Field; 2], map: &mut SplineMap, start: &Affine, sigma: f64) -> f64 {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
     let square = |rgba: &[f64; 4]| rgba.iter().map(|x| x * x).sum::<f64>();
     let whole: f64 = places.iter().flatten().map(|(_, rgba)| square(rgba)).sum();
     let whole = whole.max(f64::MIN_POSITIVE);
     let rows = map.lattice.differences();
-    let tried = |map: &Bent, guesses: &[Vector2<f64>]| {
+    let tried = |map: &SplineMap, guesses: &[Vector2<f64>]| {
         let mut out =
             Tried { error: 0.0, bending: 0.0, differences: Vec::new(), sources: Vec::new() };
         for (place, rgba) in places[0].iter().filter(|(place, _)| map.lattice.is_within(*place)) {
@@ -89,7 +90,7 @@ fn improved(fields: &[Field; 2], map: &mut Bent, start: &Affine, sigma: f64) -> 
             out.add(*place, |k| (rgba[k] - found[k], slopes[k]));
         }
         for ((place, rgba), guess) in places[1].iter().zip(guesses) {
-            let own = map.back(*place, *guess);
+            let own = map.inverse_at(*place, *guess);
             out.sources.push(own);
             let (found, slope) = map.at(own);
             let is_there = (found - place).norm() < NEAR
@@ -166,7 +167,7 @@ impl Tried {
 /// Makes the normal equations of a step. The unknowns are x and y of each node in turn. Only the lower triangle of the
 /// matrix is filled.
 fn equations(
-    map: &Bent,
+    map: &SplineMap,
     tried: &Tried,
     rows: &[Vec<(usize, f64)>],
     bending: f64,
@@ -174,7 +175,7 @@ fn equations(
     let len = 2 * map.lattice.len();
     let (mut matrix, mut right) = (Mat::zeros(len, len), Mat::zeros(len, 1));
     for Difference { place, square, right: own } in &tried.differences {
-        let around = map.lattice.around(*place);
+        let around = map.lattice.weights_at(*place);
         for (a, by) in around.weights.into_iter().enumerate() {
             let first = 2 * map.lattice.node(around.first, a);
             right[(first, 0)] += by * own.x;
@@ -222,7 +223,7 @@ pub(super) struct Around {
 
 /// A spline map: the coefficient of each node.
 #[derive(Clone, Debug)]
-pub(super) struct Bent {
+pub(super) struct SplineMap {
     pub(super) lattice: Lattice,
     pub(super) nodes: Vec<Vector2<f64>>,
 }
@@ -247,7 +248,7 @@ impl Lattice {
     }
 
     /// Returns the nearest place inside the lattice.
-    fn within(&self, place: Vector2<f64>) -> Vector2<f64> {
+    fn clamped(&self, place: Vector2<f64>) -> Vector2<f64> {
         let high = self.origin + self.extent();
         place.zip_map(&self.origin, f64::max).zip_map(&high, f64::min)
     }
@@ -257,7 +258,7 @@ impl Lattice {
     }
 
     pub(super) fn is_within(&self, place: Vector2<f64>) -> bool {
-        self.within(place) == place
+        self.clamped(place) == place
     }
 
     /// Returns the cell of a place, and the position in the cell from 0 to 1.
@@ -268,7 +269,7 @@ impl Lattice {
     }
 
     /// Returns the weights at a place inside the lattice.
-    pub(super) fn around(&self, place: Vector2<f64>) -> Around {
+    pub(super) fn weights_at(&self, place: Vector2<f64>) -> Around {
         let ([x, y], [s, t]) = self.local(place);
         let (across, down) = (spline(s), spline(t));
         let weights = std::array::from_fn(|k| down[k / 4] * across[k % 4]);
@@ -307,7 +308,7 @@ impl Lattice {
     }
 }
 
-impl Bent {
+impl SplineMap {
     /// Approximates a map on a lattice. Affine maps are kept exactly.
     pub(super) fn of(lattice: Lattice, map: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Self {
         // Coefficients of cubic spline interpolation, truncated after the nearest neighbours.
@@ -326,7 +327,7 @@ impl Bent {
 
     /// Returns the image of a place and the derivative there. Outside the lattice the map is extended linearly.
     pub(super) fn at(&self, place: Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
-        let inside = self.lattice.within(place);
+        let inside = self.lattice.clamped(place);
         let ([x, y], [s, t]) = self.lattice.local(inside);
         let (across, down) = (spline(s), spline(t));
         let [slope_across, slope_down] = [s, t].map(|t| slopes(t).map(|x| x / self.lattice.cell));
@@ -344,7 +345,7 @@ impl Bent {
 
     /// Finds the place that maps to `target`, by Newton steps from a guess. Returns the last guess if there is no such
     /// place.
-    pub(super) fn back(&self, target: Vector2<f64>, guess: Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn inverse_at(&self, target: Vector2<f64>, guess: Vector2<f64>) -> Vector2<f64> {
         let mut place = guess;
         for _ in 0..NEWTON {
             let (found, slope) = self.at(place);
@@ -352,7 +353,7 @@ impl Bent {
             let step = inverse * (target - found);
             let len = step.norm().max(f64::MIN_POSITIVE);
             place += step * (2.0 * self.lattice.cell / len).min(1.0);
-            let inside = self.lattice.within(place);
+            let inside = self.lattice.clamped(place);
             place = inside + (place - inside).cap_magnitude(self.lattice.cell);
         }
         place
@@ -382,20 +383,20 @@ mod tests {
     fn maps_are_kept_go_back_and_have_their_derivatives() {
         let lattice = Lattice::new(Vector2::new(-3.0, 2.0), Vector2::new(17.0, 12.0), 5.0);
         let straight = |p: Vector2<f64>| Vector2::new(1.5 * p.x - 0.25 * p.y + 7.0, p.x + p.y);
-        let kept = Bent::of(lattice.clone(), straight);
+        let kept = SplineMap::of(lattice.clone(), straight);
         for place in [[0.0, 3.0], [16.9, 11.9], [-9.0, 40.0]].map(Vector2::from) {
             let (found, slope) = kept.at(place);
             assert!((found - straight(place)).norm() < 1e-12);
             assert!((slope - Matrix2::new(1.5, -0.25, 1.0, 1.0)).norm() < 1e-12);
         }
         let bent = |p: Vector2<f64>| p + 0.02 * Vector2::new(p.y * p.y, p.x * p.y);
-        let kept = Bent::of(lattice, bent);
+        let kept = SplineMap::of(lattice, bent);
         for place in [[0.0, 3.0], [8.0, 7.5], [12.0, 5.0]].map(Vector2::from) {
             // Cubic splines reproduce quadratic maps.
             assert!((kept.at(place).0 - bent(place)).norm() < 1e-12);
             let slope = Matrix2::new(1.0, 0.04 * place.y, 0.02 * place.y, 1.0 + 0.02 * place.x);
             assert!((kept.at(place).1 - slope).norm() < 1e-12);
-            let back = kept.back(bent(place), Vector2::new(5.0, 5.0));
+            let back = kept.inverse_at(bent(place), Vector2::new(5.0, 5.0));
             assert!((back - place).norm() < 1e-6, "{back}");
         }
     }
@@ -404,7 +405,7 @@ mod tests {
     fn straight_maps_do_not_bend() {
         let lattice = Lattice::new(Vector2::zeros(), Vector2::new(9.0, 5.0), 4.0);
         let bending = |map: &dyn Fn(Vector2<f64>) -> Vector2<f64>| {
-            let nodes = Bent::of(lattice.clone(), map).nodes;
+            let nodes = SplineMap::of(lattice.clone(), map).nodes;
             let sum = |own: &Vec<(usize, f64)>| {
                 own.iter().map(|(node, by)| *by * nodes[*node]).sum::<Vector2<f64>>()
             };

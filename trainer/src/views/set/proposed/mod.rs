@@ -8,17 +8,19 @@ use super::data::{Element, Parameter, Values, ViewSet};
 use super::elements::{Silhouette, cropped};
 use super::error::SetError;
 use crate::page::picture::Picture;
-use affine::{Field, affine};
-use bend::bent;
+use affine::{Field, affine_maps};
+use bend::smooth_map;
 use libm::remainder;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Largest number of triangle sides along the longer side of a layer.
 const ACROSS: f64 = 8.0;
+/// Smallest side of a triangle, pixels.
 const LEAST: f64 = 4.0;
 /// Smallest margin around a silhouette that triangles cover, pixels.
 const MARGIN: usize = 2;
+/// Smallest margin, over the side of a triangle.
 const MARGIN_PART: f64 = 0.25;
 /// Longer side of the largest matched picture, pixels. Larger pictures are shrunk.
 const SIDE: f64 = 128.0;
@@ -69,33 +71,33 @@ struct Proposed {
 }
 
 /// A picture of a layer, cropped to its covered pixels.
-struct Shown {
+struct Cropped {
     key: usize,
     picture: Picture,
     corner: [usize; 2],
 }
 
 fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Proposed, SetError> {
-    let mut shown = Vec::new();
+    let mut pictures = Vec::new();
     for (key, &(map, view)) in keys.iter().enumerate() {
         let Some(image) = set.maps[map].train[view].picture(layer) else { continue };
         let cut = cropped(&image.load(set.size)?, 0);
-        shown.extend(cut.map(|(picture, corner)| Shown { key, picture, corner }));
+        pictures.extend(cut.map(|(picture, corner)| Cropped { key, picture, corner }));
     }
-    let sides = |own: &Shown| own.picture.size.width.max(own.picture.size.height);
-    let Some(longest) = shown.iter().map(sides).max() else {
+    let sides = |own: &Cropped| own.picture.size.width.max(own.picture.size.height);
+    let Some(longest) = pictures.iter().map(sides).max() else {
         return Err(SetError::never_shown(&set.layers[layer].name));
     };
     let scale = (SIDE / longest as f64).min(1.0);
-    let field = |Shown { picture, corner, .. }: &Shown| {
+    let field = |Cropped { picture, corner, .. }: &Cropped| {
         let size = [picture.size.width, picture.size.height];
         // Averages squares of pixels first, so that the blur in f64 stays small.
         let side = (0.5 / scale).max(1.0) as usize;
         Field::new(&picture.rgba, size, *corner, side).scaled(scale * side as f64)
     };
-    let fields: Vec<Field> = shown.par_iter().map(field).collect();
-    let rest = central(set, &shown.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
-    let reference = &shown[rest];
+    let fields: Vec<Field> = pictures.par_iter().map(field).collect();
+    let rest = central(set, &pictures.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
+    let reference = &pictures[rest];
     let across = (sides(reference) as f64 / LEAST).clamp(1.0, ACROSS);
     let side = sides(reference) as f64 / across;
     let margin = MARGIN.max((MARGIN_PART * side).ceil() as usize);
@@ -107,7 +109,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
         if number == rest {
             return places.iter().map(|place| (*place).into()).collect();
         }
-        let map = bent(&fields[rest], other, &affine(&fields[rest], other));
+        let map = smooth_map(&fields[rest], other, &affine_maps(&fields[rest], other));
         let place = |place: &Vector2<f64>| {
             let found = map.as_ref().map_or(*place, |map| map.at(place * scale).0 / scale);
             found.into()
@@ -116,7 +118,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     };
     let found: Vec<Vec<[f64; 2]>> = fields.par_iter().enumerate().map(matched).collect();
     let mut points = vec![None; keys.len()];
-    for (Shown { key, .. }, found) in shown.iter().zip(found) {
+    for (Cropped { key, .. }, found) in pictures.iter().zip(found) {
         points[*key] = Some(found);
     }
     Ok(Proposed { points, triangles: faces })
