@@ -87,7 +87,7 @@ impl Mesh {
         self.layers.push(own);
     }
 
-    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin thin_plate
+    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin plate
     /// spline between the points of the layer carries the vertices of the grid.
     ///
     /// - `points`: indices of the points of the layer; at least one.
@@ -209,7 +209,7 @@ fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
 }
 
 /// Warp that carries places along with points. Collinear points give a similarity, coinciding points give a shift, and
-/// any other points give a thin thin_plate spline.
+/// any other points give a thin plate spline.
 struct Warp {
     rest: Vec<[f64; 2]>,
     centre: [f64; 2],

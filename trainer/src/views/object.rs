@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn at_the_prototypes_reference_stands_the_instances() {
+    fn the_prototypes_reference_gives_the_instances() {
         for by_size in [false, true] {
             let reference = Reference::new(&FIGURE, &OTHER, by_size);
             let found = centred(&reference.moved(&FIGURE)).0;
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn motion_is_parallel_and_as_large_as_the_instance_where_that_is_asked_for() {
+    fn motion_is_parallel_and_scales_with_the_instance_by_size() {
         let moved = waved(&FIGURE);
         let change: Vec<_> = centred(&moved).0.into_iter().zip(centred(&FIGURE).0).collect();
         for (by_size, factor) in

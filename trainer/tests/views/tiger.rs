@@ -1,4 +1,4 @@
-//! A cartoon tiger's paths, every second key left out.
+//! Paths of a cartoon tiger, with every second key left out.
 
 use super::common::{apart, examples, rms, view};
 use super::shared::shared;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::set::Parameter;
 
-/// RMS over that of linear in-betweening.
+/// Largest RMS error, over that of linear interpolation between keys.
 const OVER_LINEAR: f64 = 1.02;
 
 /// A path of a Lottie file whose shape changes at keys.
@@ -19,7 +19,7 @@ struct AnimatedPath {
     vertex_len: usize,
 }
 
-/// Squares of what left-out keys are missed by: by a map of the others, and by lines between them.
+/// Returns the squared errors of left-out keys: by a map of the others, and by linear interpolation.
 fn left_out(path: &AnimatedPath) -> [Vec<f64>; 2] {
     let last = path.times.len() - 1;
     let kept: Vec<usize> = (0..=last).filter(|key| key % 2 == 0 || *key == last).collect();
@@ -44,7 +44,7 @@ fn left_out(path: &AnimatedPath) -> [Vec<f64>; 2] {
 }
 
 #[test]
-fn keys_that_are_left_out_are_no_farther_than_from_lines_between_the_others() {
+fn left_out_keys_are_predicted_as_well_as_by_lines() {
     let Some(file) = shared("noto-tiger/Tiger.json") else { return };
     let whole = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
     let mut paths = Vec::new();
@@ -62,7 +62,7 @@ fn keys_that_are_left_out_are_no_farther_than_from_lines_between_the_others() {
     assert!(rms(&own) <= OVER_LINEAR * rms(&linear), "{} {}", rms(&own), rms(&linear));
 }
 
-/// Looks for paths in whatever holds them.
+/// Collects all animated paths of a value.
 fn collect(value: &Value, out: &mut Vec<AnimatedPath>) {
     match value {
         Value::Object(fields) => {

@@ -85,7 +85,7 @@ fn samples(size: Resolution, place: usize) -> impl Iterator<Item = [f64; 2]> {
         .map(move |s| [x as f64 + part(s % SAMPLES), y as f64 + part(s / SAMPLES)])
 }
 
-/// Blends a colour blend a pixel of straight alpha. `count` is the number of covered samples.
+/// Blends a colour over a pixel of straight alpha. `count` is the number of covered samples.
 fn blend(pixel: &mut [u8], colour: Colour, count: usize) {
     let share = count as f64 / (SAMPLES * SAMPLES) as f64;
     let below = f64::from(pixel[3]) / 255.0 * (1.0 - share);

@@ -280,7 +280,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nodes_of_a_cell_are_beside_each_other() {
+    fn nodes_of_a_cell_are_neighbours() {
         let played = Played {
             points: Vec::new(),
             visibility: Vec::new(),

@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn the_view_that_counts_most_is_undermost_and_one_that_never_counts_is_left_out() {
+    fn the_view_with_the_largest_share_is_lowest_and_views_without_share_are_dropped() {
         assert_eq!(order(&[vec![0.1, 0.0, 0.9], vec![0.3, 0.0, 0.7]]), [2, 0]);
         assert_eq!(order(&[]), [0; 0]);
     }

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_pieces_the_longer_border_counts_also_where_they_touch() {
+    fn the_longer_border_of_two_pieces_wins_even_if_they_touch() {
         let apart = [[0, 1, 2], [3, 4, 5], [3, 5, 6]];
         assert_eq!(turned(hull(&apart)), [3, 4, 5, 6]);
         let touching = [[0, 1, 2], [2, 3, 4], [2, 4, 5]];

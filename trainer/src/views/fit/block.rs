@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_are_products_of_what_changes() {
+    fn sets_are_products_of_varying_features() {
         let input = |kind| Input { name: String::new(), kind, weight: 1.0 };
         let turn = InputKind::Rotation { feature: Feature::Matrix, order: None };
         let inputs = [turn, InputKind::Scalar, InputKind::Scalar].map(input);

@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_rotations_in_each_order_that_matters_or_numbers_where_they_are_narrow() {
+    fn angles_are_rotations_in_each_order_or_numbers_if_narrow() {
         let count = |order, reach| encodings(&head(order, reach)).len();
         assert_eq!(count(None, 90.0), 3, "x before y, y before x, numbers");
         assert_eq!(count(Some(EulerOrder::Yxz), 90.0), 2);

@@ -284,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn depth_is_what_a_view_from_the_front_does_not_show() {
+    fn depth_is_recovered_from_a_frontal_view() {
         let positions =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 2.0], [0.0, 1.0, -1.0], [1.0, 1.0, 0.5], [0.3, 0.9, 3.0]];
         // The viewer is at large z. y points up in space, and down in pixels.

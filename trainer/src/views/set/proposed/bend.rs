@@ -380,7 +380,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_are_kept_go_back_and_have_their_derivatives() {
+    fn maps_have_inverses_and_derivatives() {
         let lattice = Lattice::new(Vector2::new(-3.0, 2.0), Vector2::new(17.0, 12.0), 5.0);
         let straight = |p: Vector2<f64>| Vector2::new(1.5 * p.x - 0.25 * p.y + 7.0, p.x + p.y);
         let kept = SplineMap::of(lattice.clone(), straight);
