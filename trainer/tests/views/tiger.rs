@@ -93,7 +93,7 @@ fn animated(keys: &Value) -> Option<AnimatedPath> {
     let times: Vec<f64> = keys.iter().map(|key| key.get("t")?.as_f64()).collect::<Option<_>>()?;
     let len = shapes.first()?.len();
     let whole = shapes.iter().all(|shape| shape.len() == len) && times.is_sorted_by(|a, b| a < b);
-    whole.then(|| AnimatedPath { vertex_len: len / 3, times, keys: shapes })
+    whole.then_some(AnimatedPath { vertex_len: len / 3, times, keys: shapes })
 }
 
 fn pairs(value: &Value) -> Option<Vec<[f64; 2]>> {

@@ -14,7 +14,6 @@ use clap::Subcommand;
 
 pub(super) use describe::describe;
 
-/// The commands by name.
 #[derive(Subcommand)]
 pub(in crate::cli) enum Command {
     Demo(train::Demo),

@@ -187,7 +187,7 @@ pub(super) fn view(
     Ok(view)
 }
 
-/// Writes a set in the format that [`super::read`] reads.
+/// Writes a set in the format that [`super::read()`] reads.
 ///
 /// - `folder`: folder of the set. Pictures are named relative to the folder.
 pub fn as_json(set: &ViewSet, folder: &Path) -> Value {
