@@ -10,7 +10,7 @@ use sinew_trainer::bake::bake;
 use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{ViewSet, read};
-use sinew_trainer::views::{bake as views_bake, train};
+use sinew_trainer::views::{model, train};
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -23,7 +23,7 @@ fn data(path: &str) -> PathBuf {
 
 fn trained(set: &ViewSet) -> Outcome<Model<Vec<u8>>> {
     let trained = train::train(set, FitOptions::default())?;
-    let bytes = bake(Space::default(), &views_bake::parts(&trained.model)?)?;
+    let bytes = bake(Space::default(), &model::parts(&trained.model)?)?;
     Ok(Model::from_bytes(bytes)?)
 }
 

@@ -1,77 +1,84 @@
-//! The negative control: networks over pixels beside control points and warping (S1 appendix 2, METHOD §6.7).
+//! The negative control: networks from parameters to pixels, which S1 says cannot work (S1 appendix 2, METHOD §6.7).
+//! They are compared with control points and warping.
 //!
-//! A network is linear in the pictures, and so is their Fourier transform: a network over transforms, transformed back,
-//! gives the same picture. By Parseval its error is the same, too. So one figure is reported for both.
+//! A network is linear in the pictures, and so is the Fourier transform. A network over transforms, transformed back,
+//! gives the same picture. By Parseval the error is the same, too. So one figure is reported for both.
 
-use super::bake::parts;
+use super::evaluate::{PictureError, add_picture};
 use super::fit::FitOptions;
-use super::naive::{NETWORKS, mixed, weights};
+use super::model::parts;
 use super::player::{PlayError, Player, multiplied};
-use super::psnr::{PictureError, add_picture};
-use super::set::{SetError, View, ViewSet};
+use super::set::{Parameter, SetError, View, ViewSet};
 use super::train::{TrainError, train};
 use crate::bake::{BakeError, bake};
+use crate::scattered::solver::error::KernelError;
+use crate::scattered::solver::fit::Fit;
+use crate::scattered::solver::options::Options;
+use crate::scattered::solver::samples::Samples;
+use crate::scattered::solver::scaling::Block;
+use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 
-/// Fewest key views that a network is fitted to.
+/// Smallest number of key views for a fit of a network.
 const KEYS: usize = 3;
 
 /// PSNR of the model and of the networks, on the same views.
 #[derive(Clone, Debug, Serialize)]
 pub struct Control {
-    /// Views that were predicted.
+    /// Number of predicted views.
     pub views: usize,
-    /// Whether they are key views, each left out of the fit: the set has no test views with a picture.
+    /// Whether the predicted views are key views, each left out of its fit, because the set has no test views with a
+    /// picture.
     pub is_left_out: bool,
-    /// Control points and warping first, then networks over pixels: those that could be fitted for every view.
+    /// Control points and warping first, then the networks that could be fitted for every view.
     pub rows: Vec<Row>,
 }
 
-/// One way to make pictures, and its PSNR over RGBA times alpha, dB; infinite, which JSON has as null, where nothing is
-/// off. `None` where there are no such pixels.
+/// A method and its PSNR over RGBA times alpha, dB. `None` without such pixels. Infinite without an error, which JSON
+/// writes as null.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The way.
+    /// Name of the method.
     pub name: String,
-    /// Over whole pictures.
+    /// PSNR over whole pictures.
     pub psnr: Option<f64>,
-    /// Over the pixels that are opaque in the model's picture.
+    /// PSNR over the pixels that are opaque in the model's picture.
     pub psnr_opaque: Option<f64>,
 }
 
-/// A set that the control cannot be measured on.
+/// Reasons why the control cannot be measured on a set.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
-    /// There are too few pictures to predict one from others.
+    /// A motion has too few key views to predict one from the others.
     #[error("\"{map}\": expected {expected} key views or more, found {found}")]
     Few {
-        /// The motion.
+        /// Name of the motion.
         map: String,
-        /// Key views at the least.
+        /// Smallest number of key views.
         expected: usize,
-        /// Its key views.
+        /// Key views of the motion.
         found: usize,
     },
-    /// A key view has pictures of layers alone.
+    /// A key view has only pictures of layers.
     #[error("{0}: expected an `image` of the whole, found pictures of layers alone")]
     Whole(String),
-    /// The set, or a set without one of its views, cannot be taken.
+    /// The set, or the set without one view, cannot be trained on.
     #[error("{of}: {error}")]
     Train {
-        /// The set that was trained on.
+        /// Name of the training set.
         of: String,
-        /// Why.
+        /// Cause.
         error: Box<TrainError>,
     },
-    /// A view cannot be shown.
+    /// A view cannot be drawn.
     #[error("{of}: {error}")]
     Play {
-        /// The view.
+        /// Name of the view.
         of: String,
-        /// Why.
+        /// Cause.
         error: PlayError,
     },
     /// A picture cannot be read.
@@ -82,18 +89,62 @@ pub enum ControlError {
     Bake(#[from] BakeError),
 }
 
-/// A set to learn from, and views of one of its motions to predict.
+/// Shape parameters of the gaussians: one over the width, in mean distances of the views.
+const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
+
+/// Kernel and shape parameter (one over the width) of each network over pixels.
+pub const NETWORKS: [(Kernel, f64); 7] = [
+    (Kernel::Linear, 1.0),
+    (Kernel::Multiquadric, 1.0),
+    (Kernel::Gaussian, EPSILONS[0]),
+    (Kernel::Gaussian, EPSILONS[1]),
+    (Kernel::Gaussian, EPSILONS[2]),
+    (Kernel::Gaussian, EPSILONS[3]),
+    (Kernel::Gaussian, EPSILONS[4]),
+];
+
+/// Returns the weights with which a network over the parameters mixes the views' pictures at `at`. A network is linear
+/// in the pictures, so these weights determine its picture.
+///
+/// # Errors
+/// [`KernelError`] of the fit.
+pub fn network_weights(
+    (kernel, epsilon): (Kernel, f64),
+    parameters: &[Parameter],
+    views: &[&View],
+    at: &View,
+) -> Result<Vec<f64>, KernelError> {
+    let names: Vec<&str> = parameters.iter().flat_map(Parameter::names).collect();
+    let value = |view: &View, c: usize| view.values.get(names[c]).copied().unwrap_or_default();
+    let sites = Mat::from_fn(views.len(), names.len(), |i, c| value(views[i], c));
+    let blocks = vec![Block { len: 1, weight: 1.0 }; names.len()];
+    let samples = Samples::of_weights(&sites, &blocks)?;
+    let fit = Fit::new(&samples, &Options { epsilon, ..Options::new(kernel) })?;
+    Ok(fit.sum.evaluate(&(0..names.len()).map(|c| value(at, c)).collect::<Vec<_>>()))
+}
+
+/// Mixes pictures of equal length by their weights.
+pub fn mixed(weights: &[f64], pictures: &[&[f64]]) -> Vec<f64> {
+    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.len())];
+    for (weight, picture) in weights.iter().zip(pictures) {
+        out.iter_mut().zip(*picture).for_each(|(out, x)| *out += weight * x);
+    }
+    out
+}
+
+/// A training set, and views of one motion to predict.
 struct Case {
     set: ViewSet,
     map: usize,
     views: Vec<View>,
-    /// How the set is named in errors.
+    /// Name of the set in errors.
     named: String,
 }
 
 /// Predicts pictures by control points and warping, and by every network over pixels.
 ///
-/// Test views with a picture of the whole are predicted; where there are none, each key view, left out of the set.
+/// Predicts the test views that have a picture of the whole object. Without such views, leaves each key view out of the
+/// set and predicts that view.
 ///
 /// # Errors
 /// [`ControlError`].
@@ -140,7 +191,7 @@ fn check(set: &ViewSet, map: usize, expected: usize) -> Result<(), ControlError>
     if found < expected { Err(ControlError::Few { map, expected, found }) } else { Ok(()) }
 }
 
-/// Lists the motions with test views that have a picture.
+/// Lists the cases of motions with test views that have a picture.
 fn tested(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
     let mut out = Vec::new();
     for (map, examples) in set.maps.iter().enumerate() {
@@ -154,7 +205,7 @@ fn tested(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
     Ok(out)
 }
 
-/// Leaves out each key view of every motion that has some.
+/// Lists one case for each left-out key view of every motion.
 fn left_out(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
     let mut out = Vec::new();
     for (map, number) in set.key_views() {
@@ -200,7 +251,7 @@ impl Case {
         let file =
             Model::from_bytes(file).map_err(|error| play(PlayError::Missing(error.to_string())))?;
         let player = Player::new(&file, Some(&examples.name)).map_err(play)?;
-        // Key views of other motions have no part in this one.
+        // Key views of other motions have no weight in this motion.
         let own = set.key_views().iter().map(|(other, _)| other == map).collect::<Vec<_>>();
         for view in views {
             let Some(image) = &view.image else { continue };
@@ -209,8 +260,8 @@ impl Case {
             let (picture, _) = player.draw(&played).map_err(play)?;
             let scores = played.scores.iter().zip(&own).filter(|(_, own)| **own);
             let own = Some(scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>());
-            let fitted =
-                NETWORKS.map(|network| weights(network, &examples.parameters, &keys, view).ok());
+            let fitted = NETWORKS
+                .map(|network| network_weights(network, &examples.parameters, &keys, view).ok());
             let networks = std::iter::once(own).chain(fitted);
             let networks = networks.map(|weights| Some(bytes(&mixed(&weights?, &pictures))));
             let found = std::iter::once(Some(picture.rgba.clone())).chain(networks);

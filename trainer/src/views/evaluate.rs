@@ -1,68 +1,68 @@
-//! A model file held against views, by the runtime.
+//! Comparison of a model file with views, by the runtime.
 
 use super::player::{PlayError, Player, multiplied};
-use super::psnr::{PictureError, add_picture};
 use super::set::{SetError, View, ViewSet};
+use crate::page::picture::Picture;
 use serde::Serialize;
 use sinew_runtime::Model;
 
-/// What a file is off by: points in pixels.
+/// Errors of a file on a set of views.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Measured {
-    /// Of the points, where the views know some.
+    /// Errors of the points; `None` if the views have no known points.
     #[serde(flatten)]
     pub points: Option<MeasuredPoints>,
-    /// Peak over RMS error of whole pictures, RGBA times alpha, dB; none where views have none. Infinite, which JSON has
-    /// as null, where nothing is off.
+    /// PSNR of whole pictures, RGBA times alpha, dB. `None` if the views have no pictures. Infinite without an error,
+    /// which JSON writes as null.
     pub psnr: Option<f64>,
-    /// The same over the pixels that are opaque in what is drawn.
+    /// PSNR over the pixels that are opaque in the drawn picture, dB.
     pub psnr_opaque: Option<f64>,
-    /// Whether the views are those that the file was trained on: the set has no others.
+    /// Whether the measured views are the training views, because the set has no test views.
     pub is_training: bool,
-    /// Elements that were drawn turned over.
+    /// Number of elements that were drawn turned over.
     pub flipped: usize,
-    /// Views.
+    /// Number of views.
     pub views: usize,
 }
 
-/// What points are off by, in pixels.
+/// Errors of points, pixels.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct MeasuredPoints {
-    /// RMS over known points.
+    /// RMS error of the known points.
     pub rms: f64,
-    /// The most.
+    /// Largest error.
     pub max: f64,
-    /// Share of points whose visibility is right, in views that know some.
+    /// Share of points with the right visibility, in views with known points.
     pub visibility: f64,
 }
 
-/// What cannot be measured.
+/// Reasons why a file cannot be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// A view cannot be shown.
+    /// A view cannot be drawn.
     #[error("\"{map}\", view {view}: {error}")]
     Play {
-        /// The motion.
+        /// Name of the motion.
         map: String,
-        /// The view.
+        /// Index of the view.
         view: usize,
-        /// Why.
+        /// Cause.
         error: PlayError,
     },
     /// A picture cannot be read.
     #[error(transparent)]
     Set(#[from] SetError),
-    /// The file is of another object.
+    /// The file has another number of points than the views.
     #[error("the file has {file} points, the views {views}")]
     Points {
-        /// Of the file.
+        /// Points of the file.
         file: usize,
-        /// Of the views.
+        /// Points of the views.
         views: usize,
     },
 }
 
-/// Measures a file on a set: on its views to measure with if it has some, else on those to learn from.
+/// Measures a file on the test views of a set, or on the training views if the set has no test views.
 ///
 /// # Errors
 /// [`EvaluateError`].
@@ -70,7 +70,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0u32);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
-    // Of all pixels, and of those that are opaque.
+    // Errors of all pixels, and of the opaque pixels.
     let mut off = [PictureError::default(); 2];
     for examples in &set.maps {
         let wrong =
@@ -89,7 +89,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
                     (f64::from(*x) - point[0]).powi(2) + (f64::from(*y) - point[1]).powi(2);
                 (squares, most, known) = (squares + square, most.max(square), known + 1);
             }
-            // Nothing is known where all points are proposed.
+            // Views whose points are all proposed have no known visibility.
             if view.points.iter().any(Option::is_some) {
                 let seen = played.visibility.iter().map(|x| *x > 0.5);
                 let marked = seen.zip(view.seen()).filter_map(|(own, seen)| Some(own == seen?));
@@ -113,4 +113,57 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
         visibility: right as f64 / marks as f64,
     });
     Ok(Measured { points, psnr, psnr_opaque, is_training: !is_tested, flipped, views: count })
+}
+
+/// Sum of squared errors of bytes over pictures.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PictureError {
+    squares: f64,
+    count: usize,
+}
+
+impl PictureError {
+    /// Adds pixels: two slices of equal length with bytes.
+    pub fn add(&mut self, truth: &[u8], found: &[u8]) {
+        let apart = truth.iter().zip(found).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
+        self.squares += apart.sum::<f64>();
+        self.count += truth.len();
+    }
+
+    /// Returns the PSNR in dB: infinite without an error, `None` without pixels.
+    pub fn psnr(&self) -> Option<f64> {
+        let error = self.squares / self.count as f64;
+        (self.count > 0).then(|| 20.0 * 255.0f64.log10() - 10.0 * error.log10())
+    }
+}
+
+/// Adds the errors of a picture: all pixels to `whole`, and the opaque pixels of the drawn picture to `opaque`.
+///
+/// - `drawn`: the picture whose alpha decides which pixels are opaque.
+pub(super) fn add_picture(
+    [whole, opaque]: &mut [PictureError; 2],
+    truth: &Picture,
+    found: &[u8],
+    drawn: &Picture,
+) {
+    whole.add(&truth.rgba, found);
+    let pixels = truth.rgba.chunks(4).zip(found.chunks(4)).zip(drawn.rgba.chunks(4));
+    let pixels = pixels.filter(|(_, drawn)| drawn[3] == u8::MAX);
+    pixels.for_each(|((truth, found), _)| opaque.add(truth, found));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tenth_of_the_peak_is_twenty_decibels() {
+        let mut error = PictureError::default();
+        assert_eq!(error.psnr(), None);
+        error.add(&[7, 9], &[7, 9]);
+        assert_eq!(error.psnr(), Some(f64::INFINITY));
+        // The squares of 51 and 0 over four numbers have a mean of 25.5 squared.
+        error.add(&[0, 100], &[51, 100]);
+        assert!((error.psnr().unwrap() - 20.0).abs() < 1e-12);
+    }
 }

@@ -1,43 +1,41 @@
-//! From points to parameters: what must have been set for points to stand where they are seen (S1 §2's
-//! attitude, METHOD §6.2).
+//! Finds parameters from points: the parameters at which the points lie where they are seen (S1 §2's attitude, METHOD
+//! §6.2).
 //!
-//! A few steps of Gauss and Newton on the map itself, damped, from the example that is nearest in shape. It
-//! takes whatever points are visible; a second map from points to parameters would have to be learned for
-//! each set of them, and meets no example that it has not seen so.
+//! The search takes a few damped Gauss-Newton steps on the map, from the start of the nearest shape. It accepts any set
+//! of visible points. A second map from points to parameters would have to be trained for each set of visible points.
 
-use super::deformation::{centred, norm};
 use super::fit::{FitError, MapOutputs, given, names_of};
-use super::object::ObjectMap;
+use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::scattered::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};
 
-/// Steps at most.
+/// Largest number of steps.
 const STEPS: usize = 60;
-/// Damping at first, as a share of the normal matrix's diagonal, and what it changes by.
+/// First damping, as a share of the diagonal of the normal matrix, and the factor of its changes.
 const DAMPING: (f64, f64) = (1e-3, 10.0);
-/// Above it no step helps.
+/// Damping above which the search stops.
 const MOST_DAMPING: f64 = 1e12;
-/// Change of the error, over itself, below which it is found.
+/// Relative change of the error at which the search stops.
 const FOUND: f64 = 1e-14;
-/// Parameters to begin with, at most, if all places of each are joined with all of the others.
+/// Largest number of starts if all places of each parameter are combined.
 const STARTS: usize = 1000;
-/// Step of a parameter for its derivative, in the units of the features' change.
+/// Step of an input for the central difference.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Parameters of points, and what they leave.
+/// Parameters found from points, and the remaining error.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The parameters.
+    /// Values of the parameters.
     pub values: Values,
-    /// RMS distance of the map's points from those given, moved and scaled onto them, pixels.
+    /// RMS distance of the map's points from the given points, moved and scaled onto them, pixels.
     pub rms: f64,
 }
 
-/// Finds the parameters at which a map gives points, as [`ObjectMap::find`] does for an object that moves by itself.
+/// Finds the parameters at which a map gives points, as [`ObjectMap::find`] does for an object with its own motion.
 ///
 /// # Errors
-/// [`FitError`] of the examples' values.
+/// [`FitError`]: the values of a start are invalid.
 pub fn find(
     model: &KernelModel,
     outputs: MapOutputs,
@@ -48,17 +46,17 @@ pub fn find(
 }
 
 impl ObjectMap<'_> {
-    /// Finds the parameters at which the object has points, apart from where they are and how large.
+    /// Finds the parameters at which the object has given points, up to a shift and a scale.
     ///
-    /// Points of a transferred object are those of the instance. The deformation depends on the parameters, so both are
-    /// solved together (METHOD §6.6).
+    /// For a transferred object the points are the instance's. The deformation depends on the parameters, so the search
+    /// solves for both (METHOD §6.6).
     ///
-    /// - `points`: K of them, none where a point is not seen.
-    /// - `starts`: parameters to begin with: the examples', those of the frame before, or [`starts`]. The search begins
-    ///   with the nearest in shape.
+    /// - `points`: K points, pixels; `None` if a point is hidden.
+    /// - `starts`: parameters to start from: those of the training views, those of the previous frame, or [`starts`].
+    ///   The search begins with the start of the nearest shape.
     ///
     /// # Errors
-    /// [`FitError`] of the examples' values.
+    /// [`FitError`]: the values of a start are invalid.
     pub fn find(&self, points: &[Option<[f64; 2]>], starts: &[Values]) -> Result<Found, FitError> {
         let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
         let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
@@ -68,11 +66,11 @@ impl ObjectMap<'_> {
     }
 }
 
-/// Lists parameters to begin with where nothing is known, all over the range of the examples: the middle and the ends of
-/// numbers; angles all round where there is one, else where faces look. Of many parameters one at a time is off its
-/// middle.
+/// Lists starts over the whole training range, for a search without prior knowledge. Numbers start at the middle and
+/// both ends of their range. A single angle starts all the way round, and several angles at poses of a face. If there
+/// are too many combinations, each start moves one parameter off its middle.
 pub fn starts(model: &KernelModel) -> Vec<Values> {
-    // The middle first.
+    // Places of each parameter, the middle first.
     let mut axes: Vec<(&str, Vec<f64>)> = Vec::new();
     let mut feature = 0;
     for input in &model.inputs {
@@ -110,13 +108,13 @@ pub fn starts(model: &KernelModel) -> Vec<Values> {
 
 struct Problem<'a> {
     object: ObjectMap<'a>,
-    /// Numbers of the points that are given.
+    /// Indices of the given points.
     seen: &'a [usize],
-    /// Where they are.
+    /// Positions of the given points.
     target: &'a [[f64; 2]],
 }
 
-/// A state of the search: what is given of the inputs, and how target points come to lie on the map's.
+/// A state of the search: the inputs of the map, and the similarity from the target points to the map's points.
 struct Guess {
     given: Vec<f64>,
     scale: f64,
@@ -124,7 +122,7 @@ struct Guess {
 }
 
 impl Problem<'_> {
-    /// Returns the parameters whose shape is nearest.
+    /// Returns the start with the nearest shape.
     fn nearest(&self, starts: &[Values]) -> Result<Values, FitError> {
         let shape = |points: &[[f64; 2]]| {
             let own = centred(points).0;
@@ -188,7 +186,7 @@ impl Problem<'_> {
         Ok(Found { values, rms })
     }
 
-    /// Lists the numbers of what is given that have a name, in the order of their names.
+    /// Lists the indices of the inputs that have a name, in the order of their names.
     fn free(&self) -> Vec<usize> {
         let inputs = &self.object.model.inputs;
         let parts = inputs.iter().flat_map(|input| {
@@ -198,7 +196,7 @@ impl Problem<'_> {
         parts.enumerate().filter(|(_, named)| *named).map(|(at, _)| at).collect()
     }
 
-    /// Evaluates the points that are seen.
+    /// Evaluates the given points.
     fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, FitError> {
         Ok(self.seen_of(&self.object.places(&self.numbers(given)?)))
     }
@@ -208,12 +206,12 @@ impl Problem<'_> {
         Ok(self.object.model.evaluate(given).map_err(FitError::Given)?.numbers)
     }
 
-    /// Takes those of K points that are seen.
+    /// Selects the given points of K points.
     fn seen_of(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         self.seen.iter().map(|&k| points[k]).collect()
     }
 
-    /// Returns target points, moved and scaled, less the map's: 2 x seen.
+    /// Returns the target points, moved and scaled, less the map's points: two numbers for each given point.
     fn residuals(&self, guess: &Guess) -> Result<DVector<f64>, FitError> {
         let points = self.points(&guess.given)?;
         let (own, target) = (points.as_flattened(), self.target.as_flattened());
@@ -221,7 +219,7 @@ impl Problem<'_> {
         Ok(DVector::from_fn(own.len(), |at, _| moved(at) - own[at]))
     }
 
-    /// Returns the derivatives of what is taken off the target: by parameters, by scale and by shift.
+    /// Returns the negative derivatives of the residuals by parameters, by scale and by shift.
     fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
         let model = self.object.model;
         let at = |given: &[f64]| features(&model.inputs, given).map_err(FitError::Given);

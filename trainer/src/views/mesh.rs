@@ -1,54 +1,54 @@
-//! Vertices that move as points do, and the elements between them (METHOD §6.9).
+//! Vertices that follow points, and the elements between the vertices (METHOD §6.9).
 
-use super::covered::Covered;
-use super::set::Element;
+use super::object::centred;
+use super::set::{Covered, Element};
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};
 use sinew_runtime::views::{Element as FileElement, Layer, Vertex as FileVertex, Views};
 use std::collections::HashMap;
 
-/// Cells along the longer side of a layer that is bent as a whole, at least and at most, and how long each is at the least,
-/// pixels.
+/// Smallest and largest number of cells along the longer side of a warped layer.
 const CELLS: [f64; 2] = [2.0, 16.0];
+/// Smallest side of a cell, pixels.
 const CELL: f64 = 8.0;
-/// Width over length below which points lie on a line.
+/// Width over length below which points count as collinear.
 const LINE: f64 = 1e-3;
 
-/// A vertex: a place, and points, each times a complex weight, by which it is scaled and turned.
+/// A vertex: a place plus a sum of points, each times a complex weight that scales and turns the point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vertex {
-    /// Where it stands without points.
+    /// Place without points, pixels.
     pub place: [f64; 2],
-    /// Points and their weights.
+    /// Indices of points, and their weights.
     pub weights: Vec<(usize, Complex<f64>)>,
 }
 
-/// Vertices, and the elements of layers between them.
+/// Vertices, and the elements of the layers between the vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertices, V.
+    /// The V vertices.
     pub vertices: Vec<Vertex>,
-    /// By layer its elements, by numbers of vertices.
+    /// Elements of each layer. Their corners are indices of vertices.
     pub layers: Vec<Vec<Element>>,
 }
 
-/// A layer as key views show it: where its points are on the screen, and its picture with the place of its corner.
-pub struct Shown<'a> {
-    /// K points.
+/// A layer in a key view: points on the screen, and the picture with the position of its corner.
+pub struct LayerInView<'a> {
+    /// Positions of all K points, pixels.
     pub points: &'a [[f64; 2]],
-    /// How many of its points are seen.
+    /// Number of visible points of the layer.
     pub seen: usize,
-    /// Its picture, if it has one.
+    /// Picture of the layer and the position of its corner, if the key view shows the layer.
     pub picture: Option<&'a (Picture, [usize; 2])>,
 }
 
 impl Vertex {
-    /// Makes the vertex that a point is.
+    /// Makes a vertex that coincides with a point.
     pub fn of_point(point: usize) -> Self {
         Self { place: [0.0; 2], weights: vec![(point, Complex::ONE)] }
     }
 
-    /// Returns where it is.
+    /// Returns the position of the vertex, pixels.
     pub fn at(&self, points: &[[f64; 2]]) -> [f64; 2] {
         let add = |sum: Complex<f64>, (point, weight): &(usize, Complex<f64>)| {
             sum + weight * complex(points[*point])
@@ -59,7 +59,7 @@ impl Vertex {
 }
 
 impl Mesh {
-    /// Adds a layer of elements between points, and between places that are fixed, numbered from `point_len` on.
+    /// Adds a layer of elements between points and fixed places. Fixed places have the indices from `point_len` on.
     pub fn add_elements(&mut self, elements: &[Element], point_len: usize, fixed: &[[f64; 2]]) {
         self.add_layer(elements, |point| match point.checked_sub(point_len) {
             None => Vertex::of_point(point),
@@ -67,9 +67,9 @@ impl Mesh {
         });
     }
 
-    /// Adds a layer of elements, and a vertex for each number in them.
+    /// Adds a layer of elements, and a vertex for each index in the elements.
     ///
-    /// - `vertex`: makes the vertex of a number.
+    /// - `vertex`: makes the vertex of an index.
     pub(super) fn add_layer(&mut self, elements: &[Element], vertex: impl Fn(usize) -> Vertex) {
         let mut places: HashMap<usize, usize> = HashMap::new();
         let vertices = &mut self.vertices;
@@ -87,27 +87,27 @@ impl Mesh {
         self.layers.push(own);
     }
 
-    /// Adds a layer that is bent as a whole. A grid lies over the layer's pictures in all key views, and a thin plate spline
-    /// between the layer's points carries its vertices.
+    /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin plate
+    /// spline between the points of the layer carries the vertices of the grid.
     ///
-    /// - `points`: of the layer, one at least.
-    /// - `views`: key views; one at least has a picture.
-    pub fn add_bent(&mut self, points: &[usize], views: &[Shown<'_>]) {
-        // Of views with a picture that in which most points are seen, the first of equals.
+    /// - `points`: indices of the points of the layer; at least one.
+    /// - `views`: key views; at least one has a picture.
+    pub fn add_warped(&mut self, points: &[usize], views: &[LayerInView<'_>]) {
+        // The view at rest: the first of the pictured views with the most visible points.
         let pictured = views.iter().filter(|view| view.picture.is_some());
         let most = pictured.clone().map(|view| view.seen).max();
         let Some(rest) = pictured.clone().find(|view| Some(view.seen) == most) else {
             self.layers.push(Vec::new());
             return;
         };
-        let of = |view: &Shown<'_>| -> Vec<[f64; 2]> {
+        let of = |view: &LayerInView<'_>| -> Vec<[f64; 2]> {
             points.iter().map(|&point| view.points[point]).collect()
         };
         let own = of(rest);
-        // What any view shows, where it is at rest.
+        // Bounds of all pictures, moved back to rest.
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for view in pictured.clone() {
-            let back = Bend::new(&of(view));
+            let back = Warp::new(&of(view));
             for place in outline(view.picture) {
                 let found = back.moved(place, &own);
                 for axis in 0..2 {
@@ -118,7 +118,7 @@ impl Mesh {
         }
         let longest = (0..2).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let cell = longest / (longest / CELL).clamp(CELLS[0], CELLS[1]).round();
-        // A cell more on each side: splines are not their own inverse.
+        // One more cell on each side, because the inverse of a spline is not a spline.
         let counts = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 2);
         let start =
             [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * cell * counts[axis] as f64);
@@ -126,9 +126,9 @@ impl Mesh {
         let place = |at: usize| {
             [start[0] + cell * (at % across) as f64, start[1] + cell * (at / across) as f64]
         };
-        let bend = Bend::new(&own);
+        let warp = Warp::new(&own);
         let all: Vec<Vertex> =
-            (0..across * (counts[1] + 1)).map(|at| bend.vertex(place(at), points)).collect();
+            (0..across * (counts[1] + 1)).map(|at| warp.vertex(place(at), points)).collect();
         let placed: Vec<Vec<[f64; 2]>> = pictured
             .clone()
             .map(|view| all.iter().map(|vertex| vertex.at(view.points)).collect())
@@ -142,7 +142,7 @@ impl Mesh {
             let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
             let is_seen = placed.iter().zip(&covered).any(|(placed, (covered, corner))| {
                 let ring = [a, b, c, d].map(|at| placed[at]);
-                // With a pixel around the cell.
+                // Bounds of the cell, plus one pixel.
                 let own = |axis: usize| ring.map(|place| place[axis] - corner[axis] as f64);
                 let least = |axis| own(axis).into_iter().fold(f64::INFINITY, f64::min);
                 let most = |axis| own(axis).into_iter().fold(f64::NEG_INFINITY, f64::max);
@@ -156,7 +156,7 @@ impl Mesh {
         self.add_layer(&elements, |at| all[at].clone());
     }
 
-    /// Reads what a file holds.
+    /// Reads the mesh of a file.
     pub fn from_file(views: &Views<'_>) -> Self {
         let vertex = |vertex: FileVertex<'_>| Vertex {
             place: vertex.place().map(f64::from),
@@ -178,12 +178,12 @@ impl Mesh {
         }
     }
 
-    /// Returns how many elements all layers have.
+    /// Returns the number of elements in all layers.
     pub fn element_len(&self) -> usize {
         self.layers.iter().map(Vec::len).sum()
     }
 
-    /// Lists, element by element over all layers, the elements across its edges.
+    /// Lists the neighbours of each element of all layers, by edge.
     pub fn neighbours(&self) -> Vec<[Option<usize>; 4]> {
         let mut sides: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
         let elements: Vec<&Element> = self.layers.iter().flatten().collect();
@@ -208,19 +208,19 @@ fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
     points.iter().zip(ends).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 
-/// What carries places along with points: a thin plate spline; a similarity where points lie on a line; a shift where there
-/// is one.
-struct Bend {
+/// Warp that carries places along with points. Collinear points give a similarity, coinciding points give a shift, and
+/// any other points give a thin plate spline.
+struct Warp {
     rest: Vec<[f64; 2]>,
     centre: [f64; 2],
-    /// Of a spline the scale of distances, and the inverse of its system, transposed.
+    /// Scale of distances, and the transposed inverse of the spline's system.
     spline: Option<(f64, DMatrix<f64>)>,
 }
 
-impl Bend {
+impl Warp {
     fn new(rest: &[[f64; 2]]) -> Self {
         let rest = rest.to_vec();
-        let (n, centre) = (rest.len(), mean(&rest));
+        let (n, centre) = (rest.len(), centred(&rest).1);
         let off = DMatrix::from_fn(n, 2, |i, axis| rest[i][axis] - centre[axis]);
         let sides = off.singular_values();
         if n < 3 || sides[1] <= LINE * sides[0] {
@@ -228,7 +228,7 @@ impl Bend {
         }
         let scale = sides[0] / (n as f64).sqrt();
         let system = DMatrix::from_fn(n + 3, n + 3, |i, j| match (i < n, j < n) {
-            (true, true) => plate(rest[i], rest[j], scale),
+            (true, true) => thin_plate(rest[i], rest[j], scale),
             (true, false) => [1.0, off[(i, 0)] / scale, off[(i, 1)] / scale][j - n],
             (false, true) => [1.0, off[(j, 0)] / scale, off[(j, 1)] / scale][i - n],
             (false, false) => 0.0,
@@ -237,14 +237,14 @@ impl Bend {
         Self { rest, centre, spline: inverse.map(|inverse| (scale, inverse.transpose())) }
     }
 
-    /// Makes a vertex of a place, by numbers of the points.
+    /// Makes the vertex at a place. `points` are the indices of the points in the object.
     fn vertex(&self, place: [f64; 2], points: &[usize]) -> Vertex {
         let (own, weights) = self.weights(place);
         let weights = points.iter().copied().zip(weights).filter(|(_, w)| *w != Complex::ZERO);
         Vertex { place: own, weights: weights.collect() }
     }
 
-    /// Returns where a place comes to be as points move.
+    /// Returns the new position of a place after the points moved.
     fn moved(&self, place: [f64; 2], points: &[[f64; 2]]) -> [f64; 2] {
         let numbers: Vec<usize> = (0..points.len()).collect();
         self.vertex(place, &numbers).at(points)
@@ -255,7 +255,7 @@ impl Bend {
         if let Some((scale, inverse)) = &self.spline {
             let [x, y] = [0, 1].map(|axis| (place[axis] - centre[axis]) / *scale);
             let own = DVector::from_fn(n + 3, |i, _| match i.checked_sub(n) {
-                None => plate(self.rest[i], place, *scale),
+                None => thin_plate(self.rest[i], place, *scale),
                 Some(term) => [1.0, x, y][term],
             });
             let found = inverse * own;
@@ -274,21 +274,17 @@ impl Bend {
     }
 }
 
-/// Returns r² log r of a distance in some scale.
-fn plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
+/// Returns r² log r of the scaled distance r.
+fn thin_plate(a: [f64; 2], b: [f64; 2], scale: f64) -> f64 {
     let square = (0..2).map(|axis| ((a[axis] - b[axis]) / scale).powi(2)).sum::<f64>();
     if square > 0.0 { 0.5 * square * libm::log(square) } else { 0.0 }
-}
-
-fn mean(points: &[[f64; 2]]) -> [f64; 2] {
-    [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64)
 }
 
 fn complex([x, y]: [f64; 2]) -> Complex<f64> {
     Complex::new(x, y)
 }
 
-/// Lists the corners of pixels that a picture begins and ends with in each row.
+/// Lists the corners of the first and last covered pixel of each row.
 fn outline(picture: Option<&(Picture, [usize; 2])>) -> Vec<[f64; 2]> {
     let Some((picture, [left, top])) = picture else { return Vec::new() };
     let rows = picture.rgba.chunks(4 * picture.size.width.max(1)).enumerate();
@@ -316,33 +312,33 @@ mod tests {
     }
 
     #[test]
-    fn what_is_bent_goes_through_its_points_and_follows_affine_maps() {
-        let bend = Bend::new(&POINTS);
+    fn a_warp_meets_its_points_and_reproduces_affine_maps() {
+        let warp = Warp::new(&POINTS);
         let moved = POINTS.map(|[x, y]| [x + 3.0 * (0.1 * y).sin(), y - 0.02 * x * x]);
         for (point, target) in POINTS.iter().zip(moved) {
-            assert!(far(bend.moved(*point, &moved), target) < 1e-9);
+            assert!(far(warp.moved(*point, &moved), target) < 1e-9);
         }
         let affine = |[x, y]: [f64; 2]| [1.5 * x - 0.25 * y + 7.0, 0.5 * x + 0.75 * y - 20.0];
         let moved = POINTS.map(affine);
         for place in [[0.0, 0.0], [30.0, 20.0], [90.0, -40.0]] {
-            assert!(far(bend.moved(place, &moved), affine(place)) < 1e-9);
+            assert!(far(warp.moved(place, &moved), affine(place)) < 1e-9);
         }
     }
 
     #[test]
-    fn two_points_turn_and_scale_what_is_between_and_beside_them_and_one_shifts_it() {
+    fn two_points_turn_and_scale_their_surroundings_and_one_shifts_it() {
         let similar = |[x, y]: [f64; 2]| [-2.0 * y + 5.0, 2.0 * x - 1.0];
         for points in [vec![[1.0, 2.0], [9.0, 2.0]], vec![[1.0, 1.0], [3.0, 3.0], [8.0, 8.0]]] {
             let moved: Vec<_> = points.iter().copied().map(similar).collect();
-            let found = Bend::new(&points).moved([4.0, 7.0], &moved);
+            let found = Warp::new(&points).moved([4.0, 7.0], &moved);
             assert!(far(found, similar([4.0, 7.0])) < 1e-12);
         }
-        let found = Bend::new(&[[3.0, 4.0]]).moved([5.0, 5.0], &[[13.0, 24.0]]);
+        let found = Warp::new(&[[3.0, 4.0]]).moved([5.0, 5.0], &[[13.0, 24.0]]);
         assert!(far(found, [15.0, 25.0]) < 1e-12);
     }
 
     #[test]
-    fn a_grid_covers_what_every_view_shows() {
+    fn a_grid_covers_the_pictures_of_every_view() {
         let disc = |centre: [f64; 2], radius: f64| {
             let size = Resolution { width: 64, height: 64 };
             let inside = |at: usize| {
@@ -358,11 +354,11 @@ mod tests {
         };
         let pictures = [disc([20.0, 20.0], 12.0), disc([40.0, 36.0], 20.0)];
         let points = [square([20.0, 20.0], 8.0), square([40.0, 36.0], 12.0)];
-        let views: Vec<Shown<'_>> = (0..2)
-            .map(|k| Shown { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
+        let views: Vec<LayerInView<'_>> = (0..2)
+            .map(|k| LayerInView { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
             .collect();
         let mut mesh = Mesh::default();
-        mesh.add_bent(&[0, 1, 2, 3], &views);
+        mesh.add_warped(&[0, 1, 2, 3], &views);
         for (view, (picture, _)) in points.iter().zip(&pictures) {
             let places: Vec<[f64; 2]> = mesh.vertices.iter().map(|v| v.at(view)).collect();
             let covers = |p: [f64; 2]| {
@@ -379,7 +375,7 @@ mod tests {
                 assert!(covers([(at % 64) as f64 + 0.5, (at / 64) as f64 + 0.5]), "{at}");
             }
         }
-        // Elements of a grid meet at every edge but the outermost.
+        // Elements of a grid share every edge except the outermost.
         let alone = mesh.neighbours().iter().flatten().filter(|other| other.is_none()).count();
         assert!(alone < 2 * mesh.element_len());
     }

@@ -1,16 +1,12 @@
-//! Memory-based 2-D graphics (S1, METHOD §6): from a few drawings or photographs with matched points to every
-//! view between them.
+//! Memory-based 2-D graphics (S1, METHOD §6): views between a few drawings or photographs with matched points.
 //!
-//! A [`set`] of views, as a person writes it, is [`train`]ed into a [`model`]: [`fit`] makes maps from parameters to
-//! points, depths, visibility and a score of each key view, and a [`mesh`] goes along. [`bake`] writes it, a [`player`] shows a file by the
-//! runtime, [`evaluate`] holds it against views. [`inverse`] goes back from points to parameters, [`deformation`] and
-//! [`transfer`] lend one object's motion to another, [`pin`] lets a few points be dragged, and [`naive`] is the network
-//! over pixels that S1 warns of, which [`control`] measures and a [`report`] shows beside the rest.
+//! [`train`] makes a [`model`] of a [`set`] of views. [`fit`] makes maps from parameters to points, depths, visibility
+//! and scores of key views, and a [`mesh`] carries the pictures. A [`player`] draws a file by the runtime, and
+//! [`evaluate`] compares a file with views. [`inverse`] finds parameters from points, [`transfer`] lends the motion of
+//! one object to another, and [`pin`] drags a few points. [`control`] measures the networks over pixels that S1 warns
+//! of. A [`report`] shows all of these on one page, and [`export`] writes files for other tools.
 
-pub mod bake;
 pub mod control;
-mod covered;
-pub mod deformation;
 pub mod demo;
 pub mod evaluate;
 pub mod export;
@@ -18,14 +14,10 @@ pub mod fit;
 pub mod inverse;
 pub mod mesh;
 pub mod model;
-pub mod motion;
-pub mod naive;
 pub mod object;
 pub mod pin;
 pub mod player;
-pub mod psnr;
 pub mod report;
 pub mod set;
 pub mod train;
 pub mod transfer;
-pub mod weights;

@@ -1,76 +1,278 @@
-//! An object of views in f64: what training makes and a file holds.
+//! Objects of views in f64, and the parts that bake writes of them (FORMAT.md).
 
-use super::deformation::Reference;
 use super::fit::MapOutputs;
-use super::mesh::Mesh;
-use crate::page::picture::Picture;
+use super::mesh::{Mesh, Vertex};
+use super::object::Reference;
+use super::set::Element;
+use crate::bake::sections::{floats, names, narrow, words};
+use crate::bake::{BakeError, Part, Sections};
+use crate::scattered;
 use crate::scattered::model::KernelModel;
+use crate::page::picture::Picture;
+use nalgebra::Complex;
+use sinew_runtime::format::{Element as Number, PartKind, SectionKind};
+use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, ViewsCounts};
 
-/// An object: its key views, and maps from parameters to its points.
+/// An object: key views, and maps from parameters to its points.
 #[derive(Clone, Debug)]
 pub struct ViewsModel {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
     /// Width and height of the screen, pixels.
     pub size: [usize; 2],
-    /// Control points, K.
+    /// Number of control points, K.
     pub point_len: usize,
-    /// Vertices, and the elements of each layer between them.
+    /// Vertices, and the elements of each layer between the vertices.
     pub mesh: Mesh,
-    /// Layers, L.
+    /// The L layers, the hindmost first.
     pub layers: Vec<LayerModel>,
-    /// Key views, N.
+    /// The N key views.
     pub keys: Vec<KeyView>,
-    /// Maps, each with the outputs of [`MapOutputs`].
+    /// Maps of the motions, each with the outputs of [`MapOutputs`].
     pub maps: Vec<KernelModel>,
-    /// What training reached.
+    /// Errors on the training views.
     pub fit: Reached,
 }
 
-/// A layer beside its elements.
+/// Properties of a layer. [`Mesh::layers`] has the elements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LayerModel {
-    /// Its name.
+    /// Name of the layer.
     pub name: String,
-    /// The layer that clips it.
+    /// Index of the layer that clips this layer.
     pub clip: Option<usize>,
-    /// Whether its elements hide each other by depth.
+    /// Whether the elements hide each other by depth.
     pub has_depth: bool,
-    /// Whether it is drawn by itself before it is blended: elements may lie on each other where it is translucent.
+    /// Whether the layer is drawn separately before blending: elements may overlap where the layer is translucent.
     pub is_group: bool,
-    /// Whether elements that turn over are not drawn.
+    /// Whether elements that turn over are skipped.
     pub is_one_sided: bool,
 }
 
 /// A key view.
 #[derive(Clone, Debug)]
 pub struct KeyView {
-    /// Its name.
+    /// Name of the key view.
     pub name: String,
-    /// L pictures, each with where its corner is on the screen; none of a layer that it does not show.
+    /// L pictures, each with the position of its upper left corner on the screen. `None` if the key view does not show
+    /// the layer.
     pub pictures: Vec<Option<(Picture, [usize; 2])>>,
-    /// Where points are on the screen, K.
+    /// Positions of the K points on the screen, pixels.
     pub points: Vec<[f64; 2]>,
-    /// Which of them are seen, K.
+    /// Whether each of the K points is visible.
     pub visible: Vec<bool>,
-    /// What it has in common with its prototype, where its motion is lent.
+    /// Reference points of the prototype and of this object, if the motion is lent.
     pub reference: Option<Reference>,
 }
 
-/// What training reached, pixels.
+/// Errors on the training views. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reached {
-    /// RMS over points of the examples.
+    /// RMS error of the points of the training views.
     pub rms: f64,
-    /// The same of examples that are left out; 0 where they could not be.
+    /// RMS error of the points of left-out views; 0 if no view could be left out.
     pub left_out: f64,
-    /// Share of points whose visibility the maps give as the examples do.
+    /// Share of the known marks of visibility that the maps predict.
     pub visibility: f64,
 }
 
 impl ViewsModel {
-    /// Returns how many outputs each map has.
+    /// Returns the number of outputs of each map.
     pub fn outputs(&self) -> MapOutputs {
         MapOutputs { points: self.point_len, views: self.keys.len(), layers: self.layers.len() }
     }
+}
+
+/// Bits in one word of a visibility mask.
+const BITS: usize = 32;
+
+/// Makes the parts of a model: the maps first, then the object.
+///
+/// # Errors
+/// [`BakeError::Size`]: a count does not fit the file.
+pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, BakeError> {
+    let maps = model.maps.iter().map(kernel::bake::part);
+    let mut out = maps.collect::<Result<Vec<_>, _>>()?;
+    out.push(object(model)?);
+    Ok(out)
+}
+
+fn object(model: &ViewsModel) -> Result<Part, BakeError> {
+    let all = || model.keys.iter().flat_map(|key| key.pictures.iter().flatten());
+    let texels = || all().map(|(picture, _)| picture.rgba.len() / 4);
+    let mesh = &model.mesh;
+    let weights = || mesh.vertices.iter().flat_map(|vertex| &vertex.weights);
+    let elements: Vec<&Element> = mesh.layers.iter().flatten().collect();
+    let [width, height] = model.size;
+    let counts = ViewsCounts {
+        point_len: narrow("points", model.point_len)?,
+        vertex_len: narrow("vertices", mesh.vertices.len())?,
+        weight_len: narrow("weights", weights().count())?,
+        element_len: narrow("elements", elements.len())?,
+        layer_len: narrow("layers", model.layers.len())?,
+        view_len: narrow("key views", model.keys.len())?,
+        map_len: narrow("maps", model.maps.len())?,
+        texture_len: narrow("textures", all().count())?,
+        texel_len: narrow("texels", texels().sum())?,
+        size: [narrow("the pictures' width", width)?, narrow("the pictures' height", height)?],
+    };
+    let mut textures = Vec::new();
+    let mut start = 0;
+    for ((picture, _), texels) in all().zip(texels()) {
+        for (what, number) in [
+            ("a texture's width", picture.size.width),
+            ("a texture's height", picture.size.height),
+            ("texels", start),
+        ] {
+            textures.push(narrow(what, number)?);
+        }
+        start += texels;
+    }
+    let mut next = 0;
+    let mut texture = |picture: &Option<_>| match picture {
+        None => Ok(NOTHING),
+        Some(_) => {
+            next += 1;
+            narrow("textures", next - 1)
+        }
+    };
+    let view_textures = model.keys.iter().flat_map(|key| &key.pictures).map(&mut texture);
+    let view_textures = view_textures.collect::<Result<Vec<u32>, _>>()?;
+    let names_of_keys = model.keys.iter().map(|key| &key.name);
+    let names_of_layers = model.layers.iter().map(|layer| &layer.name);
+    let named = std::iter::once(&model.name).chain(names_of_keys).chain(names_of_layers);
+    let maps = (0..model.maps.len()).map(|map| narrow("maps", map));
+    let maps = maps.collect::<Result<Vec<u32>, _>>()?;
+    let mut sections: Sections = vec![
+        (SectionKind::ViewsCounts, true, words(&counts.words())),
+        (SectionKind::Names, true, names(named)?),
+        (SectionKind::Maps, true, words(&maps)),
+        (SectionKind::Layers, true, words(&layers(model)?)),
+        (SectionKind::Vertices, true, vertices(mesh)?),
+        (SectionKind::VertexWeights, true, weight_rows(weights())?),
+        (SectionKind::Elements, true, corners(&elements)?),
+        (SectionKind::Neighbours, true, neighbours(mesh)?),
+        (SectionKind::ViewTextures, true, words(&view_textures)),
+        (SectionKind::VertexTexels, true, vertex_texels(model)),
+        (
+            SectionKind::References,
+            true,
+            model.keys.iter().flat_map(|key| floats(key.points.as_flattened())).collect(),
+        ),
+        (SectionKind::ViewMasks, true, words(&masks(&model.keys))),
+        (SectionKind::Textures, true, words(&textures)),
+        (
+            SectionKind::Texels,
+            true,
+            all().flat_map(|(picture, _)| picture.rgba.iter().copied()).collect(),
+        ),
+    ];
+    let references: Option<Vec<_>> = model.keys.iter().map(|key| key.reference.as_ref()).collect();
+    if let Some(references) = references.filter(|all| !all.is_empty()) {
+        let own = references.iter().flat_map(|reference| {
+            let pairs = reference.prototype.iter().zip(&reference.instance);
+            let offset = |(own, other): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|axis| other[axis] - reference.scale * own[axis])
+            };
+            let offsets: Vec<[f64; 2]> = pairs.map(offset).collect();
+            floats(&[&[reference.scale], offsets.as_flattened()].concat())
+        });
+        sections.push((SectionKind::Deformations, true, own.collect()));
+    }
+    let fit = [model.fit.rms, model.fit.left_out, model.fit.visibility];
+    sections.push((SectionKind::ViewsFit, true, floats(&fit)));
+    Ok(Part { kind: PartKind::Views, sections, element: Number::F32 })
+}
+
+/// Lists three words for each layer: the end of its elements, the layer that clips it, and its flags.
+fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
+    let (mut out, mut end) = (Vec::new(), 0);
+    for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
+        end += elements.len();
+        let clip = layer.clip.map_or(Ok(NOTHING), |clip| narrow("layers", clip))?;
+        let flags = [
+            (layer.has_depth, Layer::DEPTH),
+            (layer.is_group, Layer::GROUP),
+            (layer.is_one_sided, Layer::ONE_SIDED),
+        ];
+        let flags: u32 = flags.iter().filter(|(is_set, _)| *is_set).map(|(_, bit)| bit).sum();
+        out.extend([narrow("elements", end)?, clip, flags]);
+    }
+    Ok(out)
+}
+
+/// Writes the end of the weights and the place of each vertex.
+fn vertices(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+    let (mut out, mut end) = (Vec::new(), 0);
+    for vertex in &mesh.vertices {
+        end += vertex.weights.len();
+        let end: u32 = narrow("weights", end)?;
+        out.extend(end.to_le_bytes());
+        out.extend(floats(&vertex.place));
+    }
+    Ok(out)
+}
+
+fn weight_rows<'a>(
+    weights: impl Iterator<Item = &'a (usize, Complex<f64>)>,
+) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for (point, weight) in weights {
+        let point: u32 = narrow("points", *point)?;
+        out.extend(point.to_le_bytes());
+        out.extend(floats(&[weight.re, weight.im]));
+    }
+    Ok(out)
+}
+
+fn corners(elements: &[&Element]) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for element in elements {
+        for corner in 0..4 {
+            let vertex = match element.points().get(corner) {
+                Some(&vertex) => narrow("vertices", vertex)?,
+                None => NO_VERTEX,
+            };
+            out.extend(vertex.to_le_bytes());
+        }
+    }
+    Ok(out)
+}
+
+fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+    let mut out = Vec::new();
+    for other in mesh.neighbours().as_flattened() {
+        let other = other.map_or(Ok(NO_VERTEX), |other| narrow("elements", other))?;
+        out.extend(other.to_le_bytes());
+    }
+    Ok(out)
+}
+
+/// Writes the position of each vertex in the picture of its layer, for each key view. The position is the origin if the
+/// key view has no picture of the layer.
+fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
+    // Layer of each vertex.
+    let mut owners = vec![0; model.mesh.vertices.len()];
+    for (layer, elements) in model.mesh.layers.iter().enumerate() {
+        elements.iter().flat_map(Element::points).for_each(|&vertex| owners[vertex] = layer);
+    }
+    let of_key = |key: &KeyView| -> Vec<[f64; 2]> {
+        let of_vertex = |(vertex, layer): (&Vertex, &usize)| match &key.pictures[*layer] {
+            None => [0.0; 2],
+            Some((_, corner)) => {
+                let place = vertex.at(&key.points);
+                [0, 1].map(|axis| place[axis] - corner[axis] as f64)
+            }
+        };
+        model.mesh.vertices.iter().zip(&owners).map(of_vertex).collect()
+    };
+    model.keys.iter().flat_map(|key| floats(of_key(key).as_flattened())).collect()
+}
+
+/// Lists one bit for each point and key view. Each key view starts a new word.
+fn masks(keys: &[KeyView]) -> Vec<u32> {
+    let word = |seen: &[bool]| {
+        seen.iter().enumerate().fold(0, |word, (bit, seen)| word | u32::from(*seen) << bit)
+    };
+    keys.iter().flat_map(|key| key.visible.chunks(BITS).map(word)).collect()
 }

@@ -1,22 +1,25 @@
-//! A map of an object in f64, with its points where the runtime has them.
+//! Points of an object in f64, as the runtime places them, and parallel deformation (S1 §2.3, Eq. 5; METHOD §6.6).
+//!
+//! Parallel deformation lends the motion of a prototype to an instance of the same class: `O' = R'_B + s (O_B - R_B)`
+//! plus the barycentre of the prototype. B marks points less their own barycentre.
 
-use super::deformation::Deformations;
-use super::fit::{FitError, MapOutputs, given};
+use super::fit::{FitError, MapOutputs, given, weights};
 use super::player::Player;
 use super::set::Values;
 use crate::scattered::model::KernelModel;
+use sinew_runtime::views::Views;
 
-/// Step of a difference of points along the derivatives of the map's numbers.
+/// Step of the central difference along the slopes of the outputs.
 const DIFFERENCE: f64 = 1e-2;
 
-/// A map, and how its points are deformed where the motion is another object's.
+/// A map, and the deformation of its points if another object lent the motion.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectMap<'a> {
     /// The map.
     pub model: &'a KernelModel,
-    /// How many outputs it has.
+    /// Number of outputs of each kind.
     pub outputs: MapOutputs,
-    /// The deformations of a transferred object; `None` of one that moves by itself.
+    /// Deformations of a transferred object; `None` for an object with its own motion.
     pub deformations: Option<&'a Deformations>,
 }
 
@@ -30,7 +33,7 @@ impl ObjectMap<'_> {
         Ok(self.places(&evaluated.numbers))
     }
 
-    /// Returns the K points by the numbers of all outputs.
+    /// Returns the K points, given the numbers of all outputs.
     pub(super) fn places(&self, numbers: &[f64]) -> Vec<[f64; 2]> {
         let shown = self.outputs.shown(numbers);
         match self.deformations {
@@ -39,7 +42,7 @@ impl ObjectMap<'_> {
         }
     }
 
-    /// Returns the derivatives of the K points, where the numbers of all outputs change by `slopes`.
+    /// Returns the derivatives of the K points, given the derivatives `slopes` of the outputs.
     pub(super) fn slopes(&self, numbers: &[f64], slopes: &[f64]) -> Vec<[f64; 2]> {
         if self.deformations.is_none() {
             return self.outputs.shown(slopes).points;
@@ -56,7 +59,7 @@ impl ObjectMap<'_> {
     }
 }
 
-/// A map of a file, in f64.
+/// A map of a file in f64.
 #[derive(Debug)]
 pub struct FileMap {
     model: KernelModel,
@@ -65,7 +68,7 @@ pub struct FileMap {
 }
 
 impl FileMap {
-    /// Reads a player's map.
+    /// Reads the map of a player.
     pub fn new(player: &Player<'_>) -> Self {
         let views = player.views();
         Self {
@@ -75,9 +78,147 @@ impl FileMap {
         }
     }
 
-    /// Returns the map with the object's own points.
+    /// Returns the map with the points of the object.
     pub fn object(&self) -> ObjectMap<'_> {
         let Self { model, outputs, deformations } = self;
         ObjectMap { model, outputs: *outputs, deformations: deformations.as_ref() }
+    }
+}
+
+/// Reference points of an instance and its prototype in one key view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// The K points of the prototype, less their barycentre.
+    pub prototype: Vec<[f64; 2]>,
+    /// The K points of the instance, less their barycentre.
+    pub instance: Vec<[f64; 2]>,
+    /// Scale s: 1, or the norm of the instance over the norm of the prototype.
+    pub scale: f64,
+}
+
+impl Reference {
+    /// Makes a reference from K points of a prototype and K points of an instance.
+    ///
+    /// - `by_size`: whether the motion scales with the size of the instance (S1's footnote 2).
+    pub fn new(prototype: &[[f64; 2]], instance: &[[f64; 2]], by_size: bool) -> Self {
+        let [prototype, instance] = [prototype, instance].map(|points| centred(points).0);
+        let ratio = norm(&instance) / norm(&prototype);
+        let scale = if by_size && ratio.is_finite() { ratio } else { 1.0 };
+        Self { prototype, instance, scale }
+    }
+
+    /// Moves the instance as its prototype moved.
+    pub fn moved(&self, prototype: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let (own, centre) = centred(prototype);
+        let point = |(k, own): (usize, &[f64; 2])| {
+            [0, 1].map(|axis| {
+                let change = own[axis] - self.prototype[k][axis];
+                self.instance[k][axis] + self.scale * change + centre[axis]
+            })
+        };
+        own.iter().enumerate().map(point).collect()
+    }
+}
+
+/// Deformations of a transferred object from its prototype, by key view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformations {
+    /// Scale s and offsets R' - s R of the K points, pixels, for each key view.
+    keys: Vec<(f64, Vec<[f64; 2]>)>,
+}
+
+impl Deformations {
+    /// Reads the deformations of an object in a file; `None` if the object has its own motion.
+    pub fn of(views: &Views<'_>) -> Option<Self> {
+        let key = |view| {
+            let offsets = (0..).map_while(|point| views.offset(view, point));
+            let offsets = offsets.map(|offset| offset.map(f64::from)).collect();
+            Some((f64::from(views.ratio(view)?), offsets))
+        };
+        views.is_transferred().then(|| Self { keys: (0..).map_while(key).collect() })
+    }
+
+    /// Moves the object as its prototype moved, by the references of the key views weighted by score.
+    ///
+    /// - `prototype`: K points, pixels.
+    /// - `scores`: N scores of the object's key views.
+    pub fn moved(&self, prototype: &[[f64; 2]], scores: &[f64]) -> Vec<[f64; 2]> {
+        let (own, centre) = centred(prototype);
+        let weights = weights(scores);
+        let keys = || self.keys.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
+        let scale: f64 = keys().map(|((scale, _), weight)| weight * scale).sum();
+        let point = |(k, own): (usize, &[f64; 2])| {
+            [0, 1].map(|axis| {
+                let offset: f64 =
+                    keys().map(|((_, offsets), weight)| weight * offsets[k][axis]).sum();
+                scale * own[axis] + offset + centre[axis]
+            })
+        };
+        own.iter().enumerate().map(point).collect()
+    }
+}
+
+/// Subtracts the barycentre from points, and returns both.
+pub fn centred(points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
+    let len = points.len().max(1) as f64;
+    let centre = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / len);
+    let own = points.iter().map(|point| [0, 1].map(|axis| point[axis] - centre[axis]));
+    (own.collect(), centre)
+}
+
+/// Returns the norm of all points as one vector.
+pub fn norm(points: &[[f64; 2]]) -> f64 {
+    points.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIGURE: [[f64; 2]; 4] = [[1.0, 2.0], [5.0, 2.5], [4.0, 7.0], [0.5, 6.0]];
+    const OTHER: [[f64; 2]; 4] = [[11.0, 0.0], [17.0, 1.0], [16.0, 9.0], [10.0, 8.5]];
+
+    fn far(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+        let apart = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max)
+    }
+
+    fn waved(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        points.iter().map(|[x, y]| [x + (0.3 * y).sin() + 9.0, y * 1.1 - 0.2 * x]).collect()
+    }
+
+    #[test]
+    fn a_prototype_lends_itself_its_own_motion() {
+        for by_size in [false, true] {
+            let own = Reference::new(&FIGURE, &FIGURE, by_size);
+            let moved = waved(&FIGURE);
+            assert!(far(&own.moved(&moved), &moved) < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_prototypes_reference_gives_the_instances() {
+        for by_size in [false, true] {
+            let reference = Reference::new(&FIGURE, &OTHER, by_size);
+            let found = centred(&reference.moved(&FIGURE)).0;
+            assert!(far(&found, &centred(&OTHER).0) < 1e-14);
+        }
+    }
+
+    #[test]
+    fn motion_is_parallel_and_scales_with_the_instance_by_size() {
+        let moved = waved(&FIGURE);
+        let change: Vec<_> = centred(&moved).0.into_iter().zip(centred(&FIGURE).0).collect();
+        for (by_size, factor) in
+            [(false, 1.0), (true, norm(&centred(&OTHER).0) / norm(&centred(&FIGURE).0))]
+        {
+            let found = centred(&Reference::new(&FIGURE, &OTHER, by_size).moved(&moved)).0;
+            for ((found, other), (moved, own)) in found.iter().zip(centred(&OTHER).0).zip(&change) {
+                for axis in 0..2 {
+                    let expected = factor * (moved[axis] - own[axis]);
+                    assert!((found[axis] - other[axis] - expected).abs() < 1e-13);
+                }
+            }
+        }
     }
 }

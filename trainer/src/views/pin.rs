@@ -1,34 +1,34 @@
-//! A few points dragged: parameters follow first, by what examples say goes together, then what lies near.
+//! Drags a few points. The parameters follow first, by their covariance in training, then the points nearby follow.
 
 use super::fit::{FitError, given, names_of};
-use super::object::ObjectMap;
+use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{InputKind, KernelModel};
 use nalgebra::{DMatrix, DVector};
 use sinew_runtime::kernel::EulerOrder;
 
-/// Pixels by which a pin may be missed before parameters leave what examples say.
+/// Standard deviation of the distance between a point and its pin, pixels.
 const NOISE: f64 = 0.5;
-/// Steps at most.
+/// Largest number of steps.
 const STEPS: usize = 20;
-/// Step of a parameter for its derivative.
+/// Step of a parameter for the central difference.
 const DIFFERENCE: f64 = 1e-4;
-/// Spread of an angle, degrees, where a file has no examples.
+/// Standard deviation of an angle if the file has no training parameters, degrees.
 const ANGLE: f64 = 20.0;
-/// Share of the mean variance that every parameter has at least.
+/// Smallest variance of a parameter, over the mean variance.
 const FLOOR: f64 = 1e-3;
-/// Share of the object's size that what a pin is still off by carries along.
+/// Reach of the remaining offset of a pin, over the size of the object.
 const REACH: f64 = 0.1;
 
-/// A point and where it is dragged to, pixels.
+/// Index of a point, and the position to drag the point to, pixels.
 pub type Pin = (usize, [f64; 2]);
 
-/// Finds the parameters that bring points nearest to where they are dragged, near those given: of the most likely change
-/// by the examples' covariance (METHOD §5.1).
+/// Finds parameters near `start` that bring points to their pins. The change of the parameters is the likeliest by
+/// their covariance in training (METHOD §5.1).
 ///
 /// # Errors
-/// [`FitError`] of the values.
+/// [`FitError`]: the values are invalid.
 pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Values, FitError> {
     let model = object.model;
     let names: Vec<String> = names_of(&model.inputs).into_iter().map(str::to_owned).collect();
@@ -68,31 +68,31 @@ pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Val
     Ok(by_name(&x))
 }
 
-/// Bends points so that those that are dragged come to lie where they are dragged to: what is near goes along.
+/// Moves the dragged points to their pins, and points nearby along with them.
 pub fn bend(points: &mut [[f64; 2]], pins: &[Pin]) {
-    let (centre, size) = (super::deformation::centred(points), points.len().max(1) as f64);
-    let reach = REACH * super::deformation::norm(&centre.0) / size.sqrt() * 2.0;
-    let hold = |a: [f64; 2], b: [f64; 2]| {
+    let (centre, size) = (centred(points), points.len().max(1) as f64);
+    let reach = REACH * norm(&centre.0) / size.sqrt() * 2.0;
+    let falloff = |a: [f64; 2], b: [f64; 2]| {
         let square = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
         libm::exp(-square / (reach * reach))
     };
     let at: Vec<[f64; 2]> = pins.iter().map(|(k, _)| points[*k]).collect();
     let matrix = DMatrix::from_fn(pins.len(), pins.len(), |i, k| {
-        hold(at[i], at[k]) + if i == k { 1e-9 } else { 0.0 }
+        falloff(at[i], at[k]) + if i == k { 1e-9 } else { 0.0 }
     });
     let off = DMatrix::from_fn(pins.len(), 2, |i, axis| pins[i].1[axis] - at[i][axis]);
     let Some(solved) = matrix.cholesky().map(|factor| factor.solve(&off)) else { return };
     for point in points.iter_mut() {
         let own = *point;
         for (row, pin) in at.iter().enumerate() {
-            let share = hold(own, *pin);
+            let share = falloff(own, *pin);
             (0..2).for_each(|axis| point[axis] += share * solved[(row, axis)]);
         }
     }
 }
 
-/// Estimates the covariance of the examples' parameters: from the kernel's centres, which are the examples; else from
-/// their ranges.
+/// Estimates the covariance of the training parameters from the centres of the kernel, which are the training views.
+/// Without centres, estimates the covariance from the ranges.
 fn covariance(model: &KernelModel, names: &[String]) -> DMatrix<f64> {
     let rows = examples(model);
     let d = names.len();
@@ -110,13 +110,13 @@ fn covariance(model: &KernelModel, names: &[String]) -> DMatrix<f64> {
         let spreads: Vec<f64> = spreads(model);
         (0..d).for_each(|c| out[(c, c)] = spreads[c].powi(2));
     }
-    // A parameter that no example changes may still be dragged a little.
+    // A parameter that is constant in training may still move a little.
     let floor = FLOOR * out.trace() / d.max(1) as f64;
     (0..d).for_each(|c| out[(c, c)] += floor);
     out
 }
 
-/// Lists spreads of parameters by their ranges.
+/// Lists standard deviations of the parameters by their ranges.
 fn spreads(model: &KernelModel) -> Vec<f64> {
     let mut out = Vec::new();
     let mut feature = 0;
@@ -134,7 +134,7 @@ fn spreads(model: &KernelModel) -> Vec<f64> {
     out
 }
 
-/// Reads the examples' parameters out of the centres, in the order of their names.
+/// Reads the training parameters from the centres, in the order of their names.
 fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
     let sum = &model.sum;
     let row = |k: usize| {
@@ -160,7 +160,7 @@ fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
     (0..sum.centres.ncols()).map(row).collect()
 }
 
-/// Returns the angles in degrees about x, y and z of a rotation's matrix, by rows, in an order.
+/// Returns the angles about x, y and z of a rotation matrix (by rows) in an order, degrees.
 fn angles(order: EulerOrder, matrix: &[f64; 9]) -> [f64; 3] {
     let [i, j, k] = match order {
         EulerOrder::Xyz => [0, 1, 2],
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_dragged_comes_to_its_place_and_what_is_far_stays() {
+    fn dragged_points_meet_their_pins_and_far_points_stay() {
         let grid = |place: usize| [f64::from(place as u32 % 10), f64::from(place as u32 / 10)];
         let mut points: Vec<[f64; 2]> = (0..100).map(grid).collect();
         bend(&mut points, &[(0, [-0.5, 0.25]), (11, [1.0, 1.0])]);

@@ -1,8 +1,8 @@
-//! A model file, shown by the runtime: what an engine does each frame.
+//! A model file drawn by the runtime, as an engine does in each frame.
 
-use super::fit::{FitError, given};
+use super::fit::{FitError, given, weights};
 use super::set::Values;
-use super::weights::weights;
+use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};
@@ -10,47 +10,47 @@ use sinew_runtime::kernel::KernelMap;
 use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Views};
 use sinew_runtime::{CallError, Model};
 
-/// One of a model's maps.
+/// A map of a model, and its object.
 pub struct Player<'a> {
     views: Views<'a>,
     map: KernelMap<'a>,
     inputs: Vec<Input>,
 }
 
-/// What a map gives for parameters, in single precision.
+/// Outputs of a map in single precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Played {
-    /// K points and their depths.
+    /// The K points: x, y and depth, pixels.
     pub points: Vec<[f32; 3]>,
-    /// K visibilities, above 0.5 where a point is seen.
+    /// The K visibilities; above 0.5 a point is visible.
     pub visibility: Vec<f32>,
-    /// N scores.
+    /// The N scores of the key views.
     pub scores: Vec<f32>,
-    /// Of L layers opacity and order.
+    /// Opacity and order of the L layers.
     pub layers: Vec<[f32; 2]>,
-    /// The characteristic view.
+    /// Index of the characteristic view.
     pub view: usize,
-    /// The map's confidence.
+    /// Confidence of the map.
     pub confidence: f32,
 }
 
-/// What cannot be shown.
+/// Reasons why a model cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum PlayError {
-    /// The file has no object, or not this map.
+    /// The file has no object, or no map of this name.
     #[error("{0}")]
     Missing(String),
-    /// Parameters cannot be taken.
+    /// The parameters are invalid.
     #[error(transparent)]
     Values(#[from] FitError),
-    /// A number is farther from the examples than they are from each other.
+    /// A parameter is farther outside the range of the training views than the range is wide.
     #[error("parameter \"{name}\" is {value}, expected {} to {}", range[0], range[1])]
     Outside {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// What it is.
+        /// Value of the parameter.
         value: f64,
-        /// The examples' range, on both sides as wide again.
+        /// Three times the range of the training views, with the same middle.
         range: [f64; 2],
     },
     /// The runtime refuses the call.
@@ -59,12 +59,12 @@ pub enum PlayError {
 }
 
 impl Played {
-    /// Returns the weight of each key view, N, as [`weights`] has them.
+    /// Returns the weights of the N key views, by [`weights`].
     pub fn weights(&self) -> Vec<f64> {
         weights(&self.scores.iter().copied().map(f64::from).collect::<Vec<_>>())
     }
 
-    /// Returns a job that draws it, of no width yet.
+    /// Returns a drawing job. The caller sets its width.
     pub(super) fn job<'a>(&'a self, views: Views<'a>) -> RenderJob<'a> {
         let Self { points, visibility, scores, layers, .. } = self;
         RenderJob { views, points, visibility, scores, layers, width: 0 }
@@ -72,7 +72,7 @@ impl Played {
 }
 
 impl<'a> Player<'a> {
-    /// Opens a map of a file's first object; the first where none is named.
+    /// Opens a map of the first object of a file: the named map, or the first map.
     ///
     /// # Errors
     /// [`PlayError::Missing`].
@@ -108,17 +108,18 @@ impl<'a> Player<'a> {
         (0..).map_while(|view| self.views.view_name(view)).collect()
     }
 
-    /// Returns what the map takes.
+    /// Returns the inputs of the map.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// Lists the elements, hindmost first where there is no depth.
+    /// Lists the elements. Without depth the hindmost is first.
     pub fn elements(&self) -> Vec<Element> {
         (0..).map_while(|element| self.views.element(element)).collect()
     }
 
-    /// Returns a key view's picture of a layer, of straight alpha; none of one that it does not show.
+    /// Returns the picture of a layer in a key view, with straight alpha. `None` if the key view does not show the
+    /// layer.
     pub fn key_picture(&self, view: usize, layer: usize) -> Option<Picture> {
         let texture = self.views.texture(self.views.view_texture(view, layer)?)?;
         let [width, height] = texture.size();
@@ -131,7 +132,7 @@ impl<'a> Player<'a> {
         self.views.size()
     }
 
-    /// Lists places of V vertices on the screen, with their depths.
+    /// Lists the positions of the V vertices on the screen, with their depths.
     pub fn vertices(&self, played: &Played) -> Vec<[f32; 3]> {
         let vertices = (0..).map_while(|vertex| self.views.vertex(vertex));
         vertices.map(|vertex| vertex.at(&played.points)).collect()
@@ -168,7 +169,7 @@ impl<'a> Player<'a> {
         Ok(out)
     }
 
-    /// Refuses numbers that the examples say nothing of; angles come round.
+    /// Refuses numbers far outside the range of the training views. Angles wrap around.
     fn check(&self, values: &Values) -> Result<(), PlayError> {
         let mut feature = 0;
         for input in &self.inputs {
@@ -177,7 +178,7 @@ impl<'a> Player<'a> {
             let ([.., low, high], Some(&value)) = (range, values.get(&input.name)) else {
                 continue;
             };
-            // One that no example changes does not count.
+            // A parameter that is constant in training has no range.
             let range = [2.0 * low - high, 2.0 * high - low];
             let is_within = range[0] == range[1] || (range[0]..=range[1]).contains(&value);
             if input.kind == InputKind::Scalar && !is_within {
@@ -187,7 +188,7 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Draws what was played; colours are times their alpha.
+    /// Draws evaluated outputs. Colours are premultiplied by alpha.
     ///
     /// # Errors
     /// [`PlayError::Call`].
@@ -208,7 +209,7 @@ impl<'a> Player<'a> {
     }
 }
 
-/// Multiplies a picture's colours by their alpha.
+/// Premultiplies the colours of a picture by alpha.
 pub fn multiplied(picture: &Picture) -> Picture {
     let mut out = picture.clone();
     for pixel in out.rgba.chunks_mut(4) {
@@ -218,7 +219,7 @@ pub fn multiplied(picture: &Picture) -> Picture {
     out
 }
 
-/// Divides a picture's colours by their alpha, as PNG has them.
+/// Divides the colours of a picture by alpha, as PNG stores them.
 pub fn straight(picture: &Picture) -> Picture {
     let mut out = picture.clone();
     for pixel in out.rgba.chunks_mut(4).filter(|pixel| pixel[3] > 0) {

@@ -1,6 +1,6 @@
-//! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
+//! A page about an object: a sheet of views, the parts of a view, and networks over pixels for comparison.
 
-use super::naive::{NETWORKS, mixed, weights};
+use super::control::{NETWORKS, mixed, network_weights};
 use super::player::{PlayError, Played, Player, multiplied, straight};
 use super::set::{Examples, SetError, Values, View, ViewSet};
 use crate::numeric::columns::ends;
@@ -12,22 +12,22 @@ use crate::page::picture::Picture;
 use sinew_runtime::Model;
 use sinew_runtime::views::{Element, Layer};
 
-/// Steps of a sheet, across and down.
+/// Columns and rows of a sheet.
 const STEPS: [usize; 2] = [7, 5];
-/// Around each picture of a sheet.
+/// Gap around each picture of a sheet, and height of its label, pixels.
 const GAP: usize = 6;
 const FOOT: usize = 20;
-/// Parameters at which an object and its prototype are shown, about as many.
+/// Approximate number of parameters at which an object and its prototype are drawn.
 const LENT: usize = 3;
-/// Pictures of layers in a row.
+/// Largest number of pictures of layers in a row.
 const MOST_ACROSS: usize = 4;
-/// Edges of elements.
+/// Colour of the edges of elements.
 const EDGE: Colour = [0xbd, 0x2b, 0x44];
 
-/// What no page can be made of.
+/// Reasons why the page cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A view cannot be shown.
+    /// A view cannot be drawn.
     #[error(transparent)]
     Play(#[from] PlayError),
     /// A picture cannot be read.
@@ -38,9 +38,9 @@ pub enum ReportError {
     Encode(#[from] png::EncodingError),
 }
 
-/// Makes the page of a file and of the views that it was trained on.
+/// Makes the page of a file and its training views.
 ///
-/// - `prototype`: the file that was trained on them, where the object's motion was lent by it.
+/// - `prototype`: the file that was trained on the views, if it lent its motion.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -70,7 +70,7 @@ pub fn report(
             body += &section("The motion that is lent", &lent(model, prototype, examples)?);
         }
         if is_lent {
-            // The pictures of the set are the prototype's.
+            // The pictures of the set belong to the prototype.
             continue;
         }
         if let Some(networks) = networks(model, set, examples)? {
@@ -80,14 +80,14 @@ pub fn report(
     Ok(page(&set.name, &body))
 }
 
-/// A parameter along which a sheet goes.
+/// A parameter that varies along a side of the sheet.
 struct Along {
     name: String,
     ends: [f64; 2],
     steps: usize,
 }
 
-/// Takes the first two parameters that change.
+/// Selects the first two parameters that vary.
 fn axes(examples: &Examples) -> [Option<Along>; 2] {
     let names = examples.parameters.iter().flat_map(|parameter| parameter.names());
     let mut changing = names.filter_map(|name| {
@@ -133,7 +133,7 @@ fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, ReportE
     Ok(out.picture())
 }
 
-/// Shows parameters by themselves.
+/// Draws the object at parameters.
 fn shown(
     model: &Model<Vec<u8>>,
     examples: &Examples,
@@ -144,7 +144,7 @@ fn shown(
     Ok((straight(&player.draw(&played)?.0), played))
 }
 
-/// Returns parameters half-way between the first examples.
+/// Returns the parameters halfway between the first two training views.
 fn between(examples: &Examples) -> Values {
     let half = |view: &View, other: &View| {
         let middle = |(name, a): (&String, &f64)| {
@@ -159,7 +159,7 @@ fn between(examples: &Examples) -> Values {
     }
 }
 
-/// Draws a key view's layers and the view that is made of them, each with its elements.
+/// Draws the layers of a key view and the view made of them, each with its elements.
 fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, ReportError> {
     let (picture, played) = shown(model, examples, &between(examples))?;
     let player = Player::new(model, Some(&examples.name))?;
@@ -172,7 +172,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
         out.image([0.0; 2], picture.on_white());
-        // Vertices that no single point carries are always shown.
+        // Vertices that do not follow a single point are always drawn.
         let is_shown = |vertex: usize| {
             let point = views.vertex(vertex).and_then(|vertex| vertex.point());
             point.is_none_or(seen)
@@ -209,7 +209,7 @@ fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Report
     Ok(side_by_side(figures.len().min(MOST_ACROSS), &figures))
 }
 
-/// Makes a table of the layers: points, elements, key views with a picture, and the layer that clips.
+/// Makes a table of the layers: points, elements, key views with a picture, and the clipping layer.
 fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
     let Some(views) = model.views() else { return String::new() };
     let keys = views.view_len();
@@ -229,7 +229,7 @@ fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
     table(&head, &all.map(row).collect::<Vec<_>>())
 }
 
-/// Draws an object and its prototype: the pictures that both are made of, then both at parameters of examples.
+/// Draws an object and its prototype: their pictures, then both at training parameters.
 fn lent(
     model: &Model<Vec<u8>>,
     prototype: &Model<Vec<u8>>,
@@ -260,8 +260,8 @@ fn lent(
     Ok(side_by_side(4, &figures))
 }
 
-/// Draws networks over pixels half-way between examples, beside points and warping; none where a map has too few
-/// pictures of its own.
+/// Draws networks over pixels halfway between training views, beside points and warping. `None` if the map has fewer
+/// than four pictures.
 fn networks(
     model: &Model<Vec<u8>>,
     set: &ViewSet,
@@ -285,7 +285,8 @@ fn networks(
     let at = View { values, ..own[0].clone() };
     let mut figures = vec![figure(&picture, "points and warping", "", "points and warping")?];
     for (kernel, epsilon) in NETWORKS {
-        let Ok(weights) = weights((kernel, epsilon), &examples.parameters, &own, &at) else {
+        let Ok(weights) = network_weights((kernel, epsilon), &examples.parameters, &own, &at)
+        else {
             continue;
         };
         let rgba = mixed(&weights, &all).into_iter().map(|x| x.round().clamp(0.0, 255.0) as u8);

@@ -1,38 +1,37 @@
-//! From a set of views to a model.
+//! Trains a model on a set of views.
 
-use super::covered::cropped;
 use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
-use super::mesh::{Mesh, Shown};
+use super::mesh::{LayerInView, Mesh};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Layer, SetError, View, ViewSet, triangulated};
+use super::set::{Layer, SetError, View, ViewSet, cropped, triangulated};
 use std::collections::BTreeSet;
 
-/// A model, and how each of its maps was chosen.
+/// A model, and the choices made for its maps.
 #[derive(Clone, Debug)]
 pub struct Trained {
     /// The model.
     pub model: ViewsModel,
-    /// By map.
+    /// Choices for each map.
     pub choices: Vec<Choice>,
 }
 
-/// A set that no model was made of.
+/// Reasons why training fails.
 #[derive(Debug, thiserror::Error)]
 pub enum TrainError {
-    /// It cannot be taken.
+    /// The set is invalid.
     #[error(transparent)]
     Set(#[from] SetError),
     /// A motion cannot be fitted.
     #[error("\"{map}\": {error}")]
     Fit {
-        /// The motion.
+        /// Name of the motion.
         map: String,
-        /// Why.
+        /// Cause.
         error: FitError,
     },
 }
 
-/// Fits every motion of a set, and takes the pictures of its key views.
+/// Fits every motion of a set, and loads the pictures of its key views.
 ///
 /// # Errors
 /// [`TrainError`].
@@ -65,9 +64,9 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
         name: layer.name.clone(),
         clip: layer.clip,
         has_depth: set.has_depth(),
-        // Elements between points lie on each other wherever points are hidden.
+        // Elements between points overlap where points are hidden.
         is_group: is_whole || !layer.elements.is_empty() || fades(number),
-        // Around them the frame stays: where elements turn over, others that do not cover the same place.
+        // The frame around these elements stays. Where elements turn over, other elements cover the same place.
         is_one_sided: is_whole && layer.elements.is_empty() && !set.has_depth(),
     };
     let model = ViewsModel {
@@ -83,8 +82,8 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> 
     Ok(Trained { model, choices: maps.into_iter().map(|map| map.choice).collect() })
 }
 
-/// Names key views by their pictures, or those of their first layers, without the ending; by their motions and their
-/// numbers in them if two would have one name.
+/// Names key views after their pictures, or after the pictures of their first layers, without the ending. If two names
+/// would be equal, names them after motion and index.
 fn names(set: &ViewSet, keys: &[(usize, usize)]) -> Vec<String> {
     let stem = |&(map, view): &(usize, usize)| {
         let own = &set.maps[map].train[view];
@@ -98,9 +97,9 @@ fn names(set: &ViewSet, keys: &[(usize, usize)]) -> Vec<String> {
     keys.iter().map(|key| stem(key).filter(|_| is_unique).unwrap_or_else(|| number(key))).collect()
 }
 
-/// Loads the pictures of a key view, each cut to what it covers.
+/// Loads the pictures of a key view, each cropped to its covered pixels.
 ///
-/// - `predicted`: where the map has its points.
+/// - `predicted`: positions of the points by the map, for points without a known position.
 fn key_view(
     set: &ViewSet,
     name: String,
@@ -124,12 +123,12 @@ fn key_view(
     })
 }
 
-/// Whether key views have one picture for all layers.
+/// Whether each key view has one picture for all layers.
 fn is_whole(set: &ViewSet, keys: &[(usize, usize)]) -> bool {
     keys.iter().all(|&(map, view)| set.maps[map].train[view].layers.is_empty())
 }
 
-/// Makes vertices and elements of all layers.
+/// Makes the vertices and elements of all layers.
 fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, SetError> {
     let mut out = Mesh::default();
     let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
@@ -138,11 +137,11 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
         if !layer.elements.is_empty() {
             out.add_elements(&layer.elements, set.point_len(), &[]);
         } else if is_whole(set, keys) {
-            // The key view that shows most points, the first of equals.
+            // The first of the key views with the most visible points.
             let most =
                 keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));
             let mut frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
-            // A point that lies there takes its place.
+            // A visible point replaces a place of the frame at the same position.
             let view = of(most);
             let seen: Vec<[f64; 2]> = (0..view.points.len())
                 .filter(|&k| view.visible[k])
@@ -152,18 +151,18 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
             let elements = triangulated(of(most), &frame, &set.view_name(most))?;
             out.add_elements(&elements, set.point_len(), &frame);
         } else {
-            let views = keys.iter().zip(pictures).map(|(&key, picture)| Shown {
+            let views = keys.iter().zip(pictures).map(|(&key, picture)| LayerInView {
                 points: &picture.points,
                 seen: seen(of(key)),
                 picture: picture.pictures[number].as_ref(),
             });
-            out.add_bent(&layer.points, &views.collect::<Vec<_>>());
+            out.add_warped(&layer.points, &views.collect::<Vec<_>>());
         }
     }
     Ok(out)
 }
 
-/// Lists the corners of a picture and the middles of its sides, which stay where they are while points move.
+/// Lists the corners of a picture and the middles of its sides, which stay fixed while points move.
 fn frame([width, height]: [usize; 2]) -> Vec<[f64; 2]> {
     let [x, y] = [width, height].map(|side| side as f64);
     let places = [
@@ -179,7 +178,7 @@ fn frame([width, height]: [usize; 2]) -> Vec<[f64; 2]> {
     places.map(|[a, b]| [a * x, b * y]).into()
 }
 
-/// Measures maps at their examples.
+/// Measures the errors of the maps on the training views.
 fn reached(set: &ViewSet, maps: &[FittedMap]) -> Reached {
     let rms = |of: &dyn Fn(&FittedMap) -> f64| {
         let squares = maps.iter().map(|map| of(map).powi(2)).sum::<f64>();

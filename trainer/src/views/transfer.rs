@@ -1,58 +1,57 @@
-//! One object's motion for another of its class (METHOD §6.6): the prototype's maps, the instance's pictures and
-//! references.
+//! Lends the motion of one object to another of its class (METHOD §6.6): maps of the prototype with pictures and
+//! references of the instance.
 
-use super::covered::cropped;
-use super::deformation::Reference;
 use super::fit::MapOutputs;
-use super::mesh::{Mesh, Shown, Vertex};
+use super::mesh::{LayerInView, Mesh, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Element, LayerView, SetError, View};
+use super::object::Reference;
+use super::set::{Element, LayerView, SetError, View, cropped};
 use crate::scattered::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;
 use std::collections::BTreeSet;
 
-/// An instance that cannot be made of a prototype.
+/// Reasons why an instance cannot be made of a prototype.
 #[derive(Debug, thiserror::Error)]
 pub enum TransferError {
-    /// The file has no object, or one whose motion is lent itself.
+    /// The file has no object, or its motion is lent itself.
     #[error("{0}")]
     Prototype(&'static str),
-    /// A view of the instance is none of the prototype's key views, or one twice.
+    /// A view of the instance is not a key view of the prototype, or is given twice.
     #[error("view \"{view}\" of the instance: {what}; the prototype's are {expected}")]
     View {
-        /// Its name.
+        /// Name of the view.
         view: String,
-        /// What is wrong.
+        /// Fault.
         what: &'static str,
-        /// The names there are.
+        /// Names of the prototype's key views.
         expected: String,
     },
-    /// A view of the instance has other points than the prototype.
+    /// A view of the instance has another number of points than the prototype.
     #[error("view \"{view}\" of the instance: expected {expected} points, found {found}")]
     Points {
-        /// Its name.
+        /// Name of the view.
         view: String,
-        /// The prototype's.
+        /// Points of the prototype.
         expected: usize,
-        /// The instance's.
+        /// Points of the instance.
         found: usize,
     },
-    /// A point has no place.
+    /// A point has no position.
     #[error("view \"{view}\" of the instance: point {point} has no place")]
     Unknown {
-        /// Its name.
+        /// Name of the view.
         view: String,
-        /// The point.
+        /// Index of the point.
         point: usize,
     },
-    /// A view of the instance does not have the prototype's layers.
+    /// The pictures of a view do not match the layers of the prototype.
     #[error("view \"{view}\" of the instance: {what}")]
     Layers {
-        /// Its name.
+        /// Name of the view.
         view: String,
-        /// What is wrong.
+        /// Fault.
         what: String,
     },
     /// A picture cannot be read.
@@ -62,9 +61,10 @@ pub enum TransferError {
 
 /// Makes an instance of the prototype in a file.
 ///
-/// - `views`: the instance in some of the prototype's key views, by their names. Each has its picture, or pictures of the
-///   prototype's layers in their order. All points have a place. A layer without a picture is not drawn from that view.
-/// - `by_size`: whether the motion is as large as the instance is.
+/// - `views`: views of the instance, each with the name of a key view of the prototype. A view has one picture, or
+///   pictures of the prototype's layers in order. All points have a position. A layer without a picture is not drawn
+///   from that view.
+/// - `by_size`: whether the motion scales with the size of the instance.
 ///
 /// # Errors
 /// [`TransferError`].
@@ -139,7 +139,7 @@ fn key_view(
         return Err(TransferError::Unknown { view: view_name, point });
     }
     check_layers(object, named, view)?;
-    // As large as the first.
+    // All pictures have the size of the first picture.
     let mut size = None;
     let mut pictures = Vec::new();
     for layer in 0..object.layer_len() {
@@ -166,7 +166,7 @@ fn key_view(
     })
 }
 
-/// Checks that a view of the instance has pictures as the prototype has layers.
+/// Checks that the pictures of a view match the layers of the prototype.
 fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), TransferError> {
     let wrong = |what: String| TransferError::Layers { view: named.to_owned(), what };
     let names: Vec<&str> = (0..).map_while(|layer| object.layer_name(layer)).collect();
@@ -180,8 +180,8 @@ fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Tran
     if found != 0 && found != expected {
         return Err(wrong(format!("expected {expected} layers, found {found}")));
     }
-    let is_said = |layer: &LayerView| layer.opacity.is_some() || layer.order.is_some();
-    if let Some(layer) = view.layers.iter().position(is_said) {
+    let has_own = |layer: &LayerView| layer.opacity.is_some() || layer.order.is_some();
+    if let Some(layer) = view.layers.iter().position(has_own) {
         let name = names[layer];
         return Err(wrong(format!(
             "layer \"{name}\" has an opacity or an order, which are the prototype's: leave them out"
@@ -193,15 +193,15 @@ fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Tran
     Ok(())
 }
 
-/// Makes the instance's mesh: elements between points are the prototype's, and a layer that is bent as a whole gets a
-/// grid over the instance's own pictures.
+/// Makes the mesh of the instance. Elements between points are the prototype's. A layer that is warped as a whole gets
+/// a grid over the instance's own pictures.
 fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
     let mut out = Mesh::default();
     for (number, elements) in prototype.layers.iter().enumerate() {
-        match bent(prototype, elements) {
+        match warped_points(prototype, elements) {
             Some(points) => {
-                let shown = |key| shown(key, number, &points);
-                out.add_bent(&points, &keys.iter().map(shown).collect::<Vec<_>>());
+                let in_view = |key| in_view(key, number, &points);
+                out.add_warped(&points, &keys.iter().map(in_view).collect::<Vec<_>>());
             }
             None => out.add_layer(elements, |at| prototype.vertices[at].clone()),
         }
@@ -209,8 +209,9 @@ fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
     out
 }
 
-/// Lists the points of a layer that is bent as a whole: its vertices stand between them. `None` of any other layer.
-fn bent(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
+/// Lists the points of a layer that is warped as a whole, whose vertices lie between points. `None` for any other
+/// layer.
+fn warped_points(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
     let vertices = || elements.iter().flat_map(Element::points).map(|&at| &prototype.vertices[at]);
     let is_between = |vertex: &Vertex| match vertex.weights[..] {
         [] => false,
@@ -222,15 +223,15 @@ fn bent(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
     vertices().any(is_between).then(|| points.into_iter().collect())
 }
 
-fn shown<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> Shown<'a> {
-    Shown {
+fn in_view<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> LayerInView<'a> {
+    LayerInView {
         points: &key.points,
         seen: points.iter().filter(|&&point| key.visible[point]).count(),
         picture: key.pictures[layer].as_ref(),
     }
 }
 
-/// Leaves a map with the scores of some key views.
+/// Removes the scores of all key views but the kept ones from a map.
 fn restricted(mut model: KernelModel, all: MapOutputs, kept: &[usize]) -> KernelModel {
     let MapOutputs { points, views, layers } = all;
     let rows = |first: usize| -> Vec<usize> {

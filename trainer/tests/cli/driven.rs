@@ -1,4 +1,4 @@
-//! `sinew views drive` and `pin`: parameters and weights of key views from points, also of lent motion.
+//! `sinew views drive` and `pin`: parameters and weights of key views from points, for lent motion, too.
 
 use super::common::Folder;
 use serde_json::{Value, json};
@@ -76,7 +76,7 @@ fn points_of_an_instance_drive_and_drag_its_lent_motion() {
     let phase = found["frames"][0]["values"]["phase"].as_f64().unwrap().rem_euclid(360.0);
     assert!((phase - 75.0).abs() < 0.01, "{phase}");
     assert_eq!(found["frames"][0]["weights"], json!([1.0]));
-    // The point where it was lies elsewhere on the prototype.
+    // The old place of the point is somewhere else on the prototype.
     let pin = |model: &str, point: usize| {
         let (x, y) = (points[point][0].as_f64().unwrap(), points[point][1].as_f64().unwrap());
         let pin = format!("views pin {model} --map walk --set phase=65 --pin {point}={x},{y}");
@@ -88,7 +88,7 @@ fn points_of_an_instance_drive_and_drag_its_lent_motion() {
 }
 
 #[test]
-fn the_control_over_pixels_is_called_one_and_writes_no_file() {
+fn the_control_over_pixels_is_labelled_and_writes_no_file() {
     let folder = Folder::new("driven-pixels");
     folder.sinew("views demo demo").done();
     let train = "views train demo/head/views.json --pixels";
@@ -110,9 +110,9 @@ fn the_control_over_pixels_is_called_one_and_writes_no_file() {
     assert!(both.code == Some(2) && both.err.contains("cannot be used with"), "{}", both.err);
     let neither = folder.sinew("views train demo/head/views.json");
     assert!(neither.code == Some(2) && neither.err.contains("--out"), "{}", neither.err);
-    // The widest gaussians cannot be fitted to views all round, and are left out.
+    // The widest gaussians cannot be fitted to views all the way round, and are left out.
     assert!(rows.len() < 9, "{found}");
-    // A figure of one drawing has nothing to predict.
+    // A figure with one drawing leaves no view to predict.
     let few = folder.sinew("views train demo/figure/views.json --pixels").failed();
     let told = "demo/figure/views.json: \"jump\": expected 4 key views or more, found 1";
     assert_eq!(few, told);

@@ -15,7 +15,7 @@ fn trained(test: &str, set: &str) -> Folder {
     folder
 }
 
-/// Reads how large a PNG is, and how many of its pixels something covers.
+/// Returns the size of a PNG, and the number of its covered pixels.
 fn picture(folder: &Folder, name: &str) -> ([u32; 2], usize) {
     let (size, rgba) = decoded(folder, name);
     (size, rgba.chunks(4).filter(|pixel| pixel[3] > 0).count())
@@ -56,7 +56,7 @@ fn a_head_is_trained_measured_drawn_and_reported() {
 }
 
 #[test]
-fn maps_are_called_by_the_parameters_that_they_have() {
+fn maps_are_named_after_their_parameters() {
     let folder = Folder::new("views-named");
     folder.sinew("views demo demo").done();
     let text = folder.sinew("views train demo/head/views.json -o head.sinew").done().out;
@@ -124,14 +124,14 @@ fn a_figure_walks_is_driven_lends_its_motion_and_is_dragged() {
     assert!((pinned["values"]["phase"].as_f64().unwrap() - 90.0).abs() < 12.0, "{pinned}");
 }
 
-/// Insists on exit status 2, and returns what is said of how a command is used.
+/// Checks exit status 2, and returns the usage message.
 fn misused(run: Run) -> String {
     assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{}", run.err);
     run.err
 }
 
 #[test]
-fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
+fn pictures_become_one_gif_and_follow_tracked_points() {
     let folder = trained("views-gif", "figure");
     let path = json!({ "keys": [{ "phase": 0 }, { "phase": 90 }], "frames": 3 });
     fs::write(folder.path("path.json"), path.to_string()).unwrap();
@@ -151,11 +151,11 @@ fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
         let apart = png.chunks(4).zip(rgba.chunks(4)).flat_map(|(own, found)| {
             (0..3).map(move |c| (on_white(own[c], own[3]) - f64::from(found[c])).abs())
         });
-        // Of 256 colours.
+        // The GIF has 256 colours.
         let mean = apart.sum::<f64>() / (rgba.len() as f64 * 0.75);
         assert!(mean < 2.0, "frame {number}: {mean}");
     }
-    // As many as are asked for, from the first key to the last one.
+    // The requested number of frames, from the first key to the last.
     for count in [1, 2, 5] {
         let told =
             folder.sinew(&format!("{animate} --frames {count} -o some{count} --json")).json();
@@ -256,7 +256,7 @@ fn paths_are_animations_of_a_skeleton_beside_its_pictures() {
         let (_, covered) = picture(&folder, &format!("panel/{name}.png"));
         assert!(covered > 1000, "{name}");
     }
-    // A frame is as far from the next as `animate` shows it.
+    // The time between frames is that of `animate`.
     let meshes = &skeleton["animations"]["bent"]["attachments"]["default"];
     let times = |keys: &serde_json::Value| {
         keys.as_array().unwrap().iter().map(|key| key["time"].as_f64().unwrap()).collect::<Vec<_>>()
@@ -292,7 +292,7 @@ fn paths_are_animations_of_a_skeleton_beside_its_pictures() {
 }
 
 #[test]
-fn clip_masks_that_a_format_has_not_are_warned_of() {
+fn clip_masks_that_a_format_lacks_cause_a_warning() {
     let folder = Folder::new("views-clipped");
     for (name, colour) in [("back", [200, 40, 40]), ("front", [40, 40, 200])] {
         let picture = Picture::filled(16, 16, colour).png().unwrap();
@@ -330,7 +330,7 @@ fn clip_masks_that_a_format_has_not_are_warned_of() {
 }
 
 #[test]
-fn what_cannot_be_done_is_told_in_a_line() {
+fn failures_are_reported_in_one_line() {
     let folder = trained("views-refused", "panel");
     for (arguments, told) in [
         (

@@ -5,15 +5,15 @@ use super::validator::valid;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
-use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::export::{Grid, Side, glb};
 use sinew_trainer::views::fit::{FitOptions, Shown};
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::model::{LayerModel, ViewsModel};
 use sinew_trainer::views::set::{Values, read};
 use sinew_trainer::views::train::{Trained, train};
 
-/// Heights of the screen by which single precision may be off.
+/// Tolerance of single precision, in heights of the screen.
 const ROUNDING: f64 = 1e-5;
 
 fn head() -> (Trained, Model<Vec<u8>>) {
@@ -31,7 +31,8 @@ fn shown(trained: &Trained, yaw: f64) -> Shown {
     trained.model.outputs().evaluate(&trained.model.maps[0], &values).unwrap()
 }
 
-/// A primitive: its key view, and by vertex places at rest, moves by targets, and places in the picture.
+/// A primitive: its key view, and for each vertex the position at rest, the offsets of the targets, and the place in
+/// the picture.
 struct Primitive {
     key: usize,
     name: String,
@@ -41,7 +42,7 @@ struct Primitive {
     triangles: usize,
 }
 
-/// Reads the primitives of the one mesh.
+/// Reads the primitives of the only mesh.
 ///
 /// - `layer`: finds the layer of a primitive, by the name of its material.
 fn primitives(glb: &[u8], model: &ViewsModel, layer: impl Fn(&str) -> usize) -> Vec<Primitive> {
@@ -76,7 +77,7 @@ fn primitives(glb: &[u8], model: &ViewsModel, layer: impl Fn(&str) -> usize) -> 
     mesh.primitives().map(of).collect()
 }
 
-/// Finds the vertices of a layer that are where primitives of shared vertices have them in their pictures.
+/// Finds the vertices of a layer at the places in the pictures of primitives with shared vertices.
 fn vertices(model: &ViewsModel, layer: usize, primitives: &[&Primitive]) -> Vec<usize> {
     let mut all: Vec<usize> =
         model.mesh.layers[layer].iter().flat_map(|own| own.points()).copied().collect();
@@ -100,7 +101,7 @@ fn vertices(model: &ViewsModel, layer: usize, primitives: &[&Primitive]) -> Vec<
     (0..primitives[0].rest.len()).map(nearest).collect()
 }
 
-/// Holds every primitive, at rest and by each of its targets, against the model in double precision.
+/// Compares every primitive with the model in double precision, at rest and with each of its targets.
 fn shows(glb: &[u8], trained: &Trained, rest: f64, targets: &[f64]) {
     let model = &trained.model;
     let all = primitives(glb, model, |_| 0);
@@ -139,7 +140,7 @@ fn a_head_of_views_is_valid_and_stands_as_the_model_has_it() {
     let bytes = glb(&file, None, &grid).unwrap();
     shows(&bytes, &trained, 0.0, &[-60.0, -30.0, 0.0, 30.0, 60.0]);
     valid("views-grid", &bytes);
-    // Key views' parameters are found of their points.
+    // The parameters of key views are found from their points.
     let grid = Grid::of_key_views(&file, None).unwrap();
     let bytes = glb(&file, None, &grid).unwrap();
     let yaws: Vec<f64> = (0..12).map(|view| 30.0 * f64::from(view)).collect();
@@ -148,7 +149,7 @@ fn a_head_of_views_is_valid_and_stands_as_the_model_has_it() {
 }
 
 #[test]
-fn layers_stand_one_before_the_other() {
+fn layers_are_stacked_in_depth() {
     let Some(file) = shared("character-2d/character.json") else { return };
     let set = read(&file, None).unwrap();
     let trained = train(&set, FitOptions::default()).unwrap();
@@ -165,7 +166,7 @@ fn layers_stand_one_before_the_other() {
     };
     let all = primitives(&bytes, model, layer);
     let names: Vec<&str> = all.iter().map(|own| own.name.as_str()).collect();
-    // The key view in the middle is that of the rest, and layers are listed from the hindmost on.
+    // The middle key view is the rest shape. Layers are listed with the hindmost first.
     let expected: Vec<String> =
         model.layers.iter().map(|layer| format!("{} key0", layer.name)).collect();
     assert_eq!(names, expected);

@@ -1,21 +1,21 @@
-//! A set in its file, as the run time shows it.
+//! Sets in model files, drawn by the runtime.
 
 use super::common::{Folder, apart, head, most};
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::player::{Player, multiplied};
 use sinew_trainer::views::set::{Image, Values, View, ViewSet, read};
 use sinew_trainer::views::train::{Trained, train};
 use sinew_trainer::views::transfer::transfer;
 
-/// Points in single precision, pixels.
+/// Tolerance of points in single precision, pixels.
 const RUNTIME: f64 = 1e-3;
 
 fn file(trained: &Trained) -> Model<Vec<u8>> {
@@ -28,7 +28,7 @@ fn trained(set: &ViewSet) -> (Trained, Model<Vec<u8>>) {
     (trained, file)
 }
 
-/// The most that two pictures differ by in a number.
+/// Returns the largest difference of two pictures in a byte.
 fn differ(a: &Picture, b: &Picture) -> u8 {
     assert_eq!(a.size, b.size);
     a.rgba.iter().zip(&b.rgba).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
@@ -69,7 +69,7 @@ fn the_run_time_shows_what_was_trained() {
 }
 
 #[test]
-fn a_picture_of_a_key_view_is_its_own_where_elements_cover_it() {
+fn key_views_reproduce_their_pictures_inside_elements() {
     let Some(set) = head() else { return };
     let (trained, file) = trained(&set);
     for (view, key) in set.maps[0].train.iter().zip(&trained.model.keys) {
@@ -78,7 +78,7 @@ fn a_picture_of_a_key_view_is_its_own_where_elements_cover_it() {
         let played = player.play(&view.values).unwrap();
         let (picture, drawn) = player.draw(&played).unwrap();
         assert!(drawn.element_len > 150 && drawn.flipped_len == 0, "{drawn:?}");
-        // Along its border it fades.
+        // The border of the picture is translucent.
         let whole = |(a, _): &(&[u8], &[u8])| a[3] == 255;
         let pixels = || picture.rgba.chunks(4).zip(own.rgba.chunks(4)).filter(whole);
         let apart = pixels().flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| a.abs_diff(*b));
@@ -87,7 +87,7 @@ fn a_picture_of_a_key_view_is_its_own_where_elements_cover_it() {
 }
 
 #[test]
-fn its_own_points_drive_it_as_its_parameters_do() {
+fn points_drive_an_object_like_its_parameters() {
     let Some(set) = head() else { return };
     let (_, file) = trained(&set);
     let map = file.map_of(&file.views().unwrap(), 0).unwrap();
@@ -110,7 +110,7 @@ fn its_own_points_drive_it_as_its_parameters_do() {
 }
 
 #[test]
-fn figures_of_a_file_are_those_of_its_examples() {
+fn figures_of_a_file_hold_for_its_training_views() {
     let Some(set) = head() else { return };
     let (_, file) = trained(&set);
     let found = evaluate(&file, &set).unwrap();

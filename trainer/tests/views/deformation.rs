@@ -1,23 +1,23 @@
-//! One head's motion lent to others, held against those heads themselves.
+//! Lends the motion of one head to other heads, and compares the result with the true motion of those heads.
 
 use super::common::{apart, head, points, rms, turned};
 use super::shared::shared;
 use npyz::NpyFile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::views::deformation::{Reference, centred};
 use sinew_trainer::views::fit::{FitOptions, fit};
+use sinew_trainer::views::object::{Reference, centred};
 use std::fs::File;
 use zip::ZipArchive;
 
-/// Pixels a unit of the heads' mesh.
+/// Pixels per unit of the heads' mesh.
 const SCALE: f64 = 256.0 / 30.0;
-/// RMS over that of the prototype's own points.
+/// Largest RMS error, over that of the prototype's own points.
 const OVER_PROTOTYPE: f64 = 0.5;
-/// The pictures' expressions: smile and open jaw.
+/// Expressions in the pictures: smile and open jaw.
 const EXPRESSIONS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
 
-/// The points of the heads in space: the neutral one, the two expressions, and the identities.
+/// Points of the heads in space: the neutral face, the two expressions, and the identities.
 struct Heads {
     neutral: Vec<[f64; 3]>,
     expressions: [Vec<[f64; 3]>; 2],
@@ -52,7 +52,7 @@ fn sum(a: &[[f64; 3]], b: &[[f64; 3]], weight: f64) -> Vec<[f64; 3]> {
 }
 
 impl Heads {
-    /// Makes a head of an identity's coefficients, in an expression, and projects it: less its barycentre.
+    /// Makes a head of the coefficients of an identity, in an expression, and projects it. Subtracts the barycentre.
     fn seen(&self, identity: &[f64], expression: [f64; 2], yaw: f64, pitch: f64) -> Vec<[f64; 2]> {
         let mut mesh = self.neutral.clone();
         for (delta, weight) in self.identities.iter().zip(identity) {
@@ -69,7 +69,7 @@ impl Heads {
     }
 }
 
-/// Numbers of the standard normal distribution, by Box and Muller.
+/// Returns numbers of the standard normal distribution, by Box and Muller.
 fn normal(seed: u64, len: usize) -> Vec<f64> {
     let mut stream = ChaCha8Rng::seed_from_u64(seed);
     let mut one = || {

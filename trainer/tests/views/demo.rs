@@ -1,13 +1,13 @@
-//! The demo's sets, and hand drawings: read back, whole, and learned.
+//! The sets of the demo, and hand drawings: reading and training.
 
 use super::common::{Folder, most, rms, squares};
 use super::shared::shared;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::motion::JOINTS;
+use sinew_trainer::views::set::JOINTS;
 use sinew_trainer::views::set::{Element, ViewSet, read, read_drawing};
 
-/// Points of the demo's views that are not examples, pixels: RMS and most.
+/// Largest errors of points in the demo's test views, pixels: RMS and maximum.
 const BETWEEN: [f64; 2] = [0.6, 1.5];
 
 #[test]
@@ -42,7 +42,7 @@ fn sets_read_back_as_they_were_written() {
 }
 
 #[test]
-fn views_between_the_demos_are_met() {
+fn test_views_of_the_demos_are_met() {
     let folder = Folder::new("demo-fit");
     for set in write(&folder.path("")).unwrap() {
         for examples in &set.maps {
@@ -64,7 +64,7 @@ fn views_between_the_demos_are_met() {
     }
 }
 
-/// Tells how much of a drawing's picture its triangles cover, at rest.
+/// Returns the share of a drawing's covered pixels that its triangles cover at rest.
 fn covered(set: &ViewSet) -> f64 {
     let (map, view) = set.key_views()[0];
     let rest = &set.maps[map].train[view];

@@ -1,4 +1,4 @@
-//! Points of an object in, parameters and weights of key views out; points of an instance drive its prototype.
+//! Parameters and weights of key views from points of an object. Points of an instance drive its prototype.
 
 use super::common::{apart, examples, head, most, object, turned, view, yaw_and_pitch};
 use sinew_runtime::Model;
@@ -6,23 +6,23 @@ use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::bake;
 use sinew_trainer::scattered::model::KernelModel;
-use sinew_trainer::views::bake::parts;
-use sinew_trainer::views::deformation::{Deformations, centred};
+use sinew_trainer::views::fit::weights;
 use sinew_trainer::views::fit::{FitOptions, FittedMap, MapOutputs, fit};
 use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::object::ObjectMap;
+use sinew_trainer::views::object::{Deformations, centred};
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Parameter, Values, View};
 use sinew_trainer::views::train::train;
 use sinew_trainer::views::transfer::transfer;
-use sinew_trainer::views::weights::weights;
 
-/// Parameters of an instance's points: a share of the examples' range.
+/// Largest error of parameters found from an instance's points, over the training range.
 const FOUND: f64 = 1e-4;
-/// Points in single precision, pixels.
+/// Tolerance of points in single precision, pixels.
 const RUNTIME: f64 = 1e-3;
 
-/// Finds the weights of key views for points elsewhere on the screen, of another size, and in part unknown.
+/// Finds the weights of key views for points that are moved, scaled, and in part hidden.
 fn weighed(map: &FittedMap, points: &[[f64; 2]], hidden: usize) -> Vec<f64> {
     let moved =
         |(k, [x, y]): (usize, &[f64; 2])| (k != hidden).then_some([0.7 * x + 31.0, 0.7 * y - 12.0]);
@@ -37,10 +37,10 @@ fn near(found: &[f64], expected: &[f64], tolerance: f64) {
 }
 
 #[test]
-fn a_search_begins_at_no_more_places_than_parameters_deserve() {
+fn the_number_of_starts_is_limited() {
     for (parameters, expected) in [(2, 9), (6, 729), (7, 15)] {
         let names: Vec<String> = (0..parameters).map(|at| format!("p{at}")).collect();
-        // Each parameter moves its own point, and the examples move one at a time.
+        // Each parameter moves its own point, and each training view moves one parameter.
         let at = |moved: Option<usize>| {
             let value = |at| f64::from(u8::from(moved == Some(at)));
             let values: Vec<(&str, f64)> =
@@ -64,8 +64,8 @@ fn a_search_begins_at_no_more_places_than_parameters_deserve() {
 }
 
 #[test]
-fn points_on_a_line_of_key_views_weigh_the_two_that_they_lie_between() {
-    // A square that grows taller: three key views along one parameter.
+fn points_between_two_key_views_weigh_only_these_two() {
+    // A square that grows taller, in three key views along one parameter.
     let at = |x: f64| {
         let height = 10.0 * (1.0 + x);
         vec![[0.0, 0.0], [10.0, 0.0], [10.0, height], [0.0, height], [5.0, 0.5 * height]]
@@ -86,7 +86,7 @@ fn points_on_a_line_of_key_views_weigh_the_two_that_they_lie_between() {
 }
 
 #[test]
-fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
+fn points_of_a_key_view_weigh_that_view_alone() {
     let body = object(3, 12);
     let seen = |yaw: f64, pitch: f64| -> Vec<[f64; 2]> {
         let point = |p: &[f64; 3]| {
@@ -121,9 +121,9 @@ fn a_rigid_object_seen_as_in_a_key_view_weighs_that_alone() {
     assert!((found.iter().sum::<f64>() - 1.0).abs() < 1e-12 && found[0] > 0.5, "{found:?}");
 }
 
-/// Makes a file of the head, and one of an instance: the head, bent differently in every key view.
+/// Makes a file of the head, and a file of an instance: the head with a different deformation in each key view.
 ///
-/// - `keys`: numbers of the training views that the instance has.
+/// - `keys`: indices of the training views of the instance.
 fn instance(keys: &[usize], by_size: bool) -> Option<[Model<Vec<u8>>; 2]> {
     let set = head()?;
     let file =
@@ -143,7 +143,7 @@ fn instance(keys: &[usize], by_size: bool) -> Option<[Model<Vec<u8>>; 2]> {
     Some([prototype, file(&made)])
 }
 
-/// Parameters between the head's views.
+/// Returns parameters between the head's views.
 fn between() -> Vec<Values> {
     let of = |[yaw, pitch, smile, open]: [f64; 4]| {
         [("yaw", yaw), ("pitch", pitch), ("smile", smile), ("jawOpen", open)]
@@ -180,7 +180,7 @@ fn points_of_an_instance_give_its_parameters_back() {
                 &weights(&outputs.evaluate(&model, &values).unwrap().scores),
                 1e-4,
             );
-            // Elsewhere, larger, and every third point unknown.
+            // The points are moved and enlarged, and every third point is hidden.
             let points: Vec<_> = own
                 .iter()
                 .enumerate()
@@ -188,7 +188,7 @@ fn points_of_an_instance_give_its_parameters_back() {
                 .collect();
             let found = object.find(&points, &starts(&model)).unwrap();
             for (name, value) in &values {
-                // Examples go from -30 to 30 degrees, and from 0 to 1.
+                // Training views go from -30 to 30 degrees, and from 0 to 1.
                 let range = if name == "yaw" || name == "pitch" { 60.0 } else { 1.0 };
                 worst = worst.max((found.values[name] - value).abs() / range);
             }
@@ -203,7 +203,7 @@ fn points_of_an_instance_give_its_parameters_back() {
 }
 
 #[test]
-fn with_one_key_view_the_prototype_stands_where_the_closed_form_has_it() {
+fn one_key_view_places_the_prototype_by_the_closed_form() {
     for by_size in [false, true] {
         let Some([prototype, file]) = instance(&[12], by_size) else { return };
         let player = Player::new(&file, None).unwrap();

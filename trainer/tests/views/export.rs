@@ -1,4 +1,4 @@
-//! Grids of parameters as other tools read them: an Inochi2D puppet, by its own parser.
+//! Grids of parameters for other tools: an Inochi2D puppet, read by its own parser.
 
 use super::common::Folder;
 use super::flat::{draw, drawn, found, made as made_of, psnr};
@@ -13,10 +13,10 @@ use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, ViewSet, read};
 use sinew_trainer::views::train::Trained;
 
-/// Pixels by which single precision may be off.
+/// Tolerance of single precision, pixels.
 const ROUNDING: f64 = 1e-3;
 
-/// A set of the demo, what was trained of it, and its file.
+/// Returns a set of the demo, the trained model, and its file.
 fn made(folder: &Folder, name: &str) -> (ViewSet, Trained, Model<Vec<u8>>) {
     write(&folder.path("")).unwrap();
     let views = folder.path(name).join("views.json");
@@ -28,14 +28,14 @@ fn side(name: &str, range: Option<[f64; 2]>, nodes: usize) -> Side {
     Side { name: name.to_owned(), range, nodes }
 }
 
-/// What the model gives in double precision.
+/// Evaluates the model in double precision.
 fn shown(trained: &Trained, values: &[(&str, f64)]) -> Shown {
     let values = values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     trained.model.outputs().evaluate(&trained.model.maps[0], &values).unwrap()
 }
 
-/// Holds a part's mesh at each node against the model's vertices there, about the middle of a screen. Returns its key view,
-/// and its vertices.
+/// Compares the mesh of a part with the model's vertices at each node, relative to the middle of the screen. Returns
+/// the key view and the vertices of the part.
 fn is_bent(
     part: (&Node, &PartData),
     puppet: &Puppet,
@@ -112,7 +112,7 @@ fn a_grid_of_two_parameters_is_a_puppet() {
         let size = [texture.width, texture.height].map(|side| side as usize);
         assert_eq!(size, [picture.size.width, picture.size.height]);
     }
-    // The foremost part of each node is that of the characteristic view, and it alone is seen: all of it shows.
+    // The foremost part at each node belongs to the characteristic view, and all of it is visible.
     for (i, j, shown) in &nodes {
         let value = |node: &Node, name: &ParamName| -> f32 {
             let binding = binding(&puppet, node.uuid, name);
@@ -147,7 +147,7 @@ fn a_head_goes_all_the_way_round_in_a_puppet_of_one_parameter() {
         let part = node.type_node.as_part().unwrap();
         is_bent((node, part), &puppet, &trained.model, &nodes, [80.0, 96.0]);
     }
-    // The renderer of the tests has no half covered pixels, and the outline is most of the difference.
+    // The renderer of the tests has no antialiasing, and the outline is most of the difference.
     is_drawn("head", &file, &grid, &puppet, 28.0);
 }
 
@@ -160,7 +160,7 @@ fn a_figure_of_one_picture_is_drawn_as_the_model_draws_it() {
     is_drawn("figure", &file, &grid, &puppet, 40.0);
 }
 
-/// Draws a puppet of one side at its nodes, and holds it against the model's pictures, dB.
+/// Draws a puppet with one parameter at its nodes, and compares it with the model's pictures, dB.
 fn is_drawn(name: &str, file: &Model<Vec<u8>>, grid: &Grid, puppet: &Puppet, bar: f64) {
     let screen = Player::new(file, None).unwrap().size();
     let off = |(node, shown): (usize, &GridNode)| {
@@ -174,7 +174,7 @@ fn is_drawn(name: &str, file: &Model<Vec<u8>>, grid: &Grid, puppet: &Puppet, bar
 }
 
 #[test]
-fn what_is_no_grid_is_told() {
+fn invalid_grids_are_refused() {
     let folder = Folder::new("no-grid");
     let (_, _, file) = made(&folder, "panel");
     let of = |sides: &[Side]| {

@@ -1,14 +1,14 @@
-//! Sets that cannot be taken: each is refused by file, view, point or element.
+//! Invalid sets are refused, with the file, view, point or element.
 
 use super::common::{Folder, examples, view};
 use serde_json::{Value, json};
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::set::{Image, Parameter, ViewSet, read, read_drawing, read_lottie};
+use sinew_trainer::views::set::{Image, Parameter, ViewSet, read, read_drawing};
 use sinew_trainer::views::train::train;
 use std::fs;
 
-/// A set of two views of four points, to be spoiled.
+/// Returns a valid set of two views with four points.
 fn set() -> Value {
     json!({
         "image_size": [8, 8],
@@ -129,7 +129,7 @@ fn faults_are_named_by_view_and_index() {
     assert!(refused("json", |set| set["image_size"] = json!("large")).contains("invalid type"));
 }
 
-/// The set in two layers, to be spoiled.
+/// Splits the set into two layers.
 fn in_layers(set: &mut Value) {
     set.as_object_mut().unwrap().remove("elements");
     set["layers"] = json!([
@@ -231,7 +231,7 @@ fn faults_of_layers_are_named() {
 }
 
 #[test]
-fn fields_of_layers_that_nobody_reads_are_named() {
+fn unknown_fields_of_layers_are_refused() {
     let fault = |name: &str, spoil: fn(&mut Value)| {
         refused(name, |set| {
             in_layers(set);
@@ -313,7 +313,7 @@ fn pictures_that_are_missing_broken_or_of_another_size_are_named() {
 }
 
 #[test]
-fn views_that_contradict_each_other_are_named() {
+fn contradictory_views_are_named() {
     let at = |x: f64, y: f64| view(&[("x", x)], vec![[y, 0.0], [0.0, y]]);
     let set = examples(
         vec![Parameter::Scalar("x".to_owned())],
@@ -324,7 +324,7 @@ fn views_that_contradict_each_other_are_named() {
 }
 
 #[test]
-fn points_on_the_edge_of_a_picture_stand_in_place_of_those_of_its_frame() {
+fn points_on_the_edge_of_a_picture_replace_places_of_its_frame() {
     let folder = Folder::new("frame");
     fs::write(folder.path("a.png"), Picture::filled(8, 8, [9; 3]).png().unwrap()).unwrap();
     let set = json!({
@@ -338,7 +338,7 @@ fn points_on_the_edge_of_a_picture_stand_in_place_of_those_of_its_frame() {
     let set = read(&folder.path("views.json"), None).unwrap();
     let vertices =
         |set: &ViewSet| train(set, FitOptions::default()).unwrap().model.mesh.vertices.len();
-    // Three of the frame's eight are taken.
+    // Points replace three of the frame's eight places.
     assert_eq!(vertices(&set), 4 + 5);
     let mut hidden = set;
     hidden.maps[0].train[0].visible[0] = false;
@@ -356,7 +356,7 @@ fn a_single_view_stays_where_it_is() {
 }
 
 #[test]
-fn a_point_that_is_hidden_follows_the_views_that_know_it() {
+fn a_hidden_point_follows_the_views_that_show_it() {
     let at = |x: f64| view(&[("x", x)], vec![[x, 2.0 * x], [3.0 - x, x]]);
     let mut set =
         examples(vec![Parameter::Scalar("x".to_owned())], vec![at(0.0), at(1.0), at(2.0), at(4.0)]);
@@ -369,13 +369,10 @@ fn a_point_that_is_hidden_follows_the_views_that_know_it() {
 }
 
 #[test]
-fn drawings_and_animations_without_what_they_need_are_refused() {
+fn a_drawing_without_a_joint_is_refused() {
     let folder = Folder::new("descriptions");
     fs::write(folder.path("char_cfg.yaml"), "skeleton:\n- loc:\n  - 1\n  - 2\n  name: root\n")
         .unwrap();
     let refused = read_drawing(&folder.path("char_cfg.yaml")).unwrap_err().to_string();
     assert_eq!(refused, "skeleton: parameter \"hip\" is missing");
-    fs::write(folder.path("still.json"), "{\"layers\": []}").unwrap();
-    let refused = read_lottie(&folder.path("still.json")).unwrap_err().to_string();
-    assert_eq!(refused, "it has no animated path");
 }

@@ -1,4 +1,4 @@
-//! Pictures with a mesh, as tools of 2-D rigs draw them; and a set in layers that such tools are given.
+//! A renderer of pictures with a mesh, as tools for 2-D rigs draw them, and a set in layers for such tools.
 
 use super::common::Folder;
 use serde_json::{Value, json};
@@ -7,31 +7,32 @@ use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::page::camera::Resolution;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::model::ViewsModel;
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, ViewSet, read};
 use sinew_trainer::views::train::{Trained, train};
 use std::path::{Path, PathBuf};
 
-/// A picture with a mesh at one moment.
+/// A picture with a mesh, in one frame.
 #[derive(Clone)]
 pub(crate) struct Sheet {
-    /// Where vertices are, in pixels of the screen, y down.
+    /// Positions of the vertices on the screen, pixels, y down.
     pub(crate) places: Vec<[f64; 2]>,
-    /// Where they are in the picture, in pixels.
+    /// Positions of the vertices in the picture, pixels.
     pub(crate) texels: Vec<[f64; 2]>,
     pub(crate) triangles: Vec<[usize; 3]>,
-    /// Of straight alpha.
+    /// Picture with straight alpha.
     pub(crate) picture: Picture,
     pub(crate) opacity: f64,
-    /// Sheets that mask it: it is seen where one of them has an alpha above a half. Everywhere where there are none.
+    /// Indices of the masking sheets. The sheet is visible where one of them has an alpha above a half, or everywhere
+    /// without masks.
     pub(crate) masks: Vec<usize>,
 }
 
 impl Sheet {
-    /// Draws it alone: the colour of each pixel's centre times its alpha, without its opacity.
+    /// Draws the sheet alone, without its opacity: the premultiplied colour at the centre of each pixel.
     fn pixels(&self, [width, height]: [usize; 2]) -> Vec<[f64; 4]> {
         let mut out = vec![None; width * height];
         for corners in &self.triangles {
@@ -64,7 +65,7 @@ impl Sheet {
     }
 }
 
-/// Returns a colour between the four nearest texels, times its alpha.
+/// Returns the premultiplied colour between the four nearest texels.
 fn sampled(picture: &Picture, place: [f64; 2]) -> [f64; 4] {
     let Resolution { width, height } = picture.size;
     let kept = |x: f64, len: usize| (x - 0.5).clamp(0.0, (len - 1) as f64);
@@ -84,9 +85,9 @@ fn sampled(picture: &Picture, place: [f64; 2]) -> [f64; 4] {
     out
 }
 
-/// Draws sheets one over the other; colours are times their alpha.
+/// Draws sheets over one another. Colours are premultiplied.
 ///
-/// - `order`: their numbers, the hindmost first.
+/// - `order`: indices of the sheets, the hindmost first.
 pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize]) -> Picture {
     let of = |sheet: &Sheet| sheet.pixels([width, height]);
     let all: Vec<Vec<[f64; 4]>> = sheets.iter().map(of).collect();
@@ -108,26 +109,26 @@ pub(crate) fn draw([width, height]: [usize; 2], sheets: &[Sheet], order: &[usize
     Picture { size: Resolution { width, height }, rgba }
 }
 
-/// Peak over RMS error of pictures whose colours are times their alpha, dB.
+/// Returns the PSNR of pictures with premultiplied colours, dB.
 pub(crate) fn psnr(a: &Picture, b: &Picture) -> f64 {
     assert_eq!(a.size, b.size);
     let apart = a.rgba.iter().zip(&b.rgba).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
     10.0 * (255.0f64.powi(2) * a.rgba.len() as f64 / apart.sum::<f64>()).log10()
 }
 
-/// Returns the mean and the least of some PSNR.
+/// Returns the mean and the smallest of PSNR figures.
 pub(crate) fn mean_and_worst(all: &[f64]) -> [f64; 2] {
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     [mean, all.iter().copied().fold(f64::INFINITY, f64::min)]
 }
 
-/// Returns the model's picture, by the runtime.
+/// Returns the picture that the runtime draws.
 pub(crate) fn drawn(file: &Model<Vec<u8>>, values: &Values) -> Picture {
     let player = Player::new(file, None).unwrap();
     player.draw(&player.play(values).unwrap()).unwrap().0
 }
 
-/// Returns the layer and the key view that a sheet is named after, and numbers of the vertices at places in its picture.
+/// Returns the layer and the key view in the name of a sheet, and the vertices at places in its picture.
 pub(crate) fn found(
     model: &ViewsModel,
     name: &str,
@@ -167,9 +168,9 @@ struct Square {
     name: &'static str,
     /// Left, top, right and bottom in the first view.
     sides: [f64; 4],
-    /// How far it moves to the second view.
+    /// Shift from the first to the second view.
     moves: [f64; 2],
-    /// In both views.
+    /// Colours in both views.
     colours: [[u8; 4]; 2],
 }
 
@@ -204,7 +205,7 @@ const SQUARES: [Square; 4] = [
 pub(crate) const SCREEN: [usize; 2] = [96, 96];
 
 impl Square {
-    /// Returns how far it has moved in a view.
+    /// Returns the shift of the square in a view.
     fn moved(&self, view: usize) -> [f64; 2] {
         self.moves.map(|by| by * view as f64)
     }
@@ -228,8 +229,8 @@ impl Square {
     }
 }
 
-/// Writes a set of four squares at x = 0 and x = 1. The face clips the eye, which stands out over its edge. The arm comes
-/// from behind the face to the front, and fades to a half.
+/// Writes a set of four squares at x = 0 and x = 1. The face clips the eye, which extends beyond its edge. The arm
+/// moves from behind the face to the front, and fades to a half.
 pub(crate) fn in_layers(folder: &Folder) -> PathBuf {
     let mut train = Vec::new();
     for view in 0..2 {

@@ -1,4 +1,4 @@
-//! Instances in layers: pictures of the prototype's layers, moved as the prototype moves.
+//! Instances in layers: pictures of the prototype's layers, with the motion of the prototype.
 
 use super::common::Folder;
 use super::flat::{SCREEN, drawn, in_layers, made};
@@ -8,7 +8,7 @@ use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::page::camera::Resolution;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::set::{View, read_instance};
 use sinew_trainer::views::transfer::transfer;
 use std::fs;
@@ -35,7 +35,7 @@ fn save(folder: &Folder, name: &str, [left, top, right, bottom]: [usize; 4], col
     fs::write(folder.path(name), picture.png().unwrap()).unwrap();
 }
 
-/// Writes an instance as it looks in the first key view: its back stands out far over its points, and it has no arm.
+/// Writes the first key view of an instance. Its back extends far beyond its points, and it has no arm.
 fn instance(
     folder: &Folder,
     spoil: impl FnOnce(&mut Value),
@@ -43,7 +43,7 @@ fn instance(
     save(folder, "own_back.png", [8, 8, 84, 84], BACK);
     save(folder, "own_face.png", [24, 24, 64, 64], FACE);
     save(folder, "own_eye.png", [54, 36, 78, 52], EYE);
-    // The back's points are nearer to the centre, which stays.
+    // The points of the back are nearer to the centre, which stays.
     let sides = [
         [20.0, 20.0, 72.0, 72.0],
         [24.0, 24.0, 64.0, 64.0],
@@ -62,7 +62,7 @@ fn instance(
 }
 
 #[test]
-fn an_instance_in_layers_shows_its_own_pictures_where_the_prototypes_layers_go() {
+fn an_instance_in_layers_has_its_own_pictures_and_the_prototypes_motion() {
     let folder = Folder::new("instance-layers");
     let (_, prototype) = made(&in_layers(&folder));
     let views = instance(&folder, |_| {}).unwrap();
@@ -71,7 +71,7 @@ fn an_instance_in_layers_shows_its_own_pictures_where_the_prototypes_layers_go()
     let file = Model::from_bytes(bake(Space::default(), &parts(&made).unwrap()).unwrap()).unwrap();
     for x in [0.0, 0.5, 1.0] {
         let picture = drawn(&file, &[("x".to_owned(), x)].into());
-        // Places at x = 0, how far their layer has moved at x = 1, and their colours.
+        // Places at x = 0, the shifts of their layers at x = 1, and their colours.
         for (place, moves, expected) in [
             ([11.0, 11.0], [4.0, 2.0], BACK),
             ([80.0, 80.0], [4.0, 2.0], BACK),
@@ -79,7 +79,7 @@ fn an_instance_in_layers_shows_its_own_pictures_where_the_prototypes_layers_go()
             ([60.0, 44.0], [8.0, 0.0], EYE),
             // The face clips the eye.
             ([70.0, 44.0], [8.0, 0.0], BACK),
-            // Where the arm would be.
+            // The place of the missing arm.
             ([20.0, 60.0], [4.0, -12.0], BACK),
         ] {
             let [column, row] = [0, 1].map(|axis| (place[axis] + x * moves[axis]) as usize);

@@ -32,11 +32,11 @@ fn layers_fade_change_their_order_and_are_masked_in_a_puppet() {
         let pose = posed(&puppet, SCREEN, [node as f64, 0.0]);
         let found = draw(SCREEN, &pose.sheets, &pose.order);
         let expected = drawn(&file, &shown.values);
-        // The mask's edge is hard, and so few pixels are half covered.
+        // The mask has a hard edge, and few pixels are half covered.
         let psnr = psnr(&found, &expected);
         println!("puppet in layers, x = {}: {psnr:.2} dB", shown.values["x"]);
         assert!(psnr > 34.0, "{node}: {psnr}");
-        // Back, face, eye, its clipped part, arm: inside, colours are those of the runtime's blend.
+        // Back, face, eye, clipped part of the eye, arm: inside, the colours equal the runtime's blend.
         let x = shown.values["x"];
         for place in [[12.0, 12.0], [40.0, 30.0], [62.0, 44.0], [76.0, 44.0], [20.0, 60.0]] {
             let at = [place[0] + 4.0 * x, place[1]].map(|x| x as usize);
@@ -48,7 +48,7 @@ fn layers_fade_change_their_order_and_are_masked_in_a_puppet() {
             let apart = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             assert!(apart <= 2, "x = {x}, {place:?}: {found:?} {expected:?}");
         }
-        // The arm's order is 0.5 + 2.5 x, that of layers without one their place.
+        // The order of the arm is 0.5 + 2.5 x. The order of the other layers is their index.
         let names: Vec<&str> = pose.order.iter().map(|&at| pose.names[at].as_str()).collect();
         let layer = |at: usize| names[at].split(' ').next().unwrap();
         let arm = ["back", "arm", "face", "eye"];
@@ -59,14 +59,14 @@ fn layers_fade_change_their_order_and_are_masked_in_a_puppet() {
         };
         assert_eq!([0, 2, 4, 6].map(layer), expected, "x = {x}");
         assert_eq!([1, 3, 5, 7].map(layer), expected, "x = {x}");
-        // Without masks, or in another order, it would be another picture.
+        // Without masks, or in another order, the picture differs.
         let mut bare = pose.sheets.clone();
         bare.iter_mut().for_each(|sheet| sheet.masks.clear());
         assert!(psnr_of(&bare, &pose.order, &drawn(&file, &shown.values)) < psnr - 1.0);
         let turned: Vec<usize> = pose.order.iter().rev().copied().collect();
         assert!(psnr_of(&pose.sheets, &turned, &drawn(&file, &shown.values)) < 20.0);
     }
-    // Nothing is seen through between nodes either.
+    // The background stays hidden between nodes, too.
     for step in 0..=16 {
         let pose = posed(&puppet, SCREEN, [f64::from(step) / 4.0, 0.0]);
         let found = draw(SCREEN, &pose.sheets, &pose.order);

@@ -1,17 +1,17 @@
-//! The head of 27 views: each of them left out, and all of them met.
+//! The head of 27 views: errors of left-out views and of training views.
 
 use super::common::{head, most, rms, squares};
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::inverse::find;
 
-/// RMS over all points of views that are left out, and of the worst of them, pixels.
+/// Largest RMS error of the points of left-out views, and of the worst view, pixels.
 const LEFT_OUT: [f64; 2] = [0.002, 0.01];
-/// Points at the examples, pixels: exact, and by default, where files round at 0.001.
+/// Tolerance of points at training views, pixels: with `exact`, and by default, where files round at 0.001.
 const EXACT: f64 = 1e-6;
 const DEFAULT: f64 = 1e-3;
 
 #[test]
-fn views_that_are_left_out_come_back_by_choices_made_without_them() {
+fn left_out_views_are_predicted_by_choices_made_without_them() {
     let Some(set) = head() else { return };
     let whole = &set.maps[0];
     let mut all = Vec::new();
@@ -29,7 +29,7 @@ fn views_that_are_left_out_come_back_by_choices_made_without_them() {
 }
 
 #[test]
-fn the_closed_form_is_what_refits_give() {
+fn the_closed_form_equals_refits() {
     let Some(set) = head() else { return };
     let map = fit(&set.maps[0], &[], FitOptions::default()).unwrap();
     let report = map.choice.left_out.unwrap();
@@ -38,13 +38,13 @@ fn the_closed_form_is_what_refits_give() {
     raw.parameters = ["pitch", "yaw", "smile", "jawOpen"]
         .map(|name| sinew_trainer::views::set::Parameter::Scalar(name.to_owned()))
         .into();
-    // What other tools do: METHOD's figures for RBF on the parameters themselves are hundreds of times this.
+    // Other tools use RBF on the parameters themselves. Their errors in METHOD are hundreds of times larger.
     let raw = fit(&raw, &[], FitOptions::default()).unwrap().choice.left_out.unwrap();
     assert!(raw.rms > 100.0 * report.rms, "{} {}", raw.rms, report.rms);
 }
 
 #[test]
-fn examples_are_met() {
+fn training_views_are_met() {
     let Some(set) = head() else { return };
     for (exact, limit) in [(true, EXACT), (false, DEFAULT)] {
         let map = fit(&set.maps[0], &[], FitOptions { exact }).unwrap();
@@ -64,7 +64,7 @@ fn depth_grows_away_and_the_nearest_view_has_the_highest_score() {
     for (number, view) in set.maps[0].train.iter().enumerate() {
         let shown = map.shown(&view.values).unwrap();
         assert_eq!(shown.view(), Some(number));
-        // Landmark 30 is the tip of the nose, 0 and 16 are at the ears.
+        // Landmark 30 is the tip of the nose; 0 and 16 are at the ears.
         assert!(shown.depths[30] < shown.depths[0].min(shown.depths[16]));
         seen += (0..158).filter(|&k| shown.visible[k] == view.visible[k]).count();
     }
@@ -74,14 +74,14 @@ fn depth_grows_away_and_the_nearest_view_has_the_highest_score() {
 }
 
 #[test]
-fn points_alone_tell_their_parameters() {
+fn parameters_are_found_from_points_alone() {
     let Some(set) = head() else { return };
     let views = &set.maps[0].train;
     let map = fit(&set.maps[0], &[], FitOptions::default()).unwrap();
     let starts: Vec<_> = views.iter().map(|view| view.values.clone()).collect();
     let (mut angle, mut weight, mut off) = (0.0f64, 0.0f64, 0.0f64);
     for view in views {
-        // Elsewhere and in another size, and only what is seen.
+        // The visible points, moved and scaled.
         let moved = |k: usize| view.points[k].map(|[x, y]| [0.7 * x + 31.0, 0.7 * y - 12.0]);
         let points: Vec<_> = (0..158).map(|k| moved(k).filter(|_| view.visible[k])).collect();
         let found = find(&map.model, map.outputs, &points, &starts).unwrap();

@@ -1,4 +1,4 @@
-//! What views between views reach: against held-out views, closed forms and truth that tests make.
+//! Accuracy of views between views: against held-out views, closed forms, and truth made by tests.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod baked;

@@ -1,4 +1,4 @@
-//! Sets whose pictures are in layers, as drawing programs write them.
+//! Sets with pictures in layers, as drawing programs write them.
 
 use super::common::Folder;
 use serde_json::{Value, json};
@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A layer of a picture: its name, its attributes and its picture's number.
+/// A layer of a picture: name, attributes, and index of its pixels.
 type Row<'a> = (&'a str, &'a str, usize);
 
 const ROWS: [Row<'_>; 2] = [("back", "", 0), ("front", "x='4' y='6' opacity='0.5'", 1)];
 
-/// Writes an OpenRaster file of 32 x 24 pixels from layers, the hindmost first.
+/// Writes an OpenRaster file of layers, the hindmost first. The pixels are 32 x 24.
 fn ora(path: &Path, rows: &[Row<'_>], size: [usize; 2]) {
     let mut zip = ZipWriter::new(File::create(path).unwrap());
     let mut start = |name: &str| zip_file(&mut zip, name, &[]);
@@ -41,7 +41,7 @@ fn zip_file(zip: &mut ZipWriter<File>, name: &str, bytes: &[u8]) {
     zip.write_all(bytes).unwrap();
 }
 
-/// A set of two key views, whose second is moved by 3 pixels.
+/// Writes a set of two key views. The second is shifted by 3 pixels.
 fn set(folder: &Folder, more: Value) -> PathBuf {
     ora(&folder.path("a.ora"), &ROWS, [32, 24]);
     let moved = [("back", "x='3'", 0), ("front", "x='7' y='6' opacity='0.5'", 1)];
@@ -61,7 +61,7 @@ fn written(folder: &Folder, more: Value) -> PathBuf {
 
 fn refused(found: Result<ViewSet, SetError>) -> String {
     let text = found.unwrap_err().to_string();
-    // Without the folder of the test.
+    // The error without the folder of the test.
     let folder = std::env::temp_dir().display().to_string();
     let words: Vec<String> = text
         .split(' ')
@@ -84,7 +84,7 @@ fn layers_of_the_pictures_are_the_layers_of_a_set_that_names_none() {
     let front = views[1].picture(1).unwrap().load([32, 24]).unwrap();
     let covered = |x: usize, y: usize| front.rgba[4 * (32 * y + x) + 3];
     assert_eq!([covered(7, 6), covered(14, 13), covered(6, 6), covered(15, 13)], [255, 255, 0, 0]);
-    // Both layers move by 3 pixels.
+    // Both layers shift by 3 pixels.
     for (own, other) in views[0].points.iter().zip(&views[1].points) {
         let [own, other] = [own.unwrap(), other.unwrap()];
         assert!((other[0] - own[0] - 3.0).abs() < 0.1 && (other[1] - own[1]).abs() < 0.1);
@@ -107,7 +107,7 @@ fn a_set_with_its_points_written_trains_the_same_model() {
     }
     let models = [&found, &again].map(|set| {
         let model = train(set, FitOptions::default()).unwrap().model;
-        let parts = sinew_trainer::views::bake::parts(&model).unwrap();
+        let parts = sinew_trainer::views::model::parts(&model).unwrap();
         sinew_trainer::bake::bake(Default::default(), &parts).unwrap()
     });
     assert_eq!(models[0], models[1]);
@@ -134,7 +134,7 @@ fn layers_are_given_points_beside_layers_whose_points_are_proposed() {
 }
 
 #[test]
-fn a_layer_is_drawn_where_its_files_have_it_and_not_where_they_hide_it() {
+fn a_layer_is_drawn_only_where_its_files_show_it() {
     let folder = Folder::new("painted-order");
     let path = set(&folder, json!({ "points": "auto" }));
     ora(&folder.path("b.ora"), &[ROWS[1], ROWS[0]], [32, 24]);
@@ -195,7 +195,7 @@ fn an_instance_may_be_a_picture_in_layers() {
 }
 
 #[test]
-fn views_without_pictures_say_nothing_of_what_is_proposed() {
+fn views_without_pictures_leave_proposed_points_unknown() {
     let folder = Folder::new("painted-between");
     let train_views = json!([
         { "image": "a.ora", "x": 0 },
@@ -215,11 +215,11 @@ fn views_without_pictures_say_nothing_of_what_is_proposed() {
     };
     let seen = numbers(&found, 0.5);
     let len = found.point_len();
-    // Visible, and as opaque as it says; the other layer's is not 0.5 of anything.
+    // The layer is visible with its own opacity. The 0.5 of the other layer has no effect.
     assert!(seen[3 * len..4 * len].iter().all(|seen| (seen - 1.0).abs() < 1e-9), "{seen:?}");
     let front = seen[seen.len() - 3];
     assert!((front - 0.8).abs() < 1e-9, "{front}");
-    // A view that pictures nothing does not make a layer opaque.
+    // A view without pictures does not make a layer opaque.
     let mut silent = found.clone();
     silent.maps[0].train[1].layers[1].opacity = None;
     let faded = numbers(&silent, 0.5);

@@ -1,25 +1,28 @@
-//! Pictures between key views, held against true ones: PSNR is of premultiplied RGBA.
+//! Pictures between key views, compared with true pictures: PSNR of premultiplied RGBA.
 
+use super::common::{hull, is_inside};
 use super::flat::{drawn, made_of, mean_and_worst, psnr};
 use super::shared::shared;
 use sinew_runtime::Model;
 use sinew_trainer::page::picture::Picture;
+use sinew_trainer::views::evaluate::PictureError;
 use sinew_trainer::views::player::multiplied;
-use sinew_trainer::views::psnr::PictureError;
 use sinew_trainer::views::set::{Layer, Values, ViewSet, read};
 
-/// The character's test views: mean and worst in dB, and in one layer.
+/// Smallest PSNR of the character's test views in dB: mean and worst, in layers.
 const LAYERS: [f64; 2] = [34.0, 31.0];
+/// Smallest mean PSNR of the character's test views in one layer, dB.
 const FLAT: f64 = 24.0;
-/// Its test views by plain interpolation of pixels, dB.
+/// PSNR of the character's test views by linear interpolation of pixels, dB.
 const MIXED: [f64; 3] = [22.1, 21.6, 21.1];
-/// Largest change along a path over the median.
+/// Largest change along a path, over the median.
 const JUMP: f64 = 1.5;
-/// The head's left-out views: mean and worst in dB, and pixels without coverage.
+/// Smallest PSNR of the head's left-out views in dB: mean and worst.
 const HEAD: [f64; 2] = [34.0, 28.0];
+/// Largest number of uncovered pixels in the head's left-out views.
 const HOLES: usize = 27;
 
-/// Measures the test views of a set of one motion.
+/// Measures the PSNR of the test views of a set with one motion.
 fn tested(set: &ViewSet, model: &Model<Vec<u8>>) -> Vec<f64> {
     let one = |view: &sinew_trainer::views::set::View| {
         let truth = view.image.as_ref().unwrap().load(set.size).unwrap();
@@ -56,7 +59,7 @@ fn a_character_in_layers_turns_as_it_is_drawn_and_does_not_jump() {
 }
 
 #[test]
-fn a_character_in_one_layer_is_nearer_than_pixels_that_are_mixed() {
+fn a_character_in_one_layer_is_nearer_than_mixed_pixels() {
     let Some(file) = shared("character-2d/character.json") else { return };
     let mut set = read(&file, None).unwrap();
     set.layers = vec![Layer::whole("all", set.point_len(), Vec::new())];
@@ -67,37 +70,8 @@ fn a_character_in_one_layer_is_nearer_than_pixels_that_are_mixed() {
     assert!(mean >= FLAT && all.iter().zip(MIXED).all(|(own, mixed)| *own > mixed), "{all:?}");
 }
 
-/// Lists the pixels within the hull of a view's visible points.
-fn hull(points: &[[f64; 2]], [width, height]: [usize; 2]) -> Vec<bool> {
-    let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| {
-        (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
-    };
-    let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut out: Vec<[f64; 2]> = Vec::new();
-        for point in points {
-            while out.len() > 1 && cross(out[out.len() - 2], out[out.len() - 1], point) <= 0.0 {
-                out.pop();
-            }
-            out.push(point);
-        }
-        out.pop();
-        out
-    };
-    let lower = half(&mut sorted.iter().copied());
-    let upper = half(&mut sorted.iter().rev().copied());
-    let ring = [lower, upper].concat();
-    (0..width * height)
-        .map(|at| {
-            let p = [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5];
-            (0..ring.len()).all(|i| cross(ring[i], ring[(i + 1) % ring.len()], p) >= 0.0)
-        })
-        .collect()
-}
-
 #[test]
-fn views_of_a_head_that_are_left_out_look_as_they_should() {
+fn left_out_views_of_a_head_have_the_right_pictures() {
     let Some(file) = shared("ict-views/views.json") else { return };
     let set = read(&file, None).unwrap();
     let (mut all, mut holes) = (Vec::new(), 0);
@@ -107,10 +81,14 @@ fn views_of_a_head_that_are_left_out_look_as_they_should() {
         let found = drawn(&made_of(&rest).1, &view.values);
         let truth = multiplied(&view.image.as_ref().unwrap().load(set.size).unwrap());
         let seen = view.known().into_iter().zip(&view.visible).filter(|(_, seen)| **seen);
-        let within = hull(&seen.map(|(point, _)| point).collect::<Vec<_>>(), set.size);
+        let hull = hull(&seen.map(|(point, _)| point).collect::<Vec<_>>());
         let mut error = PictureError::default();
-        let pixels = found.rgba.chunks(4).zip(truth.rgba.chunks(4)).zip(&within);
-        for ((found, truth), _) in pixels.filter(|(_, within)| **within) {
+        let pixels = found.rgba.chunks(4).zip(truth.rgba.chunks(4)).enumerate();
+        for (at, (found, truth)) in pixels {
+            let [width, _] = set.size;
+            if !is_inside(&hull, [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5]) {
+                continue;
+            }
             error.add(truth, found);
             holes += usize::from(truth[3] > 127 && found[3] < 128);
         }

@@ -1,20 +1,19 @@
-//! The negative control: networks over pixels, beside points and warping.
+//! The negative control: networks over pixels, compared with points and warping.
 
-use super::common::{apart, head, random, rms};
+use super::common::{apart, cross, head, hull, is_inside, random, rms};
 use super::shared::shared;
-use sinew_trainer::views::control::{Control, control};
+use sinew_trainer::views::control::{Control, NETWORKS, control, mixed, network_weights};
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::naive::{NETWORKS, mixed, weights};
 use sinew_trainer::views::set::{Element, Image, LayerView, View, ViewSet, read, triangulated};
 use std::f64::consts::TAU;
 
 const SIDE: usize = 256;
-/// MSE of the best network over that of points and warping.
+/// Smallest MSE of the best network, over that of points and warping.
 const WORSE: f64 = 4.0;
-/// Share of the hull that elements may leave bare.
+/// Largest share of the hull that elements leave uncovered.
 const BARE: f64 = 0.01;
 
-/// Loads a picture as numbers from 0 to 1, four a pixel.
+/// Loads a picture as numbers from 0 to 1, four for each pixel.
 fn picture(image: &Image) -> Vec<f64> {
     let picture = image.load([SIDE; 2]).unwrap();
     picture.rgba.iter().map(|byte| f64::from(*byte) / 255.0).collect()
@@ -34,7 +33,7 @@ fn sampled(picture: &[f64], [x, y]: [f64; 2]) -> [f64; 4] {
     })
 }
 
-/// Warps a picture from reference points to others; pixels that no element covers stay none.
+/// Warps a picture from reference points to other points. Pixels outside the elements are `None`.
 fn warped(
     elements: &[Element],
     picture: &[f64],
@@ -79,39 +78,13 @@ fn warped(
     out
 }
 
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// The hull of points, around.
-fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| a.partial_cmp(b).unwrap());
-    let half = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
-        let mut out: Vec<[f64; 2]> = Vec::new();
-        for &point in points {
-            while out.len() > 1 && cross(out[out.len() - 2], out[out.len() - 1], point) <= 0.0 {
-                out.pop();
-            }
-            out.push(point);
-        }
-        out.pop();
-        out
-    };
-    [half(&mut sorted.iter()), half(&mut sorted.iter().rev())].concat()
-}
-
-fn is_inside(hull: &[[f64; 2]], point: [f64; 2]) -> bool {
-    (0..hull.len()).all(|at| cross(hull[at], hull[(at + 1) % hull.len()], point) >= 0.0)
-}
-
 #[test]
 fn the_best_network_over_pixels_is_far_behind_points_and_warping() {
     let Some(set) = head() else { return };
     let whole = &set.maps[0];
     let pictures: Vec<Vec<f64>> =
         whole.train.iter().map(|view| picture(view.image.as_ref().unwrap())).collect();
-    // Points that the front does not show are part of the side's: all are joined where they stand in front.
+    // Points hidden in front are part of the side. All points are triangulated at their front positions.
     let front = View { visible: vec![true; set.point_len()], ..whole.train[12].clone() };
     assert!(front.values["yaw"] == 0.0 && front.values["pitch"] == 0.0);
     let elements = triangulated(&front, &[], "front").unwrap();
@@ -131,7 +104,7 @@ fn the_best_network_over_pixels_is_far_behind_points_and_warping() {
         let image = warped(&elements, others[source], &from, &shown.points, &shown.depths);
         let views: Vec<&View> = rest.train.iter().collect();
         let naive = NETWORKS.map(|network| {
-            mixed(&weights(network, &whole.parameters, &views, &view).unwrap(), &others)
+            mixed(&network_weights(network, &whole.parameters, &views, &view).unwrap(), &others)
         });
         let known = view.known();
         let seen: Vec<[f64; 2]> =
@@ -188,7 +161,7 @@ fn test_views_are_predicted_where_there_are_some() {
     let found = control(&read(&file, None).unwrap(), FitOptions::default()).unwrap();
     printed(&found);
     assert_eq!((found.views, found.is_left_out), (3, false));
-    // Linear interpolation of pixels has 22.1, 21.6 and 21.1 dB on the three, by another implementation.
+    // Linear interpolation of pixels has 22.1, 21.6 and 21.1 dB on the three views, by another implementation.
     let error = |psnr: f64| 10f64.powf(-0.1 * psnr);
     let expected = -10.0 * ([22.1, 21.6, 21.1].map(error).iter().sum::<f64>() / 3.0).log10();
     let linear = &found.rows[2];
@@ -211,12 +184,12 @@ fn sets_without_enough_whole_pictures_are_refused() {
     assert_eq!(refused(&set), "there are no pictures");
 }
 
-/// A discrete Fourier transform of a square picture of one number a pixel: by its definition.
+/// Returns the discrete Fourier transform of a square picture with one channel, by definition.
 fn transformed(picture: &[[f64; 2]], side: usize, sign: f64) -> Vec<[f64; 2]> {
     let rows = |of: &[[f64; 2]]| {
         let mut out = vec![[0.0; 2]; of.len()];
         for (place, out) in out.iter_mut().enumerate() {
-            // The transpose of the transformed rows, so that twice is both ways.
+            // The transpose of the transformed rows, so that two calls transform both axes.
             let (row, k) = (place % side, place / side);
             for x in 0..side {
                 let (s, c) = (sign * TAU * ((k * x) % side) as f64 / side as f64).sin_cos();
@@ -247,7 +220,7 @@ fn a_fourier_transform_changes_nothing() {
         .collect();
     for network in NETWORKS {
         let at = &set.maps[0].train[0];
-        let own = weights(network, &set.maps[0].parameters, &views, at).unwrap();
+        let own = network_weights(network, &set.maps[0].parameters, &views, at).unwrap();
         let direct = mixed(&own, &pictures.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let spectrum = mixed(&own, &spectra.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let (spectrum, _) = spectrum.as_chunks::<2>();
@@ -267,7 +240,7 @@ fn a_network_gives_back_its_own_pictures() {
     let Some(set) = head() else { return };
     let views: Vec<&View> = set.maps[0].train.iter().collect();
     for network in NETWORKS {
-        let found = weights(network, &set.maps[0].parameters, &views, views[4]).unwrap();
+        let found = network_weights(network, &set.maps[0].parameters, &views, views[4]).unwrap();
         let own: Vec<[f64; 2]> = found.iter().map(|weight| [*weight, 0.0]).collect();
         let mut expected = vec![[0.0; 2]; 27];
         expected[4] = [1.0, 0.0];

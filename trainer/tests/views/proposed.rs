@@ -1,4 +1,4 @@
-//! Points proposed: where the pictures of layers show them.
+//! Proposed points: positions in the pictures of layers.
 
 use super::common::Folder;
 use super::shared::shared;
@@ -7,9 +7,9 @@ use sinew_runtime::Model;
 use sinew_trainer::bake::bake;
 use sinew_trainer::page::camera::Resolution;
 use sinew_trainer::page::picture::Picture;
-use sinew_trainer::views::bake::parts;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::fit::FitOptions;
+use sinew_trainer::views::model::parts;
 use sinew_trainer::views::set::{ViewSet, read};
 use sinew_trainer::views::train::train;
 use std::fs;
@@ -21,7 +21,7 @@ type Place = [f64; 2];
 /// A drawing: colour and coverage, from 0 to 1, at a place.
 type Drawing<'a> = &'a dyn Fn(Place) -> [f64; 4];
 
-/// Draws a picture, each pixel by 4 x 4 places that `back` takes to the drawing.
+/// Draws a picture. Each pixel averages 4 x 4 places, which `back` maps to the drawing.
 fn drawn(drawing: Drawing<'_>, back: &dyn Fn(Place) -> Place) -> Picture {
     let size = Resolution { width: SIDE, height: SIDE };
     let pixel = |at: usize| {
@@ -40,7 +40,7 @@ fn drawn(drawing: Drawing<'_>, back: &dyn Fn(Place) -> Place) -> Picture {
     Picture { size, rgba: (0..SIDE * SIDE).flat_map(pixel).collect() }
 }
 
-/// Reads a set of pictures of one layer, whose points are proposed.
+/// Reads a set of pictures of one layer with proposed points.
 fn proposed(folder: &Folder, pictures: &[Picture]) -> ViewSet {
     let mut views = Vec::new();
     for (number, picture) in pictures.iter().enumerate() {
@@ -53,7 +53,7 @@ fn proposed(folder: &Folder, pictures: &[Picture]) -> ViewSet {
     read(&folder.path("views.json"), None).unwrap()
 }
 
-/// Returns the RMS distance of points in the second view from where a map has those of the first, and the largest.
+/// Returns the RMS and the largest distance of points in the second view from the mapped points of the first.
 fn off(set: &ViewSet, forth: &dyn Fn(Place) -> Place) -> [f64; 2] {
     let [first, second] = [0, 1].map(|view| &set.maps[0].train[view].points);
     let square = |(own, other): (&Option<Place>, &Option<Place>)| {
@@ -75,7 +75,7 @@ fn oblong([x, y]: Place) -> [f64; 4] {
     opaque(inside, [0.5 + 0.4 * (0.2 * x).sin(), 0.5 + 0.4 * (0.3 * y).cos(), x / 96.0])
 }
 
-/// Turns and scales about the middle, then shifts.
+/// Returns a map that turns and scales about the middle, then shifts.
 fn similar(degrees: f64, scale: f64, shift: Place) -> impl Fn(Place) -> Place {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     move |[x, y]| {
@@ -109,7 +109,7 @@ fn points_follow_shapes_that_turn_shrink_and_move() {
 
 #[test]
 fn points_follow_shapes_that_bend_without_a_pattern() {
-    // Two half transparent discs apart and a line between them, all of one colour.
+    // Two separate half transparent discs and a line between them, all of one colour.
     let shape = |[x, y]: Place| {
         let disc = |cx: f64, r: f64| (x - cx).hypot(y - 48.0) < r;
         let line = (30.0..60.0).contains(&x) && (y - 48.0).abs() < 1.0;
@@ -129,7 +129,7 @@ fn points_follow_shapes_that_bend_without_a_pattern() {
 
 #[test]
 fn a_pattern_decides_where_the_outline_alone_would_turn_the_shape() {
-    // An oblong of fine stripes that is squeezed until it stands: its outline is that of one that has turned.
+    // An oblong of fine stripes, squeezed until it is upright: its outline equals that of a turned oblong.
     let striped = |[x, y]: Place| {
         let [.., alpha] = oblong([x, y]);
         [0.5 + 0.4 * (0.9 * x).sin(), 0.5 + 0.4 * (0.8 * y).sin(), 0.5, alpha]
@@ -144,7 +144,7 @@ fn a_pattern_decides_where_the_outline_alone_would_turn_the_shape() {
 
 #[test]
 fn points_are_set_in_the_view_in_the_middle_of_the_parameters() {
-    // Views at 0, 1 and 5: the second is the nearest to both others, and its silhouette is cut into triangles.
+    // Views at 0, 1 and 5: the second is the nearest to both others, and its silhouette is triangulated.
     let pictures = [1.0, 0.8, 0.9]
         .map(|scale| drawn(&oblong, &move |place| similar(0.0, 1.0 / scale, [0.0; 2])(place)));
     let folder = Folder::new("proposed-middle");
@@ -158,7 +158,7 @@ fn points_are_set_in_the_view_in_the_middle_of_the_parameters() {
     });
     fs::write(folder.path("views.json"), set.to_string()).unwrap();
     let set = read(&folder.path("views.json"), None).unwrap();
-    // In the view that is cut the outermost points lie on a grid of whole pixels' corners.
+    // In the triangulated view the outermost points lie on corners of whole pixels.
     let is_whole = |view: usize| {
         let points = set.maps[0].train[view].points.iter().flatten().flatten();
         points.filter(|x| x.fract() == 0.0).count()
@@ -257,7 +257,7 @@ fn points_are_the_same_for_any_number_of_threads() {
 
 /// The drawn character in layers, without its points.
 #[test]
-fn a_character_without_points_looks_as_it_should_between_its_views() {
+fn a_character_with_proposed_points_has_the_right_pictures() {
     let Some(path) = shared("character-2d/character.json") else { return };
     let folder = Folder::new("proposed-character");
     let mut set: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
@@ -287,7 +287,7 @@ fn a_character_without_points_looks_as_it_should_between_its_views() {
     let model = Model::from_bytes(bytes).unwrap();
     let found = evaluate(&model, &set).unwrap();
     println!("{} points: {:?} dB", set.point_len(), found.psnr);
-    // The test views know no points: there is nothing to hold those of the file against.
+    // The test views have no points to compare with the points of the file.
     assert!(found.points.is_none());
     // The issue asks for 24.
     assert!(found.psnr.unwrap() > 33.0, "{:?}", found.psnr);

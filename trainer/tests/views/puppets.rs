@@ -7,14 +7,14 @@ use inochi2d_parser::prelude::{
 use sinew_trainer::page::camera::Resolution;
 use sinew_trainer::page::picture::Picture;
 
-/// Returns what a puppet's parameter does to a node.
+/// Returns the binding of a puppet's parameter to a node.
 pub(crate) fn binding(puppet: &Puppet, node: u32, name: &ParamName) -> ParamBinding {
     let parameter = puppet.params.values().next().unwrap();
     let mut all = parameter.bindings.iter();
     all.find(|binding| binding.node == node && binding.param_name == *name).unwrap().clone()
 }
 
-/// Returns the number of a node of the grid.
+/// Returns the value at a node of the grid.
 pub(crate) fn number(binding: &ParamBinding, i: usize, j: usize) -> f32 {
     match &binding.values {
         BindingValues::Transform(values) => values.get(i, j).unwrap(),
@@ -41,15 +41,15 @@ pub(crate) fn decoded(png: &[u8]) -> Picture {
     Picture { size, rgba }
 }
 
-/// Returns where a part's vertices are in its picture, in pixels.
+/// Returns the positions of a part's vertices in its picture, pixels.
 pub(crate) fn texels(part: &PartData, picture: &Picture) -> Vec<[f64; 2]> {
     let size = [picture.size.width, picture.size.height].map(|side| side as f64);
     let (uvs, _) = part.mesh.as_ref().unwrap().uvs.as_chunks::<2>();
     uvs.iter().map(|uv| [0, 1].map(|axis| f64::from(uv[axis]) * size[axis])).collect()
 }
 
-/// A puppet at a value of its parameter: its parts, and their numbers, the hindmost first. That of the greatest zSort is the
-/// hindmost.
+/// A puppet at a value of its parameter: its parts, and their indices with the hindmost first. The hindmost part has
+/// the largest zSort.
 pub(crate) struct Posed {
     pub(crate) names: Vec<String>,
     pub(crate) sheets: Vec<Sheet>,
@@ -58,7 +58,7 @@ pub(crate) struct Posed {
 
 /// Poses a puppet of one parameter.
 ///
-/// - `at`: where on each axis, in steps of the grid.
+/// - `at`: position on each axis, in steps of the grid.
 pub(crate) fn posed(puppet: &Puppet, screen: [usize; 2], at: [f64; 2]) -> Posed {
     let parts: Vec<_> =
         puppet.nodes.iter().filter(|node| node.type_node.as_part().is_some()).collect();
@@ -107,7 +107,7 @@ pub(crate) fn posed(puppet: &Puppet, screen: [usize; 2], at: [f64; 2]) -> Posed 
     Posed { names, sheets, order }
 }
 
-/// Interpolates numbers of the nodes around a place.
+/// Interpolates the values of the nodes around a place.
 fn blended(
     binding: &ParamBinding,
     at: [f64; 2],

@@ -11,16 +11,16 @@ use sinew_trainer::views::export::{Grid, Spine, spine};
 use sinew_trainer::views::set::Values;
 use sinew_trainer::views::train::Trained;
 
-/// Pixels by which a place may be off.
+/// Tolerance of positions, pixels.
 const OFF: f64 = 0.01;
-/// Seconds from frame to frame.
+/// Time between frames, seconds.
 const FRAME: f64 = 0.04;
 
-/// A skeleton as it is at a time of an animation.
+/// A skeleton at a time of an animation.
 struct Posed {
     names: Vec<String>,
     sheets: Vec<Sheet>,
-    /// Numbers of slots, the hindmost first.
+    /// Indices of the slots, the hindmost first.
     order: Vec<usize>,
 }
 
@@ -36,7 +36,7 @@ fn time(key: &Value) -> f64 {
     key["time"].as_f64().unwrap_or(0.0)
 }
 
-/// Returns the last key that is not later than a time, the next one, and how far from one to the other it is.
+/// Returns the last key at or before a time, the next key, and the position between the two from 0 to 1.
 fn around(keys: &Value, at: f64) -> Option<(&Value, &Value, f64)> {
     let keys = keys.as_array()?;
     assert!(keys.windows(2).all(|pair| time(&pair[0]) < time(&pair[1])), "keys are in order");
@@ -119,7 +119,7 @@ fn posed(made: &Spine, name: &str, at: f64) -> Posed {
     Posed { names, sheets, order }
 }
 
-/// Moves slots by offsets of their places, in the order of slots; the others keep theirs.
+/// Moves slots by offsets of their places. The other slots keep their order.
 fn ordered(names: &[String], offsets: Option<&Value>) -> Vec<usize> {
     let mut out = vec![None; names.len()];
     let mut last = None;
@@ -135,7 +135,7 @@ fn ordered(names: &[String], offsets: Option<&Value>) -> Vec<usize> {
     out.into_iter().map(|own| own.or_else(|| others.next()).unwrap()).collect()
 }
 
-/// Checks that the first vertices go round a border: each edge from one to the next is of one triangle.
+/// Checks that the first vertices form a border: each edge between neighbours is in one triangle.
 fn is_border(triangles: &[[usize; 3]], hull: usize) {
     assert!(hull >= 3);
     for at in 0..hull {
@@ -160,7 +160,7 @@ fn exported(file: &Model<Vec<u8>>, map: Option<&str>, paths: &[(&str, Vec<Values
     spine(file, map, "pictures", &animations, FRAME).unwrap()
 }
 
-/// Holds every mesh at every frame against the model in double precision.
+/// Compares every mesh at every frame with the model in double precision.
 fn is_bent(made: &Spine, name: &str, trained: &Trained, map: usize, frames: &[Values]) {
     let model = &trained.model;
     for (number, values) in frames.iter().enumerate() {
@@ -194,7 +194,7 @@ fn layers_are_slots_that_bend_fade_and_change_their_order() {
         for (number, values) in frames.iter().enumerate() {
             let mut pose = posed(&made, name, number as f64 * FRAME);
             let x = values["x"];
-            // The arm's order is 0.5 + 2.5 x, that of layers without one their place.
+            // The order of the arm is 0.5 + 2.5 x. The order of the other layers is their index.
             let expected = match 0.5 + 2.5 * x {
                 order if order < 1.0 => ["back", "arm", "face", "eye"],
                 order if order < 2.0 => ["back", "face", "arm", "eye"],
@@ -204,7 +204,7 @@ fn layers_are_slots_that_bend_fade_and_change_their_order() {
             let layers: Vec<&str> = names.map(|name| name.split('-').next().unwrap()).collect();
             assert_eq!([0, 2, 4, 6].map(|at| layers[at]), expected, "x = {x}");
             assert_eq!([1, 3, 5, 7].map(|at| layers[at]), expected, "x = {x}");
-            // The format has no masks. They are put back to compare.
+            // The format has no masks. The test restores them to compare.
             let names = &pose.names;
             let of = |layer: &str| {
                 let own = names.iter().enumerate().filter(|(_, name)| name.starts_with(layer));
@@ -220,7 +220,7 @@ fn layers_are_slots_that_bend_fade_and_change_their_order() {
             assert!(psnr > 34.0 && bare < psnr - 1.0, "x = {x}: {psnr} {bare}");
         }
     }
-    // Between frames places and opacities go along lines, and the order stays.
+    // Between frames positions and opacities are linear, and the order stays.
     let [from, half, to] = [1.0, 1.5, 2.0].map(|frame| posed(&made, "go", frame * FRAME));
     assert_eq!(half.order, from.order);
     for ((a, b), half) in from.sheets.iter().zip(&to.sheets).zip(&half.sheets) {
@@ -264,7 +264,8 @@ fn a_head_with_depth_turns_in_slots_that_are_switched() {
     for (number, values) in frames.iter().enumerate() {
         let pose = posed(&made, "turn", number as f64 * FRAME);
         assert!(pose.sheets.iter().all(|sheet| [0.0, 1.0].contains(&sheet.opacity)));
-        // The foremost slot that is seen is that of a key view of the highest score; halfway two views have it.
+        // The foremost visible slot belongs to the key view with the highest score. Halfway between frames two views
+        // have that score.
         let front = pose.order.iter().rev().find(|&&at| pose.sheets[at].opacity > 0.0).unwrap();
         let shown = trained.model.outputs().evaluate(&trained.model.maps[0], values).unwrap();
         let highest = shown.scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -12,9 +12,9 @@ use sinew_trainer::scattered::model::query_numbers;
 use sinew_trainer::views::fit::{FitOptions, FittedMap, fit_each, given};
 use sinew_trainer::views::set::{Examples, Parameter, View};
 
-/// How far the map that is chosen may be behind the best candidate, which is known afterwards alone.
+/// Largest error of the chosen map, over that of the best candidate in hindsight.
 const OVER_BEST: f64 = 1.01;
-/// Where the eye is before an object of side 2.
+/// Distance of the eye from an object of side 2.
 const EYE: f64 = 6.0;
 
 fn orthographic(object: &[[f64; 3]], yaw: f64, pitch: f64) -> View {
@@ -54,7 +54,7 @@ fn seven_scattered_views_of_a_rigid_object_give_all_others() {
     assert!(most(&all) < 1e-5, "{}", most(&all));
 }
 
-/// Points of a map in a file, in single precision.
+/// Returns the points of a map in a file, in single precision.
 fn by_the_runtime(map: &FittedMap, view: &View) -> Vec<[f64; 2]> {
     let bytes = bake(Space::default(), &[part(&map.model).unwrap()]).unwrap();
     let file = Model::from_bytes(bytes).unwrap();
@@ -69,7 +69,7 @@ fn by_the_runtime(map: &FittedMap, view: &View) -> Vec<[f64; 2]> {
     points.iter().map(|[x, y, _]| [*x, *y].map(f64::from)).collect()
 }
 
-/// Points between those of a grid of views, along straight lines in both angles.
+/// Interpolates the points of a grid of views, bilinearly in both angles.
 fn bilinear(
     yaws: &[f64],
     pitches: &[f64],
@@ -98,7 +98,7 @@ fn bilinear(
 }
 
 #[test]
-fn perspective_is_met_far_better_than_by_a_bilinear_grid_of_as_many_views() {
+fn perspective_is_met_better_than_by_a_bilinear_grid_of_equal_size() {
     let object = object(11, 30);
     let of = |yaw, pitch| perspective(&object, yaw, pitch);
     let pitches = [-25.0, 0.0, 25.0];
@@ -139,7 +139,7 @@ fn perspective_is_met_far_better_than_by_a_bilinear_grid_of_as_many_views() {
     }
 }
 
-/// A head that goes all the way round, twelve views of it.
+/// Returns a head in twelve views all the way round.
 fn round() -> (Vec<[f64; 3]>, Examples) {
     let object = object(5, 24);
     let angles = [None, Some("yaw".to_owned()), None];

@@ -1,4 +1,4 @@
-//! What `sinew inspect` says of objects of views.
+//! Descriptions of objects of views for `sinew inspect`.
 
 use crate::cli::described::Described;
 use crate::cli::{counted, printable};
@@ -58,10 +58,10 @@ fn as_text(views: &Views<'_>) -> String {
 #[derive(Serialize)]
 struct DescribedLayer<'a> {
     name: &'a str,
-    /// Points that move it.
+    /// Number of points that move the layer.
     points: usize,
     elements: usize,
-    /// Key views that show it.
+    /// Number of key views that show the layer.
     key_views: usize,
     clip: Option<&'a str>,
 }

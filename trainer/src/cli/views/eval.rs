@@ -1,24 +1,27 @@
-//! `sinew views eval`: a file against views.
+//! `sinew views eval` and `report`: comparison of a model with views.
 
 use super::input::{SetArguments, load};
 use crate::cli::Output;
+use crate::cli::files::{OutputFile, write};
 use anyhow::Context;
+use serde_json::json;
 use sinew_trainer::views::evaluate::evaluate;
+use sinew_trainer::views::report::report;
 use std::path::PathBuf;
 
 /// Measures a model on views: points, visibility and pictures
 ///
-/// It takes the views under `test`, or, where there are none, those under `train`. Points are in pixels, visibility is
-/// the share of points for which it is right, pictures are in dB.
+/// The command takes the views under `test`, or those under `train` if there are no test views. Points are in pixels,
+/// visibility is the share of points with the right visibility, and pictures are in dB.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
+pub(in crate::cli) struct Eval {
     /// A file that `sinew views train` wrote
     model: PathBuf,
     #[command(flatten)]
     set: SetArguments,
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+pub(in crate::cli) fn eval(arguments: &Eval, output: Output) -> anyhow::Result<()> {
     let model = load(&arguments.model)?;
     let set = arguments.set.read()?;
     let found =
@@ -41,4 +44,36 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     text += &format!("{:<24}{:>10}\n", "elements turned over", found.flipped);
     output.print(&found, &text)
+}
+
+/// Writes a page about a model and its training views
+///
+/// The page has a sheet of views by their parameters, with the training views framed. It shows the parts of a view,
+/// networks over pixels, and the object that lent its motion.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Report {
+    /// A file that `sinew views train` wrote
+    model: PathBuf,
+    #[command(flatten)]
+    set: SetArguments,
+    /// The file that lent MODEL its motion, trained on VIEWS; both objects are drawn side by side
+    #[arg(long, value_name = "MODEL")]
+    prototype: Option<PathBuf>,
+    /// The page to write, HTML
+    #[arg(short, long, value_name = "HTML")]
+    out: PathBuf,
+}
+
+pub(in crate::cli) fn write_report(arguments: &Report, output: Output) -> anyhow::Result<()> {
+    let file = arguments.set.file();
+    let mut taken = vec![arguments.model.clone(), file.to_owned()];
+    taken.extend(arguments.prototype.clone());
+    let target = OutputFile::new(&arguments.out, &taken)?.of_a_report()?;
+    let (model, set) = (load(&arguments.model)?, arguments.set.read()?);
+    let prototype = arguments.prototype.as_deref().map(load).transpose()?;
+    let page = report(&model, &set, prototype.as_ref());
+    let page = page.with_context(|| file.display().to_string())?;
+    write(&[(&target, page.as_bytes())])?;
+    let text = format!("{}: {} bytes\n", target.named().display(), page.len());
+    output.print(&json!({ "bytes": page.len() }), &text)
 }

@@ -1,8 +1,6 @@
 //! `sinew views export`: a grid of parameters, or paths, for other tools.
 
-use super::input::load;
-use super::path::read;
-use super::values::{assignment, values};
+use super::input::{assignment, load, read_path, values};
 use crate::cli::files::{OutputFile, ending, make_folder, write};
 use crate::cli::{Output, counted};
 use anyhow::{Context, bail};
@@ -12,7 +10,7 @@ use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
 use sinew_trainer::views::set::Values;
 use std::path::PathBuf;
 
-/// The usage, a line a format.
+/// Usage, one line for each format.
 const USAGE: &str = "\
 sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
        sinew views export [OPTIONS] --spine <PATH>... --out <JSON> <MODEL>
@@ -20,20 +18,20 @@ sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
 
 /// Writes views as an Inochi2D puppet, as Spine JSON, or as glTF
 ///
-/// An Inochi2D puppet and binary glTF have a grid of one or two parameters of MODEL, glTF as morph targets. Spine has an
-/// animation for each path.
+/// An Inochi2D puppet and binary glTF get a grid of one or two parameters of MODEL; in glTF each node is a morph
+/// target. Spine gets an animation for each path.
 ///
-/// GRID is `yaw,pitch:9x9`, or, from where to where, `yaw=-40..40,pitch=-20..20:9x9`. Without a range a number goes as far
-/// as the examples do, and an angle as far as they turn. All other parameters are set.
+/// GRID is `yaw,pitch:9x9`, or with ranges `yaw=-40..40,pitch=-20..20:9x9`. Without a range a side covers the training
+/// range. All other parameters are given by --set.
 #[derive(clap::Args)]
 #[command(override_usage = USAGE)]
-pub(in crate::cli) struct Arguments {
+pub(in crate::cli) struct Export {
     /// A file that `sinew views train` or `transfer` wrote
     model: PathBuf,
-    /// Name of the map, where MODEL has several
+    /// Name of the map, if MODEL has several
     #[arg(long)]
     map: Option<String>,
-    /// A parameter that has no side of the grid, and is not in the paths, angles in degrees; once for each
+    /// A parameter without a side of the grid, and not in the paths; angles in degrees; once for each
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
     #[command(flatten)]
@@ -43,23 +41,23 @@ pub(in crate::cli) struct Arguments {
     out: PathBuf,
 }
 
-/// What to write.
+/// Format to write.
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Format {
-    /// An Inochi2D puppet with a parameter of this grid, which is bent along lines between its nodes
+    /// An Inochi2D puppet with a parameter of this grid, interpolated linearly between its nodes
     #[arg(long, value_name = "GRID", value_parser = sides)]
     inp: Option<Sides>,
-    /// Binary glTF with a morph target a node, or, without a grid, a key view
+    /// Binary glTF with a morph target for each node, or for each key view without a grid
     #[arg(long, value_name = "GRID", value_parser = sides, num_args = 0..=1)]
     glb: Option<Option<Sides>>,
-    /// Spine JSON with an animation for each path of `animate`, named after its file. Pictures go to the folder of the
-    /// same name
+    /// Spine JSON with an animation for each path of `animate`, named after the file of the path. Pictures go to a
+    /// folder named after the output
     #[arg(long, value_name = "PATH", num_args = 1..)]
     spine: Vec<PathBuf>,
 }
 
-/// Seconds from frame to frame of an animation, those of `animate`.
+/// Time between frames of an animation, as in `animate`, seconds.
 const FRAME_TIME: f64 = 0.04;
 
 /// Sides of a grid.
@@ -90,7 +88,7 @@ fn sides(text: &str) -> Result<Sides, String> {
     names.into_iter().zip(counts).map(side).collect::<Result<_, _>>().map(Sides)
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+pub(in crate::cli) fn export(arguments: &Export, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     if !arguments.format.spine.is_empty() {
         return run_spine(arguments, output);
@@ -138,7 +136,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 }
 
 /// Writes an animation for each path.
-fn run_spine(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+fn run_spine(arguments: &Export, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     let paths = &arguments.format.spine;
     let taken: Vec<PathBuf> = paths.iter().chain([&arguments.model]).cloned().collect();
@@ -192,14 +190,14 @@ fn run_spine(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     output.print(&json, &text)
 }
 
-/// Shows the object along a path.
+/// Evaluates the object along a path.
 fn frames(
     model: &Model<Vec<u8>>,
-    arguments: &Arguments,
+    arguments: &Export,
     set: &Values,
     path: &std::path::Path,
 ) -> anyhow::Result<Grid> {
-    let mut frames = read(path, None)?;
+    let mut frames = read_path(path, None)?;
     for values in &mut frames {
         for (name, value) in set {
             if values.insert(name.clone(), *value).is_some() {

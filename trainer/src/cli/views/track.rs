@@ -1,4 +1,4 @@
-//! Tracked points, and what parameters they tell of.
+//! Tracked points, and the parameters that they show.
 
 use anyhow::{Context, bail};
 use sinew_trainer::views::fit::FitError;
@@ -8,7 +8,7 @@ use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::Values;
 use std::path::Path;
 
-/// Where points are in a frame; none that are not seen.
+/// Positions of points in a frame; `None` if hidden.
 pub(super) type Points = Vec<Option<[f64; 2]>>;
 
 /// Finds the parameters of tracked points, frame by frame.
@@ -18,18 +18,18 @@ pub(super) struct Follower {
 }
 
 impl Follower {
-    /// Begins with a map, anywhere.
+    /// Makes a follower that starts its search anywhere.
     pub(super) fn new(player: &Player<'_>) -> Self {
         let map = FileMap::new(player);
         Self { near: starts(map.object().model), map }
     }
 
-    /// Returns how many points there are in a frame.
+    /// Returns the number of points in a frame.
     pub(super) fn point_len(&self) -> usize {
         self.map.object().outputs.points
     }
 
-    /// Finds a frame's parameters; the next frame's are looked for near them.
+    /// Finds the parameters of a frame. The search of the next frame starts from them.
     pub(super) fn find(&mut self, points: &Points) -> Result<Found, FitError> {
         let found = self.map.object().find(points, &self.near)?;
         self.near = vec![found.values.clone()];
@@ -37,9 +37,9 @@ impl Follower {
     }
 }
 
-/// Reads frames, CSV: a line a frame, x and y of each of some points, empty where one is not seen; a first line of names
-/// is passed over.
-pub(super) fn read(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
+/// Reads frames as CSV: a line for each frame with x and y of each point, empty if a point is hidden. A first line of
+/// names is skipped.
+pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
     let about = || file.display().to_string();
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

@@ -3,10 +3,10 @@
 use super::paint::{empty, fill};
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
-use crate::views::motion::JOINTS;
+use crate::views::set::{JOINTS, segment_distance};
 
 const SIZE: [usize; 2] = [240, 300];
-/// The joints of [`JOINTS`].
+/// Positions of [`JOINTS`], pixels.
 const REST: [[f64; 2]; 16] = [
     [120.0, 175.0],
     [120.0, 170.0],
@@ -25,7 +25,7 @@ const REST: [[f64; 2]; 16] = [
     [150.0, 222.0],
     [164.0, 266.0],
 ];
-/// Half the pen's width, by the joint at a bone's end; the hip's bone is the body's own.
+/// Half the width of the pen for the bone that ends at each joint, pixels. The bone of the hip is the body.
 const PEN: [f64; 16] =
     [0.0, 20.0, 24.0, 9.0, 12.0, 10.0, 9.0, 12.0, 10.0, 9.0, 14.0, 13.0, 11.0, 14.0, 13.0, 11.0];
 const HEAD: f64 = 27.0;
@@ -36,7 +36,7 @@ const SHIRT: Colour = [0x3f, 0x7f, 0xbf];
 const TROUSERS: Colour = [0x7a, 0x55, 0x3a];
 const STRIPE: Colour = [0xf5, 0xd8, 0x4a];
 
-/// Draws the figure: its description and its pictures, `texture.png` and `mask.png`.
+/// Draws the figure: its description, and the pictures `texture.png` and `mask.png`.
 pub(super) fn drawn() -> (String, Vec<(String, Picture)>) {
     let mut texture = empty(SIZE);
     let order = [12, 11, 15, 14, 10, 13, 6, 5, 9, 8, 4, 7, 1, 2, 3];
@@ -89,14 +89,7 @@ fn colour(joint: usize) -> Colour {
 
 fn bone(picture: &mut Picture, joint: usize, width: f64, colour: Colour) {
     let Some(parent) = JOINTS[joint].1 else { return };
-    let (a, b) = (REST[parent], REST[joint]);
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let squared = along[0] * along[0] + along[1] * along[1];
-    fill(picture, colour, |[x, y]| {
-        let to = [x - a[0], y - a[1]];
-        let share = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
-        (to[0] - share * along[0]).hypot(to[1] - share * along[1]) <= width
-    });
+    fill(picture, colour, |place| segment_distance(place, REST[parent], REST[joint]) <= width);
 }
 
 fn disc(picture: &mut Picture, [x, y]: [f64; 2], radius: f64, colour: Colour) {

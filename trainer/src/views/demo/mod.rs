@@ -1,19 +1,16 @@
-//! Sets of views that need no download: a drawn figure that walks and jumps, a panel in perspective that bends,
-//! a head that turns all the way round.
+//! Demo sets: a drawn figure that walks and jumps, a panel in perspective that bends, and a head that turns all the way
+//! round.
 
 mod figure;
-mod head;
-mod made;
 mod paint;
-mod panel;
+mod solids;
 
 use super::set::{SetError, ViewSet, as_json, read_drawing};
 use crate::formats::FormatError;
 use crate::page::picture::Picture;
-use made::Made;
 use std::path::Path;
 
-/// Writes the sets: in a folder each, with `views.json` and its pictures; the figure's also as a drawing,
+/// Writes each set to its own folder, with `views.json` and its pictures. The figure is also written as a drawing:
 /// `char_cfg.yaml` with `texture.png` and `mask.png`.
 ///
 /// # Errors
@@ -25,7 +22,7 @@ pub fn write(folder: &Path) -> Result<Vec<ViewSet>, SetError> {
     let figure = read_drawing(&own.join("char_cfg.yaml"))?;
     save(&own, &[], "views.json", &as_json(&figure, &own).to_string())?;
     let mut sets = vec![figure];
-    for Made { set, pictures } in [panel::made(), head::made()] {
+    for Made { set, pictures } in [solids::panel(), solids::head()] {
         let own = folder.join(&set.name);
         save(&own, &pictures, "views.json", &as_json(&set, &own).to_string())?;
         sets.push(set);
@@ -49,4 +46,10 @@ fn save(
         write(name, &png)?;
     }
     Ok(write(name, text.as_bytes())?)
+}
+
+/// A set with its pictures, each with the file name that the set uses.
+struct Made {
+    set: ViewSet,
+    pictures: Vec<(String, Picture)>,
 }

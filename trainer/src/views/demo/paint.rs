@@ -1,4 +1,4 @@
-//! Shapes in pictures: what is nearest to the viewer is painted last.
+//! Paints shapes in pictures, the nearest to the viewer last.
 
 use crate::page::camera::Resolution;
 use crate::page::colour::Colour;
@@ -6,29 +6,29 @@ use crate::page::picture::Picture;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 4;
-/// Pixels by which polygons go on beyond their outline.
+/// Width of the border that the colours of polygons add around their outline, pixels.
 const BLEED: usize = 2;
 
-/// Makes a picture in which nothing is covered.
+/// Makes a picture without covered pixels.
 pub(super) fn empty([width, height]: [usize; 2]) -> Picture {
     let size = Resolution { width, height };
     Picture { size, rgba: vec![0; 4 * width * height] }
 }
 
-/// Paints what a function tells to be inside, with softened edges.
+/// Paints the inside of a shape, with antialiased edges.
 pub(super) fn fill(picture: &mut Picture, colour: Colour, inside: impl Fn([f64; 2]) -> bool) {
     for place in 0..picture.size.width * picture.size.height {
         let count = samples(picture.size, place).filter(|p| inside(*p)).count();
         if count > 0 {
-            over(&mut picture.rgba[4 * place..4 * place + 4], colour, count);
+            blend(&mut picture.rgba[4 * place..4 * place + 4], colour, count);
         }
     }
 }
 
-/// Makes a picture of convex polygons, whichever way round each goes, of which the last is nearest.
+/// Makes a picture of convex polygons of any orientation, the nearest last.
 ///
-/// Where two have an edge in common, nothing is to be seen through it. Beyond the outline colours go on for [`BLEED`] pixels:
-/// what is drawn of the picture ends where elements do, and not before.
+/// A common edge of two polygons has no gap. Colours extend [`BLEED`] pixels beyond the outline, so that a drawn
+/// element is not cut short by its picture.
 pub(super) fn polygons(size: [usize; 2], all: &[(Colour, Vec<[f64; 2]>)]) -> Picture {
     let mut out = empty(size);
     for place in 0..size[0] * size[1] {
@@ -49,7 +49,7 @@ pub(super) fn polygons(size: [usize; 2], all: &[(Colour, Vec<[f64; 2]>)]) -> Pic
     out
 }
 
-/// Gives pixels that are not covered the mean colour of those about them that are.
+/// Gives each pixel without coverage the mean colour of its covered neighbours.
 fn bleed(picture: &mut Picture) {
     let Resolution { width, height } = picture.size;
     let before = picture.rgba.clone();
@@ -85,8 +85,8 @@ fn samples(size: Resolution, place: usize) -> impl Iterator<Item = [f64; 2]> {
         .map(move |s| [x as f64 + part(s % SAMPLES), y as f64 + part(s / SAMPLES)])
 }
 
-/// Lays a colour over a pixel of straight alpha, for as many samples as it covers.
-fn over(pixel: &mut [u8], colour: Colour, count: usize) {
+/// Blends a colour over a pixel of straight alpha. `count` is the number of covered samples.
+fn blend(pixel: &mut [u8], colour: Colour, count: usize) {
     let share = count as f64 / (SAMPLES * SAMPLES) as f64;
     let below = f64::from(pixel[3]) / 255.0 * (1.0 - share);
     let alpha = share + below;

@@ -1,59 +1,105 @@
-//! A model at the nodes of a grid of parameters, or at those of its key views.
+//! Evaluates a model at the nodes of a grid of parameters, at its key views, or along a path.
 
-use super::error::GridError;
+use crate::formats::GlbError;
 use crate::scattered::model::{Input, InputKind, features};
 use crate::views::fit::{FitError, given, names_of};
 use crate::views::inverse::starts;
 use crate::views::object::FileMap;
-use crate::views::player::{Played, Player};
+use crate::views::player::{PlayError, Played, Player};
 use crate::views::set::Values;
 use sinew_runtime::Model;
 
-/// A side of a grid, as it is asked for.
+/// A requested side of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
-    /// The parameter.
+    /// Name of the parameter.
     pub name: String,
-    /// From where to where; where nothing is said, as far as the examples go.
+    /// Range of the side; if `None`, the range of the training views.
     pub range: Option<[f64; 2]>,
-    /// How many nodes it has.
+    /// Number of nodes.
     pub nodes: usize,
 }
 
-/// A model at the nodes of a grid.
+/// A model evaluated at the nodes of a grid.
 #[derive(Clone, Debug)]
 pub struct Grid {
-    /// Its sides, each with its range; none where nodes are key views or frames.
+    /// Sides with their ranges; empty if the nodes are key views or frames.
     pub sides: Vec<(Side, [f64; 2])>,
-    /// Its nodes, those of the first side slowest.
+    /// Nodes. The index of the first side changes slowest.
     pub nodes: Vec<Node>,
 }
 
 /// A node of a grid.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// What it is called.
+    /// Name of the node.
     pub name: String,
-    /// Its parameters.
+    /// Values of the parameters.
     pub values: Values,
-    /// What the map gives for them.
+    /// Outputs of the map.
     pub played: Played,
 }
 
-/// Share of a feature's range by which an angle may leave it.
-const BEYOND: f64 = 0.02;
-/// Pixels, RMS, from which on a key view is not one of a map.
-const OFF: f64 = 0.5;
-/// Degrees once round.
+/// Reasons why a grid cannot be made or written.
+#[derive(Debug, thiserror::Error)]
+pub enum GridError {
+    /// The map has no parameter of this name.
+    #[error("\"{name}\" is no parameter: expected {expected}")]
+    Unknown {
+        /// The requested name.
+        name: String,
+        /// Names of the parameters.
+        expected: String,
+    },
+    /// A parameter is given twice: by two sides, or by a side and a value.
+    #[error("parameter \"{0}\" is given twice")]
+    Twice(String),
+    /// The file has no range for a parameter.
+    #[error("how far does \"{0}\" go? Say from where to where: {0}=-30..30")]
+    Range(String),
+    /// A side has fewer than two nodes, or an empty range.
+    #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
+    Empty(String),
+    /// No key view belongs to the map.
+    #[error("no key view is of this map: say a grid")]
+    NoKeyView,
+    /// Nothing is drawn at any node.
+    #[error("nothing is drawn at any node")]
+    Nothing,
+    /// The model cannot be evaluated.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// The parameters of a key view cannot be found.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// A texture cannot be encoded.
+    #[error(transparent)]
+    Encode(#[from] png::EncodingError),
+    /// The puppet cannot be written as JSON.
+    #[error("cannot be put together: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A section of the puppet is larger than its format allows.
+    #[error("the file takes {0} bytes in one section, and INP holds 4 GiB")]
+    TooLarge(usize),
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
+}
+
+/// Tolerance around the range of a rotation's feature, over the range.
+const TOLERANCE: f64 = 0.02;
+/// Largest RMS error of a key view that belongs to a map, pixels.
+const MATCH: f64 = 0.5;
+/// Degrees of a full turn.
 const ROUND: usize = 360;
 
 impl Grid {
-    /// Shows a map at the nodes of a grid.
+    /// Evaluates a map at the nodes of a grid.
     ///
-    /// - `values`: all parameters that have no side.
+    /// - `values`: all parameters without a side.
     ///
     /// # Errors
-    /// [`GridError`] of the sides, and of what the runtime refuses.
+    /// [`GridError`] of the sides, and errors of the runtime.
     pub fn of_sides(
         model: &Model<Vec<u8>>,
         map: Option<&str>,
@@ -76,7 +122,7 @@ impl Grid {
         for side in sides {
             let range = match side.range {
                 Some(range) => range,
-                None => reach(&player, values, &side.name)?,
+                None => training_range(&player, values, &side.name)?,
             };
             if side.nodes < 2 || range[0].total_cmp(&range[1]).is_ge() {
                 return Err(GridError::Empty(side.name.clone()));
@@ -102,7 +148,7 @@ impl Grid {
         Ok(Self { sides: ranged, nodes: all.into_iter().map(node).collect::<Result<_, _>>()? })
     }
 
-    /// Shows a map at the frames of a path.
+    /// Evaluates a map at the frames of a path.
     ///
     /// # Errors
     /// [`GridError::Play`].
@@ -120,10 +166,10 @@ impl Grid {
         Ok(Self { sides: Vec::new(), nodes })
     }
 
-    /// Shows a map at the parameters of its key views, which are found of their points.
+    /// Evaluates a map at its key views. Their parameters are found from their points.
     ///
     /// # Errors
-    /// [`GridError::NoKeyView`], and those of the map.
+    /// [`GridError::NoKeyView`], and the errors of the map.
     pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, GridError> {
         let player = Player::new(model, map)?;
         let views = player.views();
@@ -138,7 +184,7 @@ impl Grid {
             };
             let points: Vec<_> = (0..views.point_len()).map(place).collect();
             let found = object.find(&points, &starts)?;
-            if found.rms < OFF {
+            if found.rms < MATCH {
                 let name = views.view_name(view).unwrap_or_default().to_owned();
                 nodes.push(shown(model, map, name, found.values)?);
             }
@@ -150,7 +196,7 @@ impl Grid {
         }
     }
 
-    /// Lists the nodes of the cells that a node is a corner of; nodes without sides are a line.
+    /// Lists the nodes of all cells that a node is a corner of. Nodes without sides form a line.
     pub(super) fn beside(&self, node: usize) -> Vec<usize> {
         let rows = self.sides.get(1).map_or(1, |(side, _)| side.nodes);
         let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
@@ -161,7 +207,7 @@ impl Grid {
     }
 }
 
-/// Shows parameters by themselves.
+/// Evaluates one node.
 fn shown(
     model: &Model<Vec<u8>>,
     map: Option<&str>,
@@ -172,9 +218,9 @@ fn shown(
     Ok(Node { name, values, played })
 }
 
-/// Finds how far the examples go in a parameter: a number's range; of an angle the longest run of whole degrees whose
-/// rotation is among theirs, the other angles 0 where they have no value.
-fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
+/// Finds the range of a parameter in training. A number has a range. For an angle the range is the longest run of whole
+/// degrees whose rotation lies in the range of the training rotations. Other angles without a value are 0.
+fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
     let range = |feature: usize| {
         let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
         [low, high]
@@ -187,16 +233,16 @@ fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], G
                 return Ok(range(first));
             }
             let ranges: Vec<[f64; 2]> = (first..first + len).map(range).collect();
-            let is_among = |degrees: usize| among(input, values, name, degrees, &ranges);
-            let among: Vec<bool> = (0..ROUND).map(is_among).collect::<Result<_, _>>()?;
-            return run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
+            let is_inside = |degrees: usize| in_training(input, values, name, degrees, &ranges);
+            let among: Vec<bool> = (0..ROUND).map(is_inside).collect::<Result<_, _>>()?;
+            return longest_run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
         }
         first += len;
     }
     Err(GridError::Range(name.to_owned()))
 }
 
-fn among(
+fn in_training(
     input: &Input,
     values: &Values,
     name: &str,
@@ -211,14 +257,15 @@ fn among(
     let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other))).collect();
     let own = features(inputs, &given(inputs, &own)?).map_err(FitError::Given)?;
     Ok(own.iter().zip(ranges).all(|(x, [low, high])| {
-        let beyond = BEYOND * (high - low) + 1e-6;
+        let beyond = TOLERANCE * (high - low) + 1e-6;
         (low - beyond..=high + beyond).contains(x)
     }))
 }
 
-/// Returns the ends of the longest run of degrees, which come round, in -180 to 360; none if there is no run of two.
-fn run(among: &[bool]) -> Option<[f64; 2]> {
-    if among.iter().all(|is_among| *is_among) {
+/// Returns the ends of the longest run of degrees, which wraps around, between -180 and 360. `None` without a run of
+/// two degrees.
+fn longest_run(among: &[bool]) -> Option<[f64; 2]> {
+    if among.iter().all(|is_inside| *is_inside) {
         return Some([0.0, ROUND as f64]);
     }
     let len = |from: &usize| (0..ROUND).take_while(|step| among[(from + step) % ROUND]).count();
@@ -233,7 +280,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nodes_of_a_cell_are_beside_each_other() {
+    fn nodes_of_a_cell_are_neighbours() {
         let played = Played {
             points: Vec::new(),
             visibility: Vec::new(),
@@ -255,7 +302,9 @@ mod tests {
 
     #[test]
     fn the_longest_run_of_degrees_comes_round() {
-        let of = |inside: &dyn Fn(usize) -> bool| run(&(0..ROUND).map(inside).collect::<Vec<_>>());
+        let of = |inside: &dyn Fn(usize) -> bool| {
+            longest_run(&(0..ROUND).map(inside).collect::<Vec<_>>())
+        };
         assert_eq!(of(&|at| at <= 40 || at >= 325), Some([-35.0, 40.0]));
         assert_eq!(of(&|at| (90..=270).contains(&at) || at == 3), Some([90.0, 270.0]));
         assert_eq!(of(&|_| true), Some([0.0, 360.0]));

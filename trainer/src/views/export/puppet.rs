@@ -1,11 +1,11 @@
-//! A grid of one or two parameters as an Inochi2D puppet: a part a layer and key view, bent at the grid's nodes.
+//! Writes a grid of one or two parameters as an Inochi2D puppet. Each layer and key view is a part, which is deformed
+//! at the nodes of the grid.
 //!
-//! Inochi2D interpolates linearly between nodes. The part of the greatest `zSort` is the hindmost. The parts of a layer that
-//! clips another mask its parts, by the alpha of their pictures. Inochi2D ignores the opacity and the masks of a mask.
+//! Inochi2D interpolates linearly between nodes. The part with the largest `zSort` is the hindmost. If a layer clips
+//! another, its parts mask the other's parts by the alpha of their pictures. Inochi2D ignores the opacity and the masks
+//! of a mask.
 
-use super::error::GridError;
-use super::grid::{Grid, Side};
-use super::inp::container;
+use super::grid::{Grid, GridError, Side};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
 use crate::views::player::Player;
@@ -13,22 +13,22 @@ use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;
 
-/// Stands for nothing where Inochi2D has a number.
+/// Inochi2D's number for "none".
 const NOTHING: u32 = u32::MAX;
-/// Numbers of the root, of the parameter, and of the first part.
+/// Identifiers of the root, of the parameter, and of the first part.
 const ROOT: u32 = 1;
 const PARAMETER: u32 = 2;
 const FIRST_PART: u32 = 3;
 
-/// Writes a puppet with one parameter, of one number or two.
+/// Writes a puppet with one parameter, of one or two numbers.
 ///
-/// A part's vertices are at their places in its picture, less the picture's middle. At each node its mesh is bent to the
-/// places in the model, less the screen's middle. Quads are cut in two.
+/// The vertices of a part lie at their places in its picture, relative to the middle of the picture. At each node the
+/// mesh is deformed to the places in the model, relative to the middle of the screen. Quads are split in two.
 ///
-/// - `grid`: of `model`, of one or two sides.
+/// - `grid`: grid of `model`, with one or two sides.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and those of writing.
+/// [`GridError::Nothing`], and the errors of writing.
 pub fn puppet(
     model: &Model<Vec<u8>>,
     map: Option<&str>,
@@ -70,12 +70,12 @@ pub fn puppet(
     container(&whole, &textures)
 }
 
-/// Returns the number of the part that a sheet is.
+/// Returns the identifier of the part of a sheet.
 fn uuid(number: usize) -> u32 {
     FIRST_PART + number as u32
 }
 
-/// Returns where a sheet's vertices are at rest.
+/// Returns the positions of a sheet's vertices at rest.
 fn rest(views: &Views<'_>, sheet: &Sheet) -> Vec<[f32; 2]> {
     let middle =
         [sheet.picture.size.width, sheet.picture.size.height].map(|side| 0.5 * side as f32);
@@ -114,9 +114,10 @@ fn part(views: &Views<'_>, sheets: &[Sheet], number: usize) -> Value {
     })
 }
 
-/// Lists the bindings of a part. Its mesh bends along lines. Its place in the stack is that of the nearest node.
+/// Lists the bindings of a part. The mesh is deformed linearly between nodes. The place in the stack is that of the
+/// nearest node.
 ///
-/// - `places`: of the part's vertices, by node.
+/// - `places`: positions of the part's vertices, by node.
 fn bindings_of(
     grid: &Grid,
     views: &Views<'_>,
@@ -147,7 +148,7 @@ fn bindings_of(
     ]
 }
 
-/// Lists a number of each node, by the sides of the grid.
+/// Lists a value of each node, by the sides of the grid.
 fn by_sides<T: Into<Value>>(grid: &Grid, of: impl Fn(usize) -> T) -> Value {
     let rows = grid.sides.get(1).map_or(1, |(side, _)| side.nodes);
     let all: Vec<Value> = (0..grid.nodes.len()).map(|node| of(node).into()).collect();
@@ -158,7 +159,7 @@ fn at_parent() -> Value {
     json!({ "trans": [0.0, 0.0, 0.0], "rot": [0.0, 0.0, 0.0], "scale": [1.0, 1.0] })
 }
 
-/// States the parameter: where it begins is as near to 0 as it goes.
+/// Makes the parameter. Its default is the value nearest to 0.
 fn parameter(sides: &[(Side, [f64; 2])], bindings: Vec<Value>) -> Value {
     let ends = |end: usize, beyond: f64| -> [f64; 2] {
         [0, 1].map(|side| sides.get(side).map_or(beyond, |(_, range)| range[end]))
@@ -176,4 +177,33 @@ fn parameter(sides: &[(Side, [f64; 2])], bindings: Vec<Value>) -> Value {
         "min": ends(0, 0.0), "max": ends(1, 1.0), "defaults": default,
         "axis_points": points, "merge_mode": "Additive", "bindings": bindings,
     })
+}
+
+const MAGIC: &[u8; 8] = b"TRNSRTS\0";
+const TEXTURES: &[u8; 8] = b"TEX_SECT";
+/// Encoding of a texture: PNG.
+const PNG: u8 = 0;
+
+/// Writes a puppet and its PNG textures in the container of Inochi2D: JSON, then textures. Lengths are big-endian.
+///
+/// # Errors
+/// [`GridError::Json`] and [`GridError::TooLarge`].
+fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, GridError> {
+    let json = serde_json::to_vec(puppet)?;
+    let mut out = Vec::new();
+    out.extend(MAGIC);
+    out.extend(length(json.len())?);
+    out.extend(json);
+    out.extend(TEXTURES);
+    out.extend(length(textures.len())?);
+    for texture in textures {
+        out.extend(length(texture.len())?);
+        out.push(PNG);
+        out.extend(texture);
+    }
+    Ok(out)
+}
+
+fn length(len: usize) -> Result<[u8; 4], GridError> {
+    u32::try_from(len).map(u32::to_be_bytes).map_err(|_| GridError::TooLarge(len))
 }

@@ -1,7 +1,6 @@
-//! A grid as binary glTF: layers as flat meshes, a morph target a node, pictures as textures.
+//! Writes a grid as binary glTF: layers are flat meshes, nodes are morph targets, and pictures are textures.
 
-use super::error::GridError;
-use super::grid::Grid;
+use super::grid::{Grid, GridError};
 use super::shown::{Shown, elements, name, numbered, triangles, uvs};
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
@@ -10,22 +9,22 @@ use serde_json::{Map, Value, json};
 use sinew_runtime::Model;
 use std::collections::BTreeMap;
 
-/// What the file says of itself.
+/// Description inside the file.
 const NOTE: &str = "An object of views: each morph target is what it is at the parameters of its name. The screen is one \
     unit high, its middle is the origin, y goes up and z to the viewer.";
-/// What every material is: a picture, lit already.
+/// Extension of every material: a picture without lighting.
 const UNLIT: &str = "KHR_materials_unlit";
-/// How far each layer is before that behind it, in heights of the screen.
+/// Distance from each layer to the next one behind, in heights of the screen.
 const STEP: f64 = 1e-3;
 
-/// Writes a scene: at rest the object stands as at the node in the middle.
+/// Writes a scene. The middle node is the rest shape.
 ///
-/// The key view of the greatest share at rest textures a layer. With depth it textures each element. Elements of one layer
-/// and view are a primitive. Layers without depth are a small step one before the other, in their order at rest. Quads are
-/// cut in two. Layers that are not seen at rest are left out.
+/// The key view with the largest share at rest textures a layer. With depth a key view is chosen for each element.
+/// Elements of one layer and view form a primitive. Layers without depth are stacked by small steps, in their order at
+/// rest. Quads are split in two. Layers that are hidden at rest are left out.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and those of writing.
+/// [`GridError::Nothing`], and the errors of writing.
 pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec<u8>, GridError> {
     let player = Player::new(model, map)?;
     let views = player.views();
@@ -78,7 +77,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     Ok(document.finish()?)
 }
 
-/// Lists the triangles of a layer by the key view that textures them, by numbers of vertices.
+/// Lists the triangles of a layer by the key view that textures them. Triangles are indices of vertices.
 fn textured(
     player: &Player<'_>,
     rest: &Shown<'_>,
@@ -107,10 +106,10 @@ fn textured(
     out
 }
 
-/// Adds positions at rest and, of each node, what is to be added to them.
+/// Adds the positions at rest, and the offsets of each node.
 ///
-/// - `vertices`: numbers of them.
-/// - `before`: how far before their depth they stand, in heights of the screen.
+/// - `vertices`: indices of the vertices.
+/// - `before`: offset towards the viewer, in heights of the screen.
 fn shapes(
     document: &mut Document,
     shown: &[Shown<'_>],
@@ -166,7 +165,7 @@ impl Looks {
         let bytes = document.view(picture.png()?);
         self.images.push(json!({ "name": name, "bufferView": bytes, "mimeType": "image/png" }));
         self.textures.push(json!({ "source": number, "sampler": 0 }));
-        // What has no depth is drawn in its order, which materials keep that hide nothing.
+        // BLEND materials keep the drawing order of layers without depth, since they hide nothing.
         let alpha = if *has_depth { "MASK" } else { "BLEND" };
         self.materials.push(json!({
             "name": name,
@@ -182,7 +181,7 @@ impl Looks {
     }
 
     fn state(self, root: &mut Map<String, Value>) {
-        // Linear both ways, and no texel from beyond an edge.
+        // Linear filters, and clamping at the edges.
         let sampler =
             json!({ "magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071 });
         for (name, items) in [

@@ -1,48 +1,51 @@
-//! Pictures with a mesh, as tools of 2-D rigs have them: one a layer and key view.
+//! Sheets: pictures with a mesh, as tools for 2-D rigs use them. Each layer and key view has a sheet.
 //!
-//! A layer without depth is a blend of its key views by their shares. Such tools have no depth, so an element with depth is
-//! textured by one view. The view of the highest score is in front. Views behind it show the elements that it does not.
+//! A layer without depth blends its key views by their shares. The tools have no depth, so a single view textures an
+//! element with depth. The view with the highest score is in front. Views behind show the elements that the front view
+//! does not show.
+//!
+//! The tools blend a picture over the pictures below. Two pictures at an opacity of 0.5 would let a quarter of the
+//! background through. So the lowest picture stays opaque, and the pictures above fade.
 
-use super::fade::{opacities, order};
 use super::shown::{Shown, elements, name, numbered, texel, triangles, uvs};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use sinew_runtime::views::{Element, Views};
 
-/// A layer's picture in a key view, and what becomes of it.
+/// A picture of a layer in a key view, with its mesh and its opacity and order at each node.
 pub(super) struct Sheet {
-    /// Its layer.
+    /// Index of the layer.
     pub(super) layer: usize,
-    /// Its key view.
+    /// Index of the key view.
     view: usize,
-    /// Its name: that of its key view, after that of its layer if there are several.
+    /// Name of the key view, after the name of the layer if there are several layers.
     pub(super) name: String,
-    /// Its picture, of straight alpha.
+    /// Picture with straight alpha.
     pub(super) picture: Picture,
-    /// Numbers of its vertices.
+    /// Indices of the vertices in the object.
     pub(super) vertices: Vec<usize>,
-    /// Triangles by places in that list, the hindmost first.
+    /// Triangles as positions in `vertices`, the hindmost first.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// By node, how opaque it is.
+    /// Opacity at each node.
     pub(super) opacities: Vec<f64>,
-    /// By node, how many sheets are behind it.
+    /// Number of sheets behind at each node.
     pub(super) behind: Vec<usize>,
-    /// Whether its opacity jumps from node to node.
+    /// Whether the opacity jumps between nodes.
     pub(super) is_switched: bool,
 }
 
 impl Sheet {
-    /// Returns where its vertices are in its picture, in pixels.
+    /// Returns the positions of the vertices in the picture, pixels.
     pub(super) fn texels(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
         self.vertices.iter().map(|&vertex| texel(views, self.view, vertex)).collect()
     }
 
-    /// Returns the same in shares of its picture's width and height.
+    /// Returns the positions of the vertices in shares of the picture's width and height.
     pub(super) fn uvs(&self, views: &Views<'_>) -> Vec<[f32; 2]> {
         uvs(views, self.view, &self.vertices, self.picture.size)
     }
 
-    /// Returns where its vertices are on the screen, from its middle.
+    /// Returns the positions of the vertices on the screen, relative to the middle, pixels.
     pub(super) fn places(&self, shown: &Shown<'_>, screen: [usize; 2]) -> Vec<[f64; 2]> {
         let middle = screen.map(|side| 0.5 * side as f64);
         let place = |&vertex: &usize| [0, 1].map(|axis| shown.places[vertex][axis] - middle[axis]);
@@ -50,9 +53,9 @@ impl Sheet {
     }
 }
 
-/// Makes the sheets of all layers, in the order of the file. Sheets of a layer come from the undermost on.
+/// Makes the sheets of all layers, in the order of the file. The sheets of a layer start with the lowest.
 ///
-/// - `beside`: lists the nodes that a tool goes to from a node.
+/// - `beside`: lists the nodes that a tool reaches from a node.
 pub(super) fn sheets(
     player: &Player<'_>,
     shown: &[Shown<'_>],
@@ -67,7 +70,7 @@ pub(super) fn sheets(
             false => faded(player, shown, number, &beside),
         });
     }
-    // Without what clips it nothing of a layer is seen.
+    // A layer is invisible if its clipping layer has no sheet.
     let layers: Vec<usize> = out.iter().map(|sheet| sheet.layer).collect();
     out.retain(|sheet| views.clips(sheet.layer).all(|clip| layers.contains(&clip)));
     stack(&mut out, shown);
@@ -120,7 +123,7 @@ fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet
     };
     let sources: Vec<Vec<Option<usize>>> = shown.iter().map(sources).collect();
     let of_view = |view: usize| {
-        // Elements with their mean depth at the nodes where the view textures them.
+        // Elements with their mean depth over the nodes where the view textures them.
         let mut own = Vec::new();
         for (number, element) in elements.iter().enumerate() {
             let nodes = shown.iter().zip(&sources).filter(|(_, all)| all[number] == Some(view));
@@ -143,7 +146,7 @@ fn switched(player: &Player<'_>, shown: &[Shown<'_>], layer: usize) -> Vec<Sheet
     (0..views.view_len()).filter_map(of_view).collect()
 }
 
-/// Makes a sheet of elements.
+/// Makes a sheet of elements. `None` if the key view has no picture of the layer.
 fn of_elements(
     player: &Player<'_>,
     layer: usize,
@@ -161,7 +164,7 @@ fn of_elements(
     Some(Sheet { layer, view, name, picture, vertices, triangles, opacities, behind, is_switched })
 }
 
-/// Counts at each node the sheets behind each.
+/// Counts the sheets behind each sheet, at each node.
 fn stack(sheets: &mut [Sheet], shown: &[Shown<'_>]) {
     for shown in shown {
         let (layers, ranking) = (shown.layers(), shown.ranking());
@@ -175,5 +178,106 @@ fn stack(sheets: &mut [Sheet], shown: &[Shown<'_>]) {
         for (behind, (.., number)) in keys.into_iter().enumerate() {
             sheets[number].behind.push(behind);
         }
+    }
+}
+
+/// Remaining opacity below which the lower pictures are hidden.
+const HIDDEN: f64 = 1e-6;
+
+/// Lists the key views with a share at some node, the lowest first. The lowest has the largest share in all nodes.
+///
+/// - `shares`: shares of the N views, by node.
+fn order(shares: &[Vec<f64>]) -> Vec<usize> {
+    let len = shares.first().map_or(0, Vec::len);
+    let whole = |view: usize| shares.iter().map(|own| own[view]).sum::<f64>();
+    let mut out: Vec<usize> = (0..len).filter(|&view| whole(view) > 0.0).collect();
+    out.sort_by(|&a, &b| whole(b).total_cmp(&whole(a)));
+    out
+}
+
+/// Returns the opacities of pictures at a node. Opaque pictures then mix by their shares.
+///
+/// A fully covered picture stays opaque if it has a share at a neighbouring node. Tools interpolate linearly between
+/// nodes, so the background stays hidden between them.
+///
+/// - `order`: views, the lowest first.
+/// - `shares`: shares of the N views, with a sum of at most 1.
+/// - `opacity`: opacity of all pictures together.
+/// - `counts_beside`: whether a view has a share at a neighbouring node.
+fn opacities(
+    order: &[usize],
+    shares: &[f64],
+    opacity: f64,
+    counts_beside: impl Fn(usize) -> bool,
+) -> Vec<f64> {
+    let mut left = 1.0;
+    let mut out: Vec<f64> = Vec::new();
+    for &view in order.iter().rev() {
+        let own = opacity * shares[view];
+        out.push(match left > HIDDEN {
+            true => (own / left).clamp(0.0, 1.0),
+            false => f64::from(u8::from(counts_beside(view))),
+        });
+        left -= own;
+    }
+    out.reverse();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Visible share of each opaque picture, and of the background.
+    fn seen(opacities: &[f64]) -> Vec<f64> {
+        let mut left = 1.0;
+        let mut out: Vec<f64> = Vec::new();
+        for opacity in opacities.iter().rev() {
+            out.push(left * opacity);
+            left *= 1.0 - opacity;
+        }
+        out.reverse();
+        out.push(left);
+        out
+    }
+
+    #[test]
+    fn opaque_pictures_mix_by_their_shares() {
+        for opacity in [1.0, 0.5, 0.0] {
+            for shares in [[0.5, 0.5, 0.0], [0.2, 0.3, 0.5], [0.0, 0.0, 1.0], [0.1, 0.0, 0.2]] {
+                let found = seen(&opacities(&[2, 0, 1], &shares, opacity, |_| true));
+                let expected = [2, 0, 1].map(|view| opacity * shares[view]);
+                let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+                assert!(apart.fold(0.0, f64::max) < 1e-12, "{shares:?} {opacity}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_seen_through_halfway_between_nodes() {
+        // Along a line of three nodes the first view blends into the second, and the second into the third.
+        let nodes = [vec![1.0, 0.0, 0.0], vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]];
+        let order = order(&nodes);
+        let at = |node: usize| {
+            let beside = |view: usize| {
+                let nodes = &nodes[node.saturating_sub(1)..nodes.len().min(node + 2)];
+                nodes.iter().any(|shares| shares[view] > 0.0)
+            };
+            opacities(&order, &nodes[node], 1.0, beside)
+        };
+        for pair in [[0, 1], [1, 2]] {
+            let [from, to] = pair.map(at);
+            for share in [0.0, 0.3, 0.5, 1.0] {
+                let own: Vec<f64> =
+                    from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
+                assert_eq!(seen(&own).last(), Some(&0.0), "{pair:?} {share}: {own:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_view_with_the_largest_share_is_lowest_and_views_without_share_are_dropped() {
+        assert_eq!(order(&[vec![0.1, 0.0, 0.9], vec![0.3, 0.0, 0.7]]), [2, 0]);
+        assert_eq!(order(&[]), [0; 0]);
     }
 }

@@ -1,4 +1,4 @@
-//! An object at a node, as the runtime draws it: places, the order of layers, and the shares of key views.
+//! An object at a node, as the runtime draws it: positions, order of layers, and shares of key views.
 
 use crate::page::camera::Resolution;
 use crate::views::player::{Played, Player};
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 pub(super) struct Shown<'a> {
     views: &'a Views<'a>,
     played: &'a Played,
-    /// Places of V vertices on the screen, and their depths.
+    /// Positions of the V vertices on the screen, and their depths, pixels.
     pub(super) places: Vec<[f64; 3]>,
 }
 
@@ -30,12 +30,12 @@ impl<'a> Shown<'a> {
         out
     }
 
-    /// Returns how opaque a layer is.
+    /// Returns the opacity of a layer.
     pub(super) fn opacity(&self, layer: usize) -> f64 {
         f64::from(self.played.layers[layer][0])
     }
 
-    /// Lists the key views, that of the highest score first.
+    /// Lists the key views, the highest score first.
     pub(super) fn ranking(&self) -> Vec<usize> {
         let scores = &self.played.scores;
         let mut out: Vec<usize> = (0..scores.len()).collect();
@@ -43,8 +43,8 @@ impl<'a> Shown<'a> {
         out
     }
 
-    /// Returns the key view that textures an element: the first of a ranking that shows all of it, else the first. Views
-    /// without a picture of the layer are left out.
+    /// Returns the key view that textures an element: the first in `ranking` that shows all of the element, or else the
+    /// first. Views without a picture of the layer are skipped.
     pub(super) fn texture(
         &self,
         layer: usize,
@@ -58,14 +58,14 @@ impl<'a> Shown<'a> {
         pictured.find(|&view| shows(self.views, view, &points)).or(first)
     }
 
-    /// Whether something of an element is to be seen.
+    /// Whether part of an element is visible.
     pub(super) fn is_seen(&self, element: &Element) -> bool {
         let points = points(self.views, element);
         points.is_empty() || points.iter().any(|&at| self.played.visibility[at] > 0.5)
     }
 
-    /// Returns the share of each key view in a layer without depth: the mean over its elements by their area. A view
-    /// without a picture of the layer has a share, too, and shows nothing.
+    /// Returns the share of each key view in a layer without depth: the mean over the elements, weighted by area. A
+    /// view without a picture of the layer has a share, too, and shows nothing.
     pub(super) fn shares(&self, layer: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.views.view_len()];
         let mut whole = 0.0;
@@ -88,12 +88,12 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// Returns where a vertex is in its layer's picture of a key view, in pixels.
+/// Returns the position of a vertex in its layer's picture in a key view, pixels.
 pub(super) fn texel(views: &Views<'_>, view: usize, vertex: usize) -> [f32; 2] {
     views.texel(view, vertex).unwrap_or_default()
 }
 
-/// Returns where vertices are in a key view's picture, in shares of its width and height.
+/// Returns the positions of vertices in the picture of a key view, in shares of width and height.
 pub(super) fn uvs(
     views: &Views<'_>,
     view: usize,
@@ -105,7 +105,7 @@ pub(super) fn uvs(
     places.map(|place| [0, 1].map(|axis| place[axis] / sides[axis])).collect()
 }
 
-/// Names a picture after its key view, and its layer where there are several.
+/// Names a picture after its key view, and after its layer if there are several.
 pub(super) fn name(views: &Views<'_>, layer: usize, view: usize) -> String {
     let key = views.view_name(view).unwrap_or_default();
     match views.layer_name(layer) {
@@ -114,7 +114,7 @@ pub(super) fn name(views: &Views<'_>, layer: usize, view: usize) -> String {
     }
 }
 
-/// Lists the elements of a layer, each with its number.
+/// Lists the elements of a layer with their indices.
 pub(super) fn elements<'a>(
     views: &'a Views<'a>,
     layer: usize,
@@ -123,7 +123,7 @@ pub(super) fn elements<'a>(
     range.filter_map(|number| Some((number, views.element(number)?)))
 }
 
-/// Cuts an element into triangles.
+/// Splits an element into triangles.
 pub(super) fn triangles(element: &Element) -> Vec<[usize; 3]> {
     match *element {
         Element::Triangle(vertices) => vec![vertices],
@@ -131,8 +131,8 @@ pub(super) fn triangles(element: &Element) -> Vec<[usize; 3]> {
     }
 }
 
-/// Numbers the vertices of triangles by themselves. Returns their numbers in the object, and the triangles by places in that
-/// list.
+/// Renumbers the vertices of triangles from 0. Returns the index in the object of each vertex, and the triangles with
+/// the new numbers.
 pub(super) fn numbered(triangles: &[[usize; 3]]) -> (Vec<usize>, Vec<[usize; 3]>) {
     let (mut vertices, mut places) = (Vec::new(), HashMap::new());
     let mut place = |vertex: usize| {
@@ -145,13 +145,13 @@ pub(super) fn numbered(triangles: &[[usize; 3]]) -> (Vec<usize>, Vec<[usize; 3]>
     (vertices, triangles)
 }
 
-/// Lists the points that are vertices of an element.
+/// Lists the points that coincide with vertices of an element.
 fn points(views: &Views<'_>, element: &Element) -> Vec<usize> {
     let vertices = element.vertices().iter();
     vertices.filter_map(|&vertex| views.vertex(vertex)?.point()).collect()
 }
 
-/// Whether a key view shows all of some points.
+/// Whether all points are visible in a key view.
 fn shows(views: &Views<'_>, view: usize, points: &[usize]) -> bool {
     points.iter().all(|&point| views.is_visible(view, point) == Some(true))
 }

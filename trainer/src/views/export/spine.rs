@@ -1,45 +1,45 @@
-//! Paths of parameters as Spine JSON, version 4.2: a slot a layer and key view, whose mesh is bent at each frame.
+//! Writes paths of parameters as Spine JSON, version 4.2. Each layer and key view is a slot, whose mesh is deformed at
+//! each frame.
 //!
-//! The page "JSON export format" of esotericsoftware.com describes the format. Its y goes up, and the first slot is drawn
-//! first. Between keys numbers go along lines, unless a key is stepped; attachments and the draw order stay until the next
-//! key.
+//! The page "JSON export format" of esotericsoftware.com describes the format. y goes up, and the first slot is drawn
+//! first. Numbers are interpolated linearly between keys, unless a key is stepped. Attachments and the draw order stay
+//! until the next key.
 
-use super::error::GridError;
-use super::grid::Grid;
-use super::hull::hull;
+use super::grid::{Grid, GridError};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
 use crate::views::player::Player;
 use serde_json::{Map, Value, json};
 use sinew_runtime::Model;
+use std::collections::HashMap;
 use std::ops::Range;
 
-/// The version of the format.
+/// Version of the format.
 const VERSION: &str = "4.2.0";
 const BONE: &str = "root";
 const SKIN: &str = "default";
-/// By how many parts of a pixel places are rounded.
+/// Parts of a pixel to which positions are rounded.
 const ROUNDING: f64 = 1e4;
 
-/// A skeleton, and the pictures beside it.
+/// A skeleton and its pictures.
 #[derive(Clone, Debug)]
 pub struct Spine {
-    /// The skeleton.
+    /// The skeleton as JSON.
     pub json: Vec<u8>,
-    /// Names of pictures without their ending, and each as PNG.
+    /// Names of the pictures without their ending, and the PNG of each.
     pub pictures: Vec<(String, Vec<u8>)>,
-    /// Names of layers whose clip masks are left out: Spine clips by polygons.
+    /// Names of layers whose clip masks are left out, because Spine clips by polygons.
     pub unclipped: Vec<String>,
 }
 
-/// Writes a skeleton with one bone, at the screen's middle. Its setup pose is the first frame.
+/// Writes a skeleton with one bone, at the middle of the screen. The setup pose is the first frame.
 ///
-/// - `folder`: of the pictures, beside the skeleton.
-/// - `animations`: names, and the frames of each.
-/// - `frame_time`: from a frame to the next, in seconds.
+/// - `folder`: folder of the pictures, beside the skeleton.
+/// - `animations`: names and frames of the animations.
+/// - `frame_time`: time between frames, seconds.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and those of writing.
+/// [`GridError::Nothing`], and the errors of writing.
 pub fn spine(
     model: &Model<Vec<u8>>,
     map: Option<&str>,
@@ -101,11 +101,11 @@ pub fn spine(
     Ok(Spine { json: serde_json::to_vec(&whole)?, pictures, unclipped: unclipped.collect() })
 }
 
-/// A sheet with the name of its slot, which is that of its attachment and of its picture.
+/// A sheet with the common name of its slot, attachment and picture.
 struct Slot {
     sheet: Sheet,
     name: String,
-    /// Vertices along the border, which come first.
+    /// Number of vertices along the border, which come first.
     hull_len: usize,
 }
 
@@ -122,7 +122,7 @@ impl Slot {
         Self { sheet, name, hull_len: hull.len() }
     }
 
-    /// States the slot at rest.
+    /// Makes the slot in the setup pose.
     fn state(&self) -> Value {
         let mut out = json!({ "name": self.name, "bone": BONE, "color": self.colour(0) });
         if self.sheet.opacities[0] > 0.0 {
@@ -144,7 +144,7 @@ impl Slot {
         })
     }
 
-    /// Returns where its vertices are, y up.
+    /// Returns the positions of the vertices, y up.
     fn places(&self, player: &Player<'_>, shown: &Shown<'_>) -> Vec<[f64; 2]> {
         let places = self.sheet.places(shown, player.size());
         places.into_iter().map(|[x, y]| [rounded(x), rounded(-y)]).collect()
@@ -156,7 +156,7 @@ impl Slot {
     }
 }
 
-/// States an animation.
+/// Makes an animation.
 fn animation(
     player: &Player<'_>,
     slots: &[Slot],
@@ -167,7 +167,7 @@ fn animation(
     let (mut of_slots, mut of_meshes) = (Map::new(), Map::new());
     for slot in slots {
         let opacities = &slot.sheet.opacities;
-        // From a frame on until the next.
+        // The attachment of a frame stays until the next frame.
         let is_seen = |node: usize| {
             let last = if slot.sheet.is_switched { node } else { (node + 1).min(range.end - 1) };
             opacities[node..=last].iter().any(|opacity| *opacity > 0.0)
@@ -213,7 +213,7 @@ fn animation(
     json!({ "slots": of_slots, "attachments": { SKIN: of_meshes }, "drawOrder": order })
 }
 
-/// Lists keys at the first frame and wherever a value is another than before.
+/// Lists keys at the first frame and at each change of the value.
 fn changes<T: PartialEq>(
     range: Range<usize>,
     value: impl Fn(usize) -> T,
@@ -231,7 +231,7 @@ fn changes<T: PartialEq>(
     out
 }
 
-/// Makes names of files that differ: letters, digits, and hyphens for all else.
+/// Makes distinct file names of letters and digits. All other characters become hyphens.
 fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for name in names {
@@ -240,7 +240,7 @@ fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
         let plain = if plain.is_empty() { "slot".to_owned() } else { plain };
         let numbered = (2..).map(|number| format!("{plain}-{number}"));
         let mut all = std::iter::once(plain.clone()).chain(numbered);
-        // Some file systems know no case.
+        // Some file systems ignore case.
         let is_free = |name: &String| !out.iter().any(|own| own.eq_ignore_ascii_case(name));
         out.extend(all.find(is_free));
     }
@@ -249,6 +249,41 @@ fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 
 fn rounded(x: f64) -> f64 {
     (x * ROUNDING).round() / ROUNDING
+}
+
+/// Lists the vertices along the longest border of triangles, each once. Empty without a border.
+fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
+    let edges = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
+    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
+    for [a, b] in triangles.iter().copied().flat_map(edges) {
+        *counts.entry([a.min(b), a.max(b)]).or_default() += 1;
+    }
+    let mut border: Vec<[usize; 2]> =
+        counts.into_iter().filter(|(_, count)| *count == 1).map(|(edge, _)| edge).collect();
+    // The order of a hash map is random.
+    border.sort_unstable();
+    let mut longest = Vec::new();
+    while let Some([start, next]) = border.pop() {
+        let mut way = vec![start];
+        let mut at = next;
+        while at != start {
+            way.push(at);
+            let Some(found) = border.iter().position(|edge| edge.contains(&at)) else { break };
+            let [a, b] = border.swap_remove(found);
+            at = if a == at { b } else { a };
+            // Two borders may meet at a vertex. The loop between is a separate border.
+            if let Some(first) = way.iter().position(|&vertex| vertex == at).filter(|&at| at > 0) {
+                let own = way.split_off(first);
+                longest = longer(longest, own);
+            }
+        }
+        longest = longer(longest, way);
+    }
+    longest
+}
+
+fn longer(a: Vec<usize>, b: Vec<usize>) -> Vec<usize> {
+    if b.len() > a.len() { b } else { a }
 }
 
 #[cfg(test)]
@@ -260,5 +295,33 @@ mod tests {
         let names = ["hair back", "../hair back", "Hair-back", "", ""];
         let expected = ["hair-back", "---hair-back", "Hair-back-2", "slot", "slot-2"];
         assert_eq!(unique(names.into_iter()), expected);
+    }
+
+    /// Rotates a loop so that its smallest vertex comes first, and the smaller of its neighbours second.
+    fn turned(way: Vec<usize>) -> Vec<usize> {
+        let mut way = way;
+        let least = (0..way.len()).min_by_key(|&at| way[at]).unwrap_or(0);
+        way.rotate_left(least);
+        if way.len() > 2 && way[way.len() - 1] < way[1] {
+            way[1..].reverse();
+        }
+        way
+    }
+
+    #[test]
+    fn the_border_goes_round_once() {
+        assert_eq!(turned(hull(&[[0, 1, 2], [0, 2, 3]])), [0, 1, 2, 3]);
+        // Mixed orientations, and a vertex in the middle.
+        let fan = [[0, 1, 4], [4, 1, 2], [2, 3, 4], [4, 0, 3]];
+        assert_eq!(turned(hull(&fan)), [0, 1, 2, 3]);
+        assert_eq!(hull(&[]), [0; 0]);
+    }
+
+    #[test]
+    fn the_longer_border_of_two_pieces_wins_even_if_they_touch() {
+        let apart = [[0, 1, 2], [3, 4, 5], [3, 5, 6]];
+        assert_eq!(turned(hull(&apart)), [3, 4, 5, 6]);
+        let touching = [[0, 1, 2], [2, 3, 4], [2, 4, 5]];
+        assert_eq!(turned(hull(&touching)), [2, 3, 4, 5]);
     }
 }

@@ -1,11 +1,15 @@
-//! A map of one motion: inputs, polynomial and kernel chosen, coefficients put together.
+//! Fits the map of one motion: chooses inputs, polynomial and kernel, and assembles the coefficients.
 
-use super::block::{Block, Fitted, LeftOutViews};
-use super::candidate::{Candidate, Width};
-use super::error::FitError;
-use super::inputs::{given, ways};
-use super::outputs::{MapOutputs, Shown};
-use super::terms::{Monomial, TermSet, term_sets, terms};
+use super::block::{
+    Block, Candidate, Fitted, LeftOutViews, Monomial, TermSet, Width, term_sets, terms,
+};
+use super::map::{FitError, MapOutputs, Shown, encodings, given};
+use crate::scattered::bound::{largest, rounded};
+use crate::regression::fade::Fade;
+use crate::scattered::model::{Figures, Input, KernelModel, features};
+use crate::scattered::solver::matrix::distances;
+use crate::scattered::solver::scaling::{Block as Inputs, Scaling};
+use crate::scattered::sum::KernelSum;
 use crate::numeric::columns::ends;
 use crate::regression::fade::Fade;
 use crate::scattered::bound::{largest, rounded};
@@ -19,51 +23,52 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
 
-/// Distance, over the mean one, below which two views have the same parameters.
+/// Relative distance below which two views have the same parameters. The mean distance is 1.
 const SAME: f64 = 1e-9;
-/// Share of the points' extent by which f32 arithmetic may be bound to be off, before another candidate is
-/// taken; what it is off by is a tenth of that at most (*measured*).
+/// Largest accepted bound of f32 rounding, over the extent of the points. A candidate with a larger bound is replaced.
+/// The true rounding is at most a tenth of the bound (*measured*).
 const ROUNDING: f64 = 2e-5;
 
-/// Share of the error of lines from view to view that another candidate must come below: a few views say little of
-/// which is better. *Measured* on 91 paths of `noto-tiger`, every second key left out: 1.072 times the error of lines
-/// without this, 1.025 at 0.8, 1.000 here.
+/// A candidate replaces piecewise linear interpolation only if its error is below this share, because a few views rank
+/// candidates poorly. *Measured* on 91 paths of `noto-tiger`, every second key left out: the error over that of
+/// piecewise linear interpolation is 1.072 without this rule, 1.025 at 0.8, and 1.000 at 0.5.
 const BETTER: f64 = 0.5;
-/// Share of the points' extent below which an error is rounding: the first of such candidates is taken.
+/// Error, over the extent of the points, that counts as rounding. The first candidate below is taken.
 const EXACT: f64 = 1e-12;
 
-/// What a fit is asked for.
+/// Options of a fit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FitOptions {
-    /// Whether the points of every example are to be met, whatever predicts left-out views best.
+    /// Whether the map must meet the points of every training view, even if another candidate predicts left-out views
+    /// better.
     pub exact: bool,
 }
 
-/// A map, and how it was chosen.
+/// A map, and the choices made for it.
 #[derive(Clone, Debug)]
 pub struct FittedMap {
-    /// The map; its outputs are those of [`MapOutputs`].
+    /// The map, with the outputs of [`MapOutputs`].
     pub model: KernelModel,
-    /// How many outputs it has.
+    /// Number of outputs of each kind.
     pub outputs: MapOutputs,
-    /// How it was chosen.
+    /// Choices of the fit.
     pub choice: Choice,
 }
 
-/// What was chosen for points, depths and visibility, and what else was tried for points.
+/// Choices for points, depths and visibility, and all candidates for points.
 #[derive(Clone, Debug, Serialize)]
 pub struct Choice {
-    /// The inputs, by name.
+    /// Names of the inputs.
     pub inputs: Vec<String>,
-    /// For points.
+    /// Candidate for points.
     pub points: Candidate,
-    /// For depths.
+    /// Candidate for depths.
     pub depths: Candidate,
-    /// For visibility.
+    /// Candidate for visibility.
     pub visibility: Candidate,
-    /// All that was tried for points with these inputs.
+    /// All candidates for points with these inputs.
     pub tried: Vec<Candidate>,
-    /// Points of views that are left out, pixels; none where the others do not determine a fit.
+    /// Errors of the points of left-out views, pixels; `None` if the other views do not determine a fit.
     pub left_out: Option<LeftOutViews>,
 }
 
@@ -71,7 +76,7 @@ impl FittedMap {
     /// Evaluates the map.
     ///
     /// # Errors
-    /// [`FitError`] of the values.
+    /// [`FitError`]: the values are invalid.
     pub fn shown(&self, values: &Values) -> Result<Shown, FitError> {
         self.outputs.evaluate(&self.model, values)
     }
@@ -79,7 +84,7 @@ impl FittedMap {
 
 /// Fits a map to views.
 ///
-/// - `keys`: N key views of the object, each the training view that it is, or none of this motion's.
+/// - `keys`: training view of each of the N key views; `None` for key views of other motions.
 ///
 /// # Errors
 /// [`FitError`].
@@ -89,7 +94,8 @@ pub fn fit(
     options: FitOptions,
 ) -> Result<FittedMap, FitError> {
     let points = Block::new(&places(&examples.train));
-    let sites = ways(examples).into_iter().map(|way| Sites::new(way, &examples.train));
+    let sites =
+        encodings(examples).into_iter().map(|encoding| Sites::new(encoding, &examples.train));
     let sites = sites.collect::<Result<Vec<_>, _>>()?;
     let tried: Vec<Vec<Tried>> =
         sites.iter().map(|sites| sites.all(&points, !options.exact, None)).collect();
@@ -100,7 +106,7 @@ pub fn fit(
     let error = |tried: &Tried| tried.error().max(EXACT * extent);
     let mut order: Vec<&Tried> = tried[chosen].iter().collect();
     order.sort_by(|a, b| error(a).total_cmp(&error(b)));
-    if let Some(plain) = order.iter().position(|tried| tried.is_plain())
+    if let Some(plain) = order.iter().position(|tried| tried.is_piecewise_linear())
         && error(order[0]) > BETTER * error(order[plain])
     {
         let plain = order.remove(plain);
@@ -110,7 +116,7 @@ pub fn fit(
     let limit = ROUNDING * extent;
     let mut best: Option<FittedMap> = None;
     for first in order {
-        let Some(made) = sites[chosen].put_together(first, examples, keys, &tried[chosen]) else {
+        let Some(made) = sites[chosen].assemble(first, examples, keys, &tried[chosen]) else {
             continue;
         };
         if made.model.fit.bound <= limit {
@@ -122,7 +128,7 @@ pub fn fit(
     best.ok_or(FitError::None { views })
 }
 
-/// Fits every candidate that [`fit`] chooses from: those that single precision can evaluate.
+/// Fits every candidate of [`fit`] that single precision can evaluate.
 ///
 /// # Errors
 /// [`FitError`].
@@ -134,17 +140,17 @@ pub fn fit_each(
     let points = Block::new(&places(&examples.train));
     let limit = ROUNDING * extent(&examples.train);
     let mut out = Vec::new();
-    for way in ways(examples) {
-        let sites = Sites::new(way, &examples.train)?;
+    for encoding in encodings(examples) {
+        let sites = Sites::new(encoding, &examples.train)?;
         let tried = sites.all(&points, !options.exact, None);
         let determined = tried.iter().filter(|tried| tried.candidate.left_out.is_some());
-        let made = determined.filter_map(|one| sites.put_together(one, examples, keys, &tried));
+        let made = determined.filter_map(|one| sites.assemble(one, examples, keys, &tried));
         out.extend(made.filter(|made| made.model.fit.bound <= limit));
     }
     Ok(out)
 }
 
-/// Views at which the values of a map are given.
+/// Features of the views, for one encoding of the parameters.
 struct Sites {
     inputs: Vec<Input>,
     /// Features, n x d.
@@ -153,7 +159,7 @@ struct Sites {
     sets: Vec<TermSet>,
 }
 
-/// A candidate, and the set that its name stands for.
+/// A candidate, and the index of its set of monomials.
 #[derive(Clone)]
 struct Tried {
     set: usize,
@@ -161,9 +167,9 @@ struct Tried {
 }
 
 impl Tried {
-    /// Whether it is lines from view to view.
-    fn is_plain(&self) -> bool {
-        self.candidate.polynomial == "linear" && self.candidate.kernel == Some(Width::PLAIN)
+    /// Whether the candidate is piecewise linear interpolation.
+    fn is_piecewise_linear(&self) -> bool {
+        self.candidate.polynomial == "linear" && self.candidate.kernel == Some(Width::LINEAR)
     }
 
     fn error(&self) -> f64 {
@@ -171,7 +177,7 @@ impl Tried {
     }
 }
 
-/// Returns what predicts left-out views best, the first of equals.
+/// Returns the candidate with the smallest error on left-out views. The first of equals wins.
 fn best(all: &[Tried]) -> Option<&Tried> {
     all.iter().min_by(|a, b| a.error().total_cmp(&b.error()))
 }
@@ -198,7 +204,7 @@ impl Sites {
         Ok(Self { inputs, features, scaling, sets })
     }
 
-    /// Returns the views, n x d, scaled by a width.
+    /// Returns the scaled features, n x d, times a shape parameter.
     fn points(&self, epsilon: f64) -> Mat<f64> {
         self.scaling.apply(&self.features) * faer::Scale(epsilon)
     }
@@ -208,8 +214,8 @@ impl Sites {
         block.fit(&points, &self.sets[set], kernel)
     }
 
-    /// Tries every polynomial, alone where that is allowed, and with every kernel or with the one that is
-    /// given.
+    /// Tries every polynomial with every kernel, or with the given kernel. If `alone` is set, also tries polynomials
+    /// without a kernel.
     fn all(&self, block: &Block, alone: bool, width: Option<Width>) -> Vec<Tried> {
         let kernels = |set: &TermSet| {
             let own = match width {
@@ -233,8 +239,8 @@ impl Sites {
         all.par_iter().map(one).collect()
     }
 
-    /// Fits depths and visibility beside points, and makes one function of all; none where rounding decides.
-    fn put_together(
+    /// Fits depths, visibility and numbers, and joins all outputs in one map. `None` if rounding dominates.
+    fn assemble(
         &self,
         points: &Tried,
         examples: &Examples,
@@ -247,22 +253,22 @@ impl Sites {
             views: keys.len(),
             layers: examples.layer_len(),
         };
-        let points = self.or_plain(points);
+        let points = self.or_piecewise_linear(points);
         let numbers = numbers(views, keys, outputs.layers);
         let blocks =
             [places(views), depths(views), visibility(views), numbers].map(|own| Block::new(&own));
         let mut width = points.candidate.kernel;
-        let depths = self.or_plain(best(&self.all(&blocks[1], true, width))?);
+        let depths = self.or_piecewise_linear(best(&self.all(&blocks[1], true, width))?);
         width = width.or(depths.candidate.kernel);
-        // Every example is met: what is seen there is known.
+        // The map meets the known visibility of every view, so a kernel is required.
         let visibility = match changes(views) {
-            true => self.or_plain(best(&self.all(&blocks[2], false, width))?),
-            // Whatever is fitted to what never changes is exact, and the least error a matter of rounding.
-            false => self.lines(width),
+            true => self.or_piecewise_linear(best(&self.all(&blocks[2], false, width))?),
+            // Every candidate fits constant visibility exactly, so the smallest error would be a matter of rounding.
+            false => self.piecewise_linear(width),
         };
         width = width.or(visibility.candidate.kernel);
-        // Of what lies between key views the examples say nothing: lines from one to the next.
-        let numbers = self.lines(width);
+        // The views do not determine the numbers between key views, so these are interpolated linearly.
+        let numbers = self.piecewise_linear(width);
         width = width.or(numbers.candidate.kernel);
         let epsilon = width.map_or(1.0, |width| width.epsilon);
         let scaled = self.points(epsilon);
@@ -334,24 +340,24 @@ impl Sites {
         Some(map)
     }
 
-    /// Takes what was tried; where views could not be left out, lines from view to view.
-    fn or_plain(&self, tried: &Tried) -> Tried {
+    /// Returns the candidate, or piecewise linear interpolation if views could not be left out.
+    fn or_piecewise_linear(&self, tried: &Tried) -> Tried {
         if tried.candidate.left_out.is_some() {
             return tried.clone();
         }
-        self.lines(tried.candidate.kernel)
+        self.piecewise_linear(tried.candidate.kernel)
     }
 
-    /// Returns lines from view to view; what goes along them by a kernel that is given.
-    fn lines(&self, width: Option<Width>) -> Tried {
+    /// Returns piecewise linear interpolation; with the given kernel, if there is one.
+    fn piecewise_linear(&self, width: Option<Width>) -> Tried {
         let set = self.sets.iter().position(|set| set.name == "linear").unwrap_or(0);
         let polynomial = self.sets[set].name;
-        let kernel = Some(width.unwrap_or(Width::PLAIN));
+        let kernel = Some(width.unwrap_or(Width::LINEAR));
         Tried { set, candidate: Candidate { polynomial, kernel, left_out: None } }
     }
 }
 
-/// Returns the longer side of the box of all points.
+/// Returns the longer side of the bounding box of all points.
 fn extent(views: &[View]) -> f64 {
     let side = |axis: usize| {
         let known = views.iter().flat_map(|view| view.points.iter().flatten());
@@ -371,7 +377,7 @@ fn places(views: &[View]) -> Vec<Vec<Option<f64>>> {
     views.iter().map(|view| view.points.iter().flat_map(place).collect()).collect()
 }
 
-/// Lists depths by view: 0 of an object that has none.
+/// Lists depths by view; 0 for an object without depths.
 fn depths(views: &[View]) -> Vec<Vec<Option<f64>>> {
     let has_some = views.iter().any(|view| !view.depths.is_empty());
     let of = |view: &View| match (has_some, view.depths.is_empty()) {
@@ -387,7 +393,7 @@ fn visibility(views: &[View]) -> Vec<Vec<Option<f64>>> {
     views.iter().map(|view| view.seen().map(seen).collect()).collect()
 }
 
-/// Whether a point is seen in some views and not in others.
+/// Whether a point is visible in some views and hidden in others.
 fn changes(views: &[View]) -> bool {
     let mut known: Vec<Option<bool>> = Vec::new();
     views.iter().any(|view| {
@@ -397,8 +403,9 @@ fn changes(views: &[View]) -> bool {
     })
 }
 
-/// Lists by view what key views score, 1 at their own parameters and 0 at those of others, and opacity and order of
-/// layers. Of a view that does not say them and has a picture of the layer, these are 1 and the layer's number.
+/// Lists by view the scores of key views, then opacity and order of layers. A key view scores 1 at its own parameters
+/// and 0 at those of other key views. If a view has a picture of a layer without opacity or order, these are 1 and the
+/// index of the layer.
 fn numbers(views: &[View], keys: &[Option<usize>], layers: usize) -> Vec<Vec<Option<f64>>> {
     let of = |(number, view): (usize, &View)| {
         let is_own = keys.contains(&Some(number));
@@ -420,7 +427,7 @@ fn numbers(views: &[View], keys: &[Option<usize>], layers: usize) -> Vec<Vec<Opt
     views.iter().enumerate().map(of).collect()
 }
 
-/// Measures what a map leaves of the points of its examples.
+/// Measures the RMS error of a map's points on its training views.
 fn residual_rms(map: &FittedMap, views: &[View]) -> f64 {
     let (mut squares, mut count) = (0.0, 0);
     for view in views {

@@ -1,16 +1,9 @@
-//! From views to a map: inputs, polynomial and kernel chosen by leaving views out (METHOD §6).
+//! Fits maps to views. Inputs, polynomial and kernel are chosen by leaving views out (METHOD §6).
 
 mod block;
-mod candidate;
-mod error;
 mod examples;
-mod inputs;
-mod outputs;
-mod terms;
+mod map;
 
-pub use block::LeftOutViews;
-pub use candidate::Candidate;
-pub use error::FitError;
+pub use block::{Candidate, LeftOutViews};
 pub use examples::{Choice, FitOptions, FittedMap, fit, fit_each};
-pub use inputs::{given, names_of};
-pub use outputs::{MapOutputs, Shown};
+pub use map::{FitError, MapOutputs, Shown, given, names_of, weights};

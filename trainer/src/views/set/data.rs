@@ -1,42 +1,49 @@
-//! What a set of views holds.
+//! The data of a set of views: layers, motions, views, elements and pictures.
 
-use super::elements::Element;
-use super::image::Image;
+use super::error::SetError;
+use crate::formats::FileError;
+use crate::formats::layered::{LayeredPicture, is_layered};
+use crate::formats::pixels::{Pixels, png_size, read_png};
+use crate::page::camera::Resolution;
+use crate::page::picture::Picture;
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
 
-/// Parameters by name: angles in degrees.
+/// Values of parameters by name. Angles are in degrees.
 pub type Values = BTreeMap<String, f64>;
 
 /// Views of one object, in one or several motions.
 #[derive(Clone, Debug)]
 pub struct ViewSet {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
     /// Width and height of the pictures, pixels.
     pub size: [usize; 2],
-    /// Layers, the hindmost first; one at least.
+    /// Layers, the hindmost first; at least one.
     pub layers: Vec<Layer>,
-    /// Motions, each a map from parameters of its own to the same points.
+    /// Motions, each with its own parameters and the same points.
     pub maps: Vec<Examples>,
 }
 
 /// A layer of an object.
 #[derive(Clone, Debug, Default)]
 pub struct Layer {
-    /// Its name.
+    /// Name of the layer.
     pub name: String,
-    /// Its points.
+    /// Indices of the points of the layer.
     pub points: Vec<usize>,
-    /// Elements, by numbers of the set's points, the hindmost first where there is no depth; none of one whose pictures
-    /// are bent as a whole.
+    /// Elements between the set's points; without depth the hindmost is first. Empty if the pictures are warped as a
+    /// whole.
     pub elements: Vec<Element>,
-    /// The layer outside of which it is not seen.
+    /// Index of the layer that clips this layer.
     pub clip: Option<usize>,
 }
 
 impl Layer {
-    /// Makes the layer of an object that has no others.
+    /// Makes the only layer of an object.
     pub fn whole(name: &str, point_len: usize, elements: Vec<Element>) -> Self {
         Self { name: name.to_owned(), points: (0..point_len).collect(), elements, clip: None }
     }
@@ -45,82 +52,82 @@ impl Layer {
 /// Views of one motion.
 #[derive(Clone, Debug)]
 pub struct Examples {
-    /// Its name.
+    /// Name of the motion.
     pub name: String,
-    /// What moves it.
+    /// Parameters of the motion.
     pub parameters: Vec<Parameter>,
-    /// Views to learn from; one at least.
+    /// Training views; at least one.
     pub train: Vec<View>,
-    /// Views to measure with.
+    /// Test views.
     pub test: Vec<View>,
 }
 
-/// What a motion depends on.
+/// A parameter of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
     /// A number.
     Scalar(String),
-    /// Angles in degrees about x, y and z, by name where they are given, which make one rotation: 359° is
-    /// next to 1°.
+    /// One rotation by angles about x, y and z in degrees. 359° is next to 1°.
     Rotation {
-        /// Their names.
+        /// Names of the angles; `None` for unused angles.
         angles: [Option<String>; 3],
-        /// The order in which they turn; where none is said, that which predicts left-out views best.
+        /// Order of the angles. If `None`, the fit chooses the order that predicts left-out views best.
         order: Option<EulerOrder>,
     },
 }
 
-/// An example.
+/// A view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The parameters.
+    /// Values of the parameters.
     pub values: Values,
-    /// K points in pixels, y down; none where nobody knows.
+    /// The K points in pixels, y down; `None` if unknown.
     pub points: Vec<Option<[f64; 2]>>,
-    /// K: whether each is seen. One that is seen without a place was proposed in other views, and nobody knows.
+    /// Whether each of the K points is visible. A visible point without a position was proposed in other views, and its
+    /// visibility is unknown.
     pub visible: Vec<bool>,
-    /// K depths in pixels, growing away from the viewer; empty where there are none.
+    /// The K depths in pixels, growing away from the viewer; empty without depths.
     pub depths: Vec<f64>,
-    /// The picture of a key view.
+    /// Picture of a key view.
     pub image: Option<Image>,
-    /// L layers, each as it is in this view; empty of a set of one layer, whose picture is that of the view.
+    /// The L layers in this view. Empty in a set of one layer, where the view has the picture.
     pub layers: Vec<LayerView>,
 }
 
 /// A layer in a view.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayerView {
-    /// Its picture; none of a layer that is not seen.
+    /// Picture of the layer; `None` if the layer is hidden.
     pub image: Option<Image>,
-    /// How opaque it is, from 0 to 1; none where nobody says.
+    /// Opacity from 0 to 1; `None` if unknown.
     pub opacity: Option<f64>,
-    /// What it is drawn over: layers of a lesser order; none where nobody says.
+    /// Order: the layer is drawn over layers of smaller order. `None` if unknown.
     pub order: Option<f64>,
 }
 
 impl ViewSet {
-    /// Returns K.
+    /// Returns the number of points, K.
     pub fn point_len(&self) -> usize {
         let first = self.maps.iter().find_map(|map| map.train.first());
         first.map_or(0, |view| view.points.len())
     }
 
-    /// Says which training view a key view is.
+    /// Names a training view by its motion and index.
     pub fn view_name(&self, (map, view): (usize, usize)) -> String {
         format!("{}, train view {view}", self.maps[map].name)
     }
 
-    /// Returns how many elements its layers have.
+    /// Returns the number of elements of all layers.
     pub fn element_len(&self) -> usize {
         self.layers.iter().map(|layer| layer.elements.len()).sum()
     }
 
-    /// Whether views have a depth for their points.
+    /// Whether views have depths.
     pub fn has_depth(&self) -> bool {
         self.maps.iter().flat_map(|map| &map.train).any(|view| !view.depths.is_empty())
     }
 
-    /// Lists the key views, those with a picture: the map and the training view of each.
+    /// Lists the key views, which have a picture: indices of the motion and the training view.
     pub fn key_views(&self) -> Vec<(usize, usize)> {
         let of = |(map, examples): (usize, &Examples)| {
             let views = examples.train.iter().enumerate();
@@ -132,14 +139,14 @@ impl ViewSet {
 }
 
 impl Examples {
-    /// Returns L.
+    /// Returns the number of layers, L.
     pub fn layer_len(&self) -> usize {
         self.train.first().map_or(1, |view| view.layers.len().max(1))
     }
 }
 
 impl Parameter {
-    /// Lists the names by which values are given.
+    /// Lists the names of the values of the parameter.
     pub fn names(&self) -> Vec<&str> {
         match self {
             Self::Scalar(name) => vec![name],
@@ -149,7 +156,7 @@ impl Parameter {
 }
 
 impl View {
-    /// Whether it has a picture.
+    /// Whether the view has a picture.
     pub fn is_key(&self) -> bool {
         match &self.layers[..] {
             [] => self.image.is_some(),
@@ -157,7 +164,7 @@ impl View {
         }
     }
 
-    /// Returns its picture of a layer.
+    /// Returns the picture of a layer.
     pub fn picture(&self, layer: usize) -> Option<&Image> {
         match &self.layers[..] {
             [] => self.image.as_ref(),
@@ -165,14 +172,178 @@ impl View {
         }
     }
 
-    /// Lists of each point whether it is seen; none where nobody knows.
+    /// Lists whether each point is visible; `None` if unknown.
     pub fn seen(&self) -> impl Iterator<Item = Option<bool>> {
         let points = self.visible.iter().zip(&self.points);
         points.map(|(seen, place)| (!seen || place.is_some()).then_some(*seen))
     }
 
-    /// Returns the points, and the origin for those that nobody knows.
+    /// Returns the points, with the origin for unknown points.
     pub fn known(&self) -> Vec<[f64; 2]> {
         self.points.iter().map(|point| point.unwrap_or_default()).collect()
+    }
+}
+
+/// A triangle or a convex quad, by the indices of its points around the outline.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Three points.
+    Triangle([usize; 3]),
+    /// Four points.
+    Quad([usize; 4]),
+}
+
+impl Element {
+    /// Makes elements of a polygon. A polygon with more than four corners becomes a fan of triangles around the first
+    /// corner.
+    ///
+    /// # Errors
+    /// [`SetError::Element`]: the polygon has fewer than three points, an unknown point, or a point twice.
+    pub fn of_polygon(
+        element: usize,
+        polygon: &[usize],
+        points: usize,
+    ) -> Result<Vec<Self>, SetError> {
+        let wrong = |what: String| SetError::Element { element, what };
+        if let Some(point) = polygon.iter().find(|point| **point >= points) {
+            return Err(wrong(format!("point {point}, of {points}")));
+        }
+        let twice = (1..polygon.len()).find(|&at| polygon[..at].contains(&polygon[at]));
+        if let Some(at) = twice {
+            return Err(wrong(format!("point {} is there twice", polygon[at])));
+        }
+        match *polygon {
+            [a, b, c] => Ok(vec![Self::Triangle([a, b, c])]),
+            [a, b, c, d] => Ok(vec![Self::Quad([a, b, c, d])]),
+            [first, _, _, _, _, ..] => {
+                let fan = polygon[1..].windows(2).map(|pair| [first, pair[0], pair[1]]);
+                Ok(fan.map(Self::Triangle).collect())
+            }
+            _ => Err(wrong(format!("expected 3 points or more, found {}", polygon.len()))),
+        }
+    }
+
+    /// Lists the points of the element.
+    pub fn points(&self) -> &[usize] {
+        match self {
+            Self::Triangle(points) => points,
+            Self::Quad(points) => points,
+        }
+    }
+}
+
+/// A picture file, with an optional mask or layer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// The picture: PNG, OpenRaster or Photoshop.
+    pub file: PathBuf,
+    /// A mask: black pixels are outside the object.
+    pub mask: Option<PathBuf>,
+    /// Name of the layer in a picture in layers; `None` for the whole picture.
+    pub layer: Option<String>,
+}
+
+impl Image {
+    /// Names a picture without a mask.
+    pub fn of_file(file: PathBuf) -> Self {
+        Self { file, mask: None, layer: None }
+    }
+
+    /// Names the picture of a layer. In a picture in layers the layer has the same name.
+    pub fn of_layer(file: PathBuf, layer: &str) -> Self {
+        let layer = is_layered(&file).then(|| layer.to_owned());
+        Self { layer, ..Self::of_file(file) }
+    }
+
+    /// Loads the picture in its own size.
+    ///
+    /// # Errors
+    /// [`SetError::Image`], [`SetError::File`], and [`SetError::ImageSize`] if the mask has another size.
+    pub fn load_any(&self) -> Result<Picture, SetError> {
+        self.load(picture_size(&self.file)?)
+    }
+
+    /// Loads the picture. Pixels outside the mask are cleared.
+    ///
+    /// - `expected`: width and height, pixels.
+    ///
+    /// # Errors
+    /// [`SetError::Image`], [`SetError::File`] and [`SetError::ImageSize`].
+    pub fn load(&self, expected: [usize; 2]) -> Result<Picture, SetError> {
+        let mut picture = decoded(&self.file, self.layer.as_deref(), expected)?;
+        if let Some(mask) = &self.mask {
+            let mask = decoded(mask, None, expected)?;
+            for (pixel, mask) in picture.rgba.chunks_mut(4).zip(mask.rgba.chunks(4)) {
+                if mask[0] < 0x80 || mask[3] == 0 {
+                    pixel.fill(0);
+                }
+            }
+        }
+        Ok(picture)
+    }
+}
+
+/// Returns the width and height of a picture, pixels.
+///
+/// # Errors
+/// [`SetError::Image`] and [`SetError::File`].
+pub(super) fn picture_size(file: &Path) -> Result<[usize; 2], SetError> {
+    if is_layered(file) {
+        return Ok(LayeredPicture::open(file)?.size);
+    }
+    png_size(opened(file)?).map_err(|what| wrong(file, what))
+}
+
+fn decoded(file: &Path, layer: Option<&str>, expected: [usize; 2]) -> Result<Picture, SetError> {
+    let check = |found: [usize; 2]| match found == expected {
+        true => Ok(()),
+        false => Err(SetError::ImageSize { file: file.to_owned(), expected, found }),
+    };
+    let Pixels { size: [width, height], rgba } = if is_layered(file) {
+        let picture = LayeredPicture::open(file)?;
+        check(picture.size)?;
+        let found = match layer {
+            Some(name) => picture.find(name).and_then(|layer| picture.picture(layer)),
+            None => picture.flattened(),
+        };
+        found.map_err(|error| FileError { file: file.to_owned(), error: error.into() })?
+    } else {
+        check(picture_size(file)?)?;
+        read_png(opened(file)?).map_err(|what| wrong(file, what))?
+    };
+    Ok(Picture { size: Resolution { width, height }, rgba })
+}
+
+fn opened(file: &Path) -> Result<BufReader<File>, SetError> {
+    let opened = File::open(file).map_err(|error| wrong(file, error.to_string()))?;
+    Ok(BufReader::new(opened))
+}
+
+fn wrong(file: &Path, what: String) -> SetError {
+    SetError::Image { file: file.to_owned(), what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_become_triangles_about_their_first_corner() {
+        let found = Element::of_polygon(0, &[5, 1, 2, 3, 4], 6).unwrap();
+        let expected = [[5, 1, 2], [5, 2, 3], [5, 3, 4]].map(Element::Triangle);
+        assert_eq!(found, expected);
+        assert_eq!(Element::of_polygon(0, &[3, 2, 1, 0], 4).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn points_that_make_no_element_are_named() {
+        for (polygon, what) in [
+            (&[0, 1][..], "expected 3 points or more, found 2"),
+            (&[0, 1, 7], "point 7, of 4"),
+            (&[0, 1, 2, 1], "point 1 is there twice"),
+        ] {
+            let refused = Element::of_polygon(9, polygon, 4).unwrap_err();
+            assert_eq!(refused.to_string(), format!("element 9: {what}"));
+        }
     }
 }

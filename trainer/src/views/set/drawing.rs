@@ -1,26 +1,43 @@
-//! A hand drawing with its mask and 16 joints, cut into triangles and set in motion.
+//! A hand drawing with a mask and 16 joints: cuts it into triangles and animates a walk and a jump.
 
-use super::data::{Examples, Layer, Parameter, View, ViewSet};
-use super::elements::Element;
+use super::data::{Element, Examples, Image, Layer, Parameter, View, ViewSet, picture_size};
+use super::elements::Silhouette;
 use super::error::SetError;
-use super::image::{Image, size};
-use super::silhouette::Silhouette;
 use crate::formats::FormatError;
 use crate::page::picture::Picture;
-use crate::views::motion::{JOINTS, Pose, Posed, carried};
 use std::path::Path;
 
-/// Triangles' sides along the longer side of the drawing.
+/// Number of triangle sides along the longer side of the drawing.
 const ACROSS: f64 = 32.0;
-/// How fast the hold of a bone falls with the distance from it.
-const FALL: i32 = 4;
-/// Phases of the walk that are examples, degrees.
+/// Exponent of the distance in the weight of a bone.
+const FALLOFF: i32 = 4;
+/// Phases of the walk's training views, degrees.
 const PHASES: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
-/// Times of the jump that are examples; the first is the drawing.
+/// Times of the jump's training views. The drawing is the first.
 const TIMES: [f64; 7] = [0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
 
-/// Reads a drawing by its description, `char_cfg.yaml`, beside which `texture.png` and `mask.png` lie: points
-/// are its joints and the corners of triangles inside the mask, motions a walk and a jump.
+/// Names of the joints, and the index of each parent. Parents come first.
+pub const JOINTS: [(&str, Option<usize>); 16] = [
+    ("root", None),
+    ("hip", Some(0)),
+    ("torso", Some(1)),
+    ("neck", Some(2)),
+    ("right_shoulder", Some(2)),
+    ("right_elbow", Some(4)),
+    ("right_hand", Some(5)),
+    ("left_shoulder", Some(2)),
+    ("left_elbow", Some(7)),
+    ("left_hand", Some(8)),
+    ("right_hip", Some(0)),
+    ("right_knee", Some(10)),
+    ("right_foot", Some(11)),
+    ("left_hip", Some(0)),
+    ("left_knee", Some(13)),
+    ("left_foot", Some(14)),
+];
+
+/// Reads a drawing by its description `char_cfg.yaml`, with `texture.png` and `mask.png` in the same folder. Points are
+/// the joints and the corners of triangles inside the mask. The motions are a walk and a jump.
 ///
 /// # Errors
 /// [`SetError`].
@@ -33,7 +50,7 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
         mask: Some(folder.join("mask.png")),
         layer: None,
     };
-    let size = size(&image.file)?;
+    let size = picture_size(&image.file)?;
     let mesh = Mesh::new(&image.load(size)?, &rest)?;
     let view = |pose: Pose, name: &str, value: f64, image: Option<Image>| {
         let points = mesh.posed(&rest, &pose.posed(&rest));
@@ -70,7 +87,7 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
     })
 }
 
-/// Reads the joints: of each its place and its name.
+/// Reads the positions of the joints, pixels.
 fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
     let mut out = [None; 16];
     let mut place = Vec::new();
@@ -96,26 +113,27 @@ fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
     missing.map_or_else(|| Ok(out.map(Option::unwrap_or_default)), |joint| Err(lacking(joint)))
 }
 
-/// Triangles over a drawing, and what holds their corners.
+/// Triangles over a drawing, and the bone weights of their corners.
 struct Mesh {
     corners: Vec<[f64; 2]>,
-    /// How much each bone holds a corner, by the joint at its end.
+    /// Weight of each bone at each corner. A bone has the index of the joint at its end.
     weights: Vec<[f64; 16]>,
-    /// Of the joints and the corners behind them: what is in the middle of the figure last.
+    /// Elements over points: the joints, then the corners. Elements in the middle of the figure come last.
     elements: Vec<Element>,
 }
 
 impl Mesh {
     fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, SetError> {
         let Silhouette { corners, faces } = Silhouette::of(picture, ACROSS, 0)?;
-        let weights: Vec<[f64; 16]> = corners.iter().map(|corner| held(*corner, rest)).collect();
+        let weights: Vec<[f64; 16]> =
+            corners.iter().map(|corner| bone_weights(*corner, rest)).collect();
         let mut order: Vec<(usize, [usize; 3])> = Vec::new();
         for own in faces {
             let strongest = |k: usize| {
                 let weights = &weights[own[k]];
                 (0..16).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default()
             };
-            order.push((layer(strongest(0)), own));
+            order.push((depth_order(strongest(0)), own));
         }
         order.sort_by_key(|(layer, _)| *layer);
         let behind =
@@ -123,13 +141,13 @@ impl Mesh {
         Ok(Self { corners, weights, elements: order.into_iter().map(behind).collect() })
     }
 
-    /// Lists joints and corners of a pose.
+    /// Lists joints and corners in a pose.
     fn posed(&self, rest: &[[f64; 2]; 16], posed: &Posed) -> Vec<[f64; 2]> {
         let corner = |(corner, weights): (&[f64; 2], &[f64; 16])| {
             let mut out = [0.0; 2];
             for (joint, weight) in weights.iter().enumerate() {
                 let Some(parent) = JOINTS[joint].1 else { continue };
-                let own = carried(*corner, rest[parent], posed.joints[parent], posed.turned[joint]);
+                let own = rotated(*corner, rest[parent], posed.joints[parent], posed.turned[joint]);
                 (0..2).for_each(|axis| out[axis] += weight * own[axis]);
             }
             out
@@ -139,8 +157,8 @@ impl Mesh {
     }
 }
 
-/// Returns how far in front a bone lies: legs, arms, then what is in the middle.
-fn layer(joint: usize) -> usize {
+/// Returns the depth order of a bone: legs, then arms, then the middle in front.
+fn depth_order(joint: usize) -> usize {
     match joint {
         10..=15 => 0,
         4..=9 => 1,
@@ -148,24 +166,146 @@ fn layer(joint: usize) -> usize {
     }
 }
 
-/// Returns how much each bone holds a point.
-fn held(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
+/// Returns the weight of each bone at a point.
+fn bone_weights(point: [f64; 2], rest: &[[f64; 2]; 16]) -> [f64; 16] {
     let mut out = [0.0; 16];
     for (joint, (_, parent)) in JOINTS.iter().enumerate() {
         if let Some(parent) = *parent {
-            out[joint] = 1.0 / (1.0 + distance(point, rest[parent], rest[joint])).powi(FALL);
+            out[joint] =
+                1.0 / (1.0 + segment_distance(point, rest[parent], rest[joint])).powi(FALLOFF);
         }
     }
     let sum: f64 = out.iter().sum();
     out.map(|weight| weight / sum)
 }
 
-/// Returns how far a point is from a line between two others.
-fn distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Returns the distance of a point from a line segment.
+pub(in crate::views) fn segment_distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let to = [point[0] - a[0], point[1] - a[1]];
     let squared = along[0] * along[0] + along[1] * along[1];
     let share = if squared > 0.0 { (to[0] * along[0] + to[1] * along[1]) / squared } else { 0.0 };
     let share = share.clamp(0.0, 1.0);
     (to[0] - share * along[0]).hypot(to[1] - share * along[1])
+}
+
+/// A pose, relative to rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pose {
+    /// Shift of the root, in heights of the figure, y down.
+    shift: [f64; 2],
+    /// Angle of the bone that ends at each joint, relative to the parent's bone, degrees, clockwise on the screen.
+    turns: [f64; 16],
+}
+
+/// Joints of a posed figure, and the turns of its bones.
+#[derive(Clone, Debug, PartialEq)]
+struct Posed {
+    /// Positions, pixels.
+    joints: [[f64; 2]; 16],
+    /// Absolute turn of the bone that ends at each joint, radians.
+    turned: [f64; 16],
+}
+
+impl Pose {
+    /// Walks: a phase of 360 degrees is the same as 0.
+    fn walk(phase: f64) -> Self {
+        let phase = phase.to_radians();
+        let (s, c) = phase.sin_cos();
+        let mut turns = [0.0; 16];
+        turns[2] = 3.0 * s;
+        turns[3] = -4.0 * s;
+        (turns[5], turns[8]) = (-24.0 * s, 24.0 * s);
+        (turns[6], turns[9]) = (-12.0 - 10.0 * s, 12.0 - 10.0 * s);
+        (turns[11], turns[14]) = (10.0 + 16.0 * s, -10.0 - 16.0 * s);
+        (turns[12], turns[15]) = (16.0 * (1.0 - c), 16.0 * (1.0 + c));
+        Self { shift: [0.0, 0.012 * (2.0 * phase).cos()], turns }
+    }
+
+    /// Jumps: the figure stands at times 0 and 1.
+    fn jump(time: f64) -> Self {
+        let up = (std::f64::consts::PI * time).sin();
+        let bent = (2.0 * std::f64::consts::PI * time).sin().powi(2);
+        let mut turns = [0.0; 16];
+        (turns[5], turns[8]) = (45.0 * up, -45.0 * up);
+        (turns[6], turns[9]) = (20.0 * up, -20.0 * up);
+        (turns[11], turns[14]) = (20.0 * bent, -20.0 * bent);
+        (turns[12], turns[15]) = (-35.0 * bent, 35.0 * bent);
+        Self { shift: [0.0, -0.06 * up * up], turns }
+    }
+
+    /// Poses joints.
+    ///
+    /// - `rest`: positions at rest, pixels.
+    fn posed(&self, rest: &[[f64; 2]; 16]) -> Posed {
+        let ends = |axis: usize| {
+            let all = rest.map(|joint| joint[axis]);
+            all.iter().copied().fold(f64::MIN, f64::max)
+                - all.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let height = ends(1);
+        let mut out = Posed { joints: *rest, turned: [0.0; 16] };
+        for (joint, (_, parent)) in JOINTS.iter().enumerate() {
+            let Some(parent) = *parent else {
+                out.joints[joint] =
+                    [0, 1].map(|axis| rest[joint][axis] + height * self.shift[axis]);
+                continue;
+            };
+            let turned = out.turned[parent] + self.turns[joint].to_radians();
+            out.turned[joint] = turned;
+            out.joints[joint] = rotated(rest[joint], rest[parent], out.joints[parent], turned);
+        }
+        out
+    }
+}
+
+/// Turns a point around the rest position of a joint, and moves the point with the joint.
+fn rotated(point: [f64; 2], rest: [f64; 2], joint: [f64; 2], turned: f64) -> [f64; 2] {
+    let (s, c) = turned.sin_cos();
+    let [x, y] = [point[0] - rest[0], point[1] - rest[1]];
+    [joint[0] + c * x - s * y, joint[1] + s * x + c * y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REST: [[f64; 2]; 16] = [
+        [50.0, 100.0],
+        [50.0, 90.0],
+        [50.0, 60.0],
+        [50.0, 40.0],
+        [40.0, 55.0],
+        [25.0, 60.0],
+        [10.0, 65.0],
+        [60.0, 55.0],
+        [75.0, 60.0],
+        [90.0, 65.0],
+        [45.0, 100.0],
+        [43.0, 130.0],
+        [41.0, 160.0],
+        [55.0, 100.0],
+        [57.0, 130.0],
+        [59.0, 160.0],
+    ];
+
+    #[test]
+    fn bones_keep_their_length_and_a_walk_comes_round() {
+        let length = |joints: &[[f64; 2]; 16], joint: usize| {
+            let parent = JOINTS[joint].1.unwrap();
+            let [a, b] = [joints[joint], joints[parent]];
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        };
+        for pose in [Pose::walk(70.0), Pose::walk(250.0), Pose::jump(0.3), Pose::jump(0.9)] {
+            let posed = pose.posed(&REST);
+            assert_ne!(posed.joints, REST);
+            for joint in 1..16 {
+                assert!((length(&posed.joints, joint) - length(&REST, joint)).abs() < 1e-12);
+            }
+        }
+        let [a, b] = [0.0, 360.0].map(|phase| Pose::walk(phase).posed(&REST).joints);
+        let apart = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-10);
+        assert_eq!(Pose::jump(0.0).posed(&REST).joints, REST, "it begins standing");
+    }
 }

@@ -1,9 +1,9 @@
-//! Why views cannot be taken.
+//! Errors of sets of views.
 
 use crate::formats::{FileError, FormatError};
 use std::path::PathBuf;
 
-/// Views that cannot be taken; views, points and elements count from 0.
+/// Reasons why a set of views is invalid. Views, points and elements count from 0.
 #[derive(Debug, thiserror::Error)]
 pub enum SetError {
     /// The file cannot be read.
@@ -12,187 +12,184 @@ pub enum SetError {
     /// A picture in layers cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// It is no JSON of this shape.
+    /// The file is not JSON of this shape.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
-    /// Something is not there.
+    /// Something is missing.
     #[error("there are no {0}")]
     Empty(&'static str),
-    /// A view has too few numbers of a kind, or too many.
+    /// A view has the wrong number of values of a kind.
     #[error("{view}: expected {expected} {what}, found {found}")]
     Length {
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// What is counted.
+        /// Kind of the values.
         what: &'static str,
-        /// As many as the first view has points.
+        /// Number of points of the first view.
         expected: usize,
-        /// As many as there are.
+        /// Number of values.
         found: usize,
     },
-    /// A parameter is missing, or is no number.
+    /// A parameter is missing, or is not a number.
     #[error("{view}: parameter \"{name}\" is {what}")]
     Parameter {
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// What is wrong.
+        /// Fault.
         what: &'static str,
     },
-    /// A view has something that does not belong there.
+    /// A view has an unknown or misplaced field.
     #[error("{view}: \"{name}\" {what}")]
     Field {
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// Its name in the file.
+        /// Name of the field in the file.
         name: String,
-        /// What is wrong.
+        /// Fault.
         what: String,
     },
-    /// A point is not known, but said to be seen.
+    /// A point is marked as visible, but has no position.
     #[error("{view}: point {point} is visible and has no place")]
     Unknown {
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// The point.
+        /// Index of the point.
         point: usize,
     },
-    /// Nobody says whether a point is seen that has a place, or is one of a view with a picture.
+    /// The visibility of a point is null, although the point has a position or the view has a picture.
     #[error(
         "{view}: point {point}: \"visible\" is null, expected true or false where there is a place or a picture"
     )]
-    Unsaid {
-        /// The view.
+    NullVisibility {
+        /// Name of the view.
         view: String,
-        /// The point.
+        /// Index of the point.
         point: usize,
     },
-    /// A point is known in no view.
+    /// A point has no position in any view.
     #[error("point {point} has a place in no view of \"{map}\"")]
     Nowhere {
-        /// The motion.
+        /// Name of the motion.
         map: String,
-        /// The point.
+        /// Index of the point.
         point: usize,
     },
     /// A picture cannot be read.
     #[error("{}: {what}", file.display())]
     Image {
-        /// The file.
+        /// File of the picture.
         file: PathBuf,
-        /// What is wrong.
+        /// Fault.
         what: String,
     },
-    /// A picture is not as large as the set says.
+    /// A picture has another size than the set.
     #[error("{}: expected {} x {} pixels, found {} x {}", file.display(), expected[0], expected[1], found[0], found[1])]
     ImageSize {
-        /// The file.
+        /// File of the picture.
         file: PathBuf,
-        /// The set's width and height.
+        /// Width and height of the set, pixels.
         expected: [usize; 2],
-        /// The picture's.
+        /// Width and height of the picture, pixels.
         found: [usize; 2],
     },
-    /// A layer cannot be taken.
+    /// A layer is invalid.
     #[error("layer \"{layer}\": {what}")]
     Layer {
-        /// Its name.
+        /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Fault.
         what: String,
     },
-    /// A picture in layers is in a set that says nothing of layers.
+    /// A picture has layers, but the set does not name layers.
     #[error(
         "{} has layers: write \"points\": \"auto\", or name the layers with their points under \"layers\"",
         file.display()
     )]
     Unnamed {
-        /// The picture.
+        /// File of the picture.
         file: PathBuf,
     },
-    /// The set's points are neither names nor to be proposed.
+    /// The value of `points` is neither a list of names nor `"auto"`.
     #[error(
         "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found {found}"
     )]
     Points {
-        /// The value that is there.
+        /// The value.
         found: String,
     },
-    /// Points are to be proposed in a set with depths.
+    /// Points cannot be proposed in a set with depths.
     #[error("proposed points have no depth: leave \"depth\" and the mesh out")]
     Depths,
-    /// A point is of no layer.
+    /// A point is in no layer.
     #[error("point {point} is in no layer")]
     NoLayer {
-        /// The point.
+        /// Index of the point.
         point: usize,
     },
-    /// An element names a point that there is not, or one twice, or has fewer than three.
+    /// An element has an unknown point, a point twice, or fewer than three points.
     #[error("element {element}: {what}")]
     Element {
-        /// The element.
+        /// Index of the element.
         element: usize,
-        /// What is wrong.
+        /// Fault.
         what: String,
     },
-    /// An element, or a triangle of it, has no area in a key view in which it is seen.
+    /// An element, or one of its triangles, has no area in a key view that shows all its points.
     #[error(
         "element {element}: points {points:?} have no area in {view}: move one, mark one as not visible, or leave them out"
     )]
     NoArea {
-        /// The element, by its place in the file.
+        /// Index of the element in the file.
         element: usize,
-        /// Its points, or those of the triangle.
+        /// Points of the element, or of the triangle.
         points: Vec<usize>,
-        /// The view.
+        /// Name of the view.
         view: String,
     },
-    /// A quad has a dent in a key view in which it is seen.
+    /// A quad is not convex in a key view that shows all its points.
     #[error("element {element}: quad {points:?} is not convex in {view}: write {:?}, {:?} in its place", triangles[0], triangles[1])]
     Concave {
-        /// The element, by its place in the file.
+        /// Index of the element in the file.
         element: usize,
-        /// Its points.
+        /// Points of the quad.
         points: [usize; 4],
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// Triangles that cover it there.
+        /// Two triangles that cover the quad in the view.
         triangles: [[usize; 3]; 2],
     },
-    /// Edges of a quad cross in a key view in which it is seen.
+    /// Edges of a quad cross in a key view that shows all its points.
     #[error(
         "element {element}: edges of quad {points:?} cross in {view}: list its points in turn, or write two triangles in its place"
     )]
     Crossed {
-        /// The element, by its place in the file.
+        /// Index of the element in the file.
         element: usize,
-        /// Its points.
+        /// Points of the quad.
         points: [usize; 4],
-        /// The view.
+        /// Name of the view.
         view: String,
     },
-    /// Points lie where no triangles can be made of them.
+    /// The points cannot be triangulated.
     #[error("the points of {view} cannot be triangulated: {what}")]
     Triangulation {
-        /// The view.
+        /// Name of the view.
         view: String,
-        /// Why.
+        /// Cause.
         what: String,
     },
-    /// The mesh that gives depths does not have a point.
+    /// A point refers to a vertex that the mesh for depths does not have.
     #[error("point {point} is vertex {vertex} of the mesh, which has {vertices}")]
     Vertex {
-        /// The point.
+        /// Index of the point.
         point: usize,
-        /// The vertex.
+        /// Index of the vertex.
         vertex: usize,
-        /// As many as there are.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// A Lottie file has nothing to learn from.
-    #[error("{0}")]
-    Lottie(&'static str),
 }
 
 impl SetError {

@@ -1,16 +1,16 @@
-//! Layers of a set, as JSON has them.
+//! Layers of a set, as JSON and as pictures in layers define them.
 
-use super::data::{Layer, LayerView, ViewSet};
-use super::elements::Element;
+use super::data::{Element, Image, Layer, LayerView, ViewSet};
+use super::elements::check_elements;
 use super::error::SetError;
-use super::image::Image;
-use super::joined::check_elements;
+use crate::formats::layered::{LayeredPicture, PaintedLayer};
+use crate::formats::{FileError, LayeredError};
 use serde::Deserialize;
 use sinew_runtime::views::CLIPS_MAX;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A layer of a set.
+/// A layer of a set in JSON.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenLayer {
@@ -21,7 +21,7 @@ pub(super) struct WrittenLayer {
     pub(super) clip: Option<String>,
 }
 
-/// Points of a layer: their numbers, or that they are to be proposed.
+/// Points of a layer: their indices, or the word for proposed points.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected \"auto\" or a list of numbers of points")]
 enum WrittenPoints {
@@ -29,7 +29,7 @@ enum WrittenPoints {
     Given(Vec<usize>),
 }
 
-/// The word in place of points that are to be proposed.
+/// The word for proposed points.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Auto {
@@ -37,7 +37,7 @@ enum Auto {
 }
 
 impl WrittenLayer {
-    /// Makes a layer whose points are to be proposed.
+    /// Makes a layer with proposed points.
     pub(super) fn proposed(name: String) -> Self {
         Self {
             name,
@@ -47,18 +47,18 @@ impl WrittenLayer {
         }
     }
 
-    /// Whether its points are to be proposed.
+    /// Whether the points are proposed.
     pub(super) fn is_proposed(&self) -> bool {
         matches!(self.points, Some(WrittenPoints::Auto(_)))
     }
 
-    /// Proposes the layer's points unless they are given.
+    /// Marks the points as proposed, unless they are given.
     pub(super) fn propose(&mut self) {
         self.points.get_or_insert(WrittenPoints::Auto(Auto::Auto));
     }
 }
 
-/// A layer of a view: its picture, and what else is known of it.
+/// A layer of a view in JSON: a picture, and optionally opacity and order.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -77,10 +77,13 @@ pub(super) struct WholeLayerView {
     order: Option<f64>,
 }
 
-/// Takes what a view says of its layers.
+/// Reads the layers of a view.
+///
+/// - `names`: names of the set's layers.
+/// - `named`: name of the view in errors.
 ///
 /// # Errors
-/// [`SetError::Layer`] of a name that no layer has, and of an opacity beyond 0 to 1.
+/// [`SetError::Layer`]: no layer has a name, or an opacity is outside 0 to 1.
 pub(super) fn layer_views(
     written: BTreeMap<String, WrittenLayerView>,
     names: &[&str],
@@ -108,10 +111,11 @@ pub(super) fn layer_views(
     names.iter().map(own).collect()
 }
 
-/// Makes the layers of a set whose views are read, and lists those without points, which are to be proposed.
+/// Makes the layers of a set whose views are read. Also lists the layers without points, whose points are to be
+/// proposed.
 ///
 /// # Errors
-/// [`SetError::Layer`], and those of elements.
+/// [`SetError::Layer`], and the errors of elements.
 pub(super) fn layered(
     set: &ViewSet,
     written: Vec<WrittenLayer>,
@@ -143,7 +147,7 @@ pub(super) fn layered(
             Some(WrittenPoints::Given(points)) if !points.is_empty() => points,
             _ => return Err(wrong(&name, "it has no points".to_owned())),
         };
-        let elements = checked(set, &elements)?;
+        let elements = checked_elements(set, &elements)?;
         out.push(Layer { name, points, elements, clip });
     }
     check_points(set, &out)?;
@@ -152,11 +156,14 @@ pub(super) fn layered(
     Ok((out, auto))
 }
 
-/// Makes elements of polygons, and checks them in every key view.
+/// Makes elements of polygons, and checks the elements in every key view.
 ///
 /// # Errors
-/// Those of [`Element::of_polygon`] and [`check_elements`].
-pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
+/// The errors of [`Element::of_polygon`] and [`check_elements`].
+pub(super) fn checked_elements(
+    set: &ViewSet,
+    polygons: &[Vec<usize>],
+) -> Result<Vec<Element>, SetError> {
     let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
         out.extend(Element::of_polygon(number, polygon, set.point_len())?);
@@ -169,7 +176,7 @@ pub(super) fn checked(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Elem
     Ok(out)
 }
 
-/// Checks that each point is of one layer, and elements of their layer's points.
+/// Checks that each point is in one layer, and that elements use points of their own layer.
 fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     let mut owner: Vec<Option<&Layer>> = vec![None; set.point_len()];
     for layer in layers {
@@ -194,7 +201,7 @@ fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     }
 }
 
-/// Checks that no layer is clipped by itself, directly or through others, or by too many.
+/// Checks that no layer clips itself, directly or through others, and that chains of clips are short enough.
 fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     for (number, layer) in layers.iter().enumerate() {
         let (mut at, mut way) = (layer.clip, vec![layer.name.as_str()]);
@@ -217,7 +224,7 @@ fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Checks that each layer has a picture, and that a key view has one of each layer that shows a point.
+/// Checks that each layer has a picture, and that a key view has a picture of each layer with a visible point.
 fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     for (map, number) in set.key_views() {
         let view = &set.maps[map].train[number];
@@ -241,4 +248,156 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
         Some(layer) if !keys.is_empty() => Err(SetError::never_shown(&layers[layer].name)),
         _ => Ok(()),
     }
+}
+
+/// Makes the layers of a set without `layers`, with proposed points. All pictures must have the same layers, in any
+/// order. A layer that no picture shows is dropped.
+///
+/// # Errors
+/// [`SetError::File`] of a picture, and [`SetError::Layer`] if a picture lacks a layer.
+pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
+    let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?.layers));
+    let pictures = files.iter().map(open).collect::<Result<Vec<_>, SetError>>()?;
+    let Some(((first, layers), others)) = pictures.split_first() else { return Ok(Vec::new()) };
+    for (other, second) in others {
+        for (own, other, has, lacks) in
+            [(first, other, layers, second), (other, first, second, layers)]
+        {
+            let is_lacking = |layer: &&PaintedLayer| lacks.iter().all(|own| own.path != layer.path);
+            if let Some(layer) = has.iter().find(is_lacking) {
+                let what = format!(
+                    "it is in {own}, and not in {other}: add it there, empty if it is not seen"
+                );
+                return Err(SetError::Layer { layer: layer.path.clone(), what });
+            }
+        }
+    }
+    let is_drawn = |at: &usize| {
+        pictures.iter().any(|(_, own)| {
+            own.iter().any(|layer| layer.path == layers[*at].path && layer.is_shown(own))
+        })
+    };
+    let name = |at: usize| {
+        let is_only = layers.iter().filter(|other| other.name == layers[at].name).count() == 1;
+        if is_only { layers[at].name.clone() } else { layers[at].path.clone() }
+    };
+    let drawn = (0..layers.len()).filter(is_drawn);
+    Ok(drawn.map(|at| WrittenLayer::proposed(name(at))).collect())
+}
+
+/// Adds the layers of a view's picture, with their opacities. The order is added if it differs from the set's. A
+/// picture that the view names itself stays.
+///
+/// # Errors
+/// [`SetError::File`], and [`SetError::Layer`] if the picture shows a layer that the set does not have.
+pub(super) fn add_painted(
+    file: &Path,
+    names: &[&str],
+    views: &mut [LayerView],
+) -> Result<(), SetError> {
+    let (picture, places) = add_pictures(file, names, views)?;
+    let known: BTreeSet<usize> = names.iter().filter_map(|name| picture.find(name).ok()).collect();
+    let is_new = |at: &usize| !known.contains(at) && picture.layers[*at].is_shown(&picture.layers);
+    if let Some(at) = (0..picture.layers.len()).find(is_new) {
+        let file = file.display();
+        let what =
+            format!("{file} shows it, and the set has no such layer: name it, or hide it there");
+        return Err(SetError::Layer { layer: picture.layers[at].path.clone(), what });
+    }
+    let numbers = (0..names.len()).filter(|&layer| places[layer].is_some());
+    let mut sorted: Vec<usize> = places.iter().copied().flatten().collect();
+    let is_reordered = !sorted.is_sorted();
+    sorted.sort_unstable();
+    // Order of each layer of the file among the layers of the set.
+    let numbers: BTreeMap<usize, usize> = sorted.into_iter().zip(numbers).collect();
+    for (view, place) in views.iter_mut().zip(&places) {
+        let Some(place) = place else { continue };
+        let opacity = picture.layers[*place].opacity;
+        if opacity < 1.0 {
+            view.opacity.get_or_insert(opacity);
+        }
+        if is_reordered {
+            view.order.get_or_insert(numbers[place] as f64);
+        }
+    }
+    Ok(())
+}
+
+/// Adds the pictures of a view's layers. A picture that the view names itself stays. Also lists the index in the file
+/// of each layer.
+///
+/// # Errors
+/// [`SetError::File`].
+pub(super) fn add_pictures(
+    file: &Path,
+    names: &[&str],
+    views: &mut [LayerView],
+) -> Result<(LayeredPicture, Vec<Option<usize>>), SetError> {
+    let picture = LayeredPicture::open(file)?;
+    let mut places = vec![None; views.len()];
+    for ((name, view), place) in names.iter().zip(views).zip(&mut places) {
+        if view.image.as_ref().is_none_or(|image| image.file == file) {
+            *place = Some(picture.find(name).map_err(|error| named(file, error))?);
+            view.image = Some(Image::of_layer(file.to_owned(), name));
+        }
+    }
+    Ok((picture, places))
+}
+
+/// Clips layers as the pictures do. A `clip` of the set stays.
+///
+/// # Errors
+/// [`SetError::File`], and [`SetError::Layer`]: the set does not have the clipping layer, or two pictures clip a layer
+/// differently.
+pub(super) fn clip_as_painted(
+    files: &[&Path],
+    layers: &mut [WrittenLayer],
+) -> Result<(), SetError> {
+    let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
+    // For each layer: the first file that has the layer, and its clipping layer there.
+    let mut known: Vec<Option<(&Path, Option<String>)>> = vec![None; layers.len()];
+    for file in files {
+        let picture = LayeredPicture::open(file)?;
+        // A layer that is not in the file has other pictures, or causes an error with its view.
+        let places: Vec<Option<usize>> = names.iter().map(|name| picture.find(name).ok()).collect();
+        for (layer, known) in known.iter_mut().enumerate() {
+            let Some(place) = places[layer].filter(|_| layers[layer].clip.is_none()) else {
+                continue;
+            };
+            let wrong = |what: String| SetError::Layer { layer: names[layer].clone(), what };
+            let base = match picture.layers[place].clip {
+                None => None,
+                Some(clip) => {
+                    let found = places.iter().position(|other| *other == Some(clip));
+                    let unknown = || {
+                        let base = &picture.layers[clip].path;
+                        wrong(format!(
+                            "{} clips it to \"{base}\", no layer of the set",
+                            file.display()
+                        ))
+                    };
+                    Some(names[found.ok_or_else(unknown)?].clone())
+                }
+            };
+            let (first, expected) = known.get_or_insert_with(|| (file, base.clone()));
+            if base != *expected {
+                let said = |file: &Path, base: &Option<String>| match base {
+                    Some(base) => format!("{} clips it to \"{base}\"", file.display()),
+                    None => format!("{} does not clip it", file.display()),
+                };
+                let (first, second) = (said(first, expected), said(file, &base));
+                return Err(wrong(format!(
+                    "{first}, {second}: clip it alike, or write its \"clip\""
+                )));
+            }
+        }
+    }
+    for (own, known) in layers.iter_mut().zip(known) {
+        own.clip = own.clip.take().or_else(|| known?.1);
+    }
+    Ok(())
+}
+
+fn named(file: &Path, error: LayeredError) -> SetError {
+    FileError { file: file.to_owned(), error: error.into() }.into()
 }

@@ -1,26 +1,19 @@
-//! Views as a person writes them: parameters, points, what is visible, pictures, elements.
+//! Sets of views as a person writes them: parameters, points, visibility, pictures, elements.
 
 mod data;
-mod depth;
 mod drawing;
 mod elements;
 mod error;
-mod image;
-mod joined;
 mod json;
 mod layers;
-mod lottie;
-mod painted;
 mod proposed;
-mod silhouette;
-mod write;
+mod read;
 
-pub use data::{Examples, Layer, LayerView, Parameter, Values, View, ViewSet};
-pub use drawing::read_drawing;
-pub use elements::Element;
+pub use data::{Element, Examples, Image, Layer, LayerView, Parameter, Values, View, ViewSet};
+pub(in crate::views) use drawing::segment_distance;
+pub use drawing::{JOINTS, read_drawing};
+pub use elements::triangulated;
+pub(in crate::views) use elements::{Covered, cropped};
 pub use error::SetError;
-pub use image::Image;
-pub use joined::triangulated;
-pub use json::{read, read_instance};
-pub use lottie::{AnimatedPath, read_lottie};
-pub use write::as_json;
+pub use json::as_json;
+pub use read::{read, read_instance};

@@ -16,14 +16,14 @@ fn one_hidden_point_opens_no_hole() {
         let is_inside = [at % 64, at / 64].iter().all(|place| (4..60).contains(place));
         assert!(!is_inside || pixel[3] == 255, "{}, {}: {pixel:?}", at % 64, at / 64);
     }
-    // The key view's picture is its own.
+    // The model reproduces the picture of the key view.
     let exact = run(&folder, "views eval v.sinew views-hidden-hole.json").out;
     assert!(exact.contains("PSNR, whole pictures           inf dB"), "{exact}");
 }
 
-/// The file's elements 0 and 4 have more corners than four, so that triangles are made of them.
+/// Elements 0 and 4 of the file have more than four corners, so they become triangles.
 #[test]
-fn a_quad_that_is_not_convex_is_the_users_own_element() {
+fn a_quad_that_is_not_convex_is_named_by_its_place_in_the_file() {
     let Some(folder) = with_cases("views-nonconvex", &["views/views-nonconvex.json"]) else {
         return;
     };
@@ -36,7 +36,7 @@ fn a_quad_that_is_not_convex_is_the_users_own_element() {
         "views-nonconvex.json: element {number}: quad [40, 41, 42, 43] is not convex in main, "
     );
     assert!(error.starts_with(&expected), "{error}");
-    // What it says to do settles that element, and then the next one.
+    // The advice in the error fixes that element, and then the next one.
     let (_, told) = error.rsplit_once(": write ").unwrap();
     let triangles = told.strip_suffix(" in its place").unwrap();
     let triangles: Vec<Value> = serde_json::from_str(&format!("[{triangles}]")).unwrap();

@@ -1,38 +1,38 @@
-//! The affine map between two pictures of a layer.
+//! Finds affine maps between two pictures of a layer, on blurred pictures with gradients.
 
-use super::field::{Field, Moments};
-use libm::{cos, log, sin};
+use libm::{cos, exp, log, sin};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-/// Angles that are tried.
+/// Number of start angles.
 const ANGLES: usize = 16;
-/// Weights of red, green, blue and alpha. A pattern that moves within a shape does not turn the shape.
+/// Weights of red, green, blue and alpha. Colours weigh little, so that a pattern that moves within a shape does not
+/// turn the shape.
 const WEIGHTS: [f64; 4] = [0.0625, 0.0625, 0.0625, 1.0];
-/// Rise of the error of a half turn. A turn must pay, since round shapes look the same from all sides.
+/// Relative cost of a half turn. A turn must reduce the error, since round shapes look the same from all sides.
 const TURN: f64 = 4.0;
-/// Rise of the error by the squared logarithm of the longest over the shortest stretch.
+/// Relative cost of uneven stretch, times the squared logarithm of the longest over the shortest stretch.
 const STRETCH: f64 = 4.0;
-/// Error below which all maps are equally good, of 1.
+/// Error below which all maps are equally good. The error of two disjoint pictures is 1.
 const EQUAL: f64 = 0.001;
-/// Highest cost of a map that is tried, over the least cost.
+/// Highest cost of a kept map, over the smallest cost.
 const LIKELY: f64 = 8.0;
-/// Radii over the blur.
+/// Radius of the larger shape over the blur.
 const BLUR: f64 = 6.0;
-/// Steps from each first map.
+/// Number of steps from each start.
 const STEPS: usize = 12;
-/// Least area over the area before.
+/// Smallest determinant of a map.
 const LEAST_AREA: f64 = 0.01;
-/// Least improvement of a step, as a share of the error.
+/// Smallest relative improvement of a step.
 pub(super) const ENOUGH: f64 = 1e-4;
 
 /// An affine map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Affine {
-    /// The place that distances are measured from.
+    /// Origin of the map.
     pub(super) from: Vector2<f64>,
-    /// Where `from` comes to be.
+    /// Image of `from`.
     pub(super) to: Vector2<f64>,
-    /// Factor of the distance from there.
+    /// Linear part of the map.
     pub(super) by: Matrix2<f64>,
 }
 
@@ -41,33 +41,33 @@ impl Affine {
         self.by * (place - self.from) + self.to
     }
 
-    /// Returns the cost of the map; the likeliest has the least.
+    /// Returns the cost of the map. The likeliest map has the smallest cost.
     ///
-    /// - `error`: the difference of the pictures over that of two pictures apart.
+    /// - `error`: difference of the pictures, over the difference of two disjoint pictures.
     pub(super) fn cost(&self, error: f64) -> f64 {
         (error + EQUAL) * (1.0 + distortion(&self.by))
     }
 
-    /// Returns how far two maps are apart, at the most, on a circle around their origin.
-    fn apart(&self, other: &Self, radius: f64) -> f64 {
+    /// Returns the largest distance of two maps on a circle around their origin.
+    fn distance(&self, other: &Self, radius: f64) -> f64 {
         (self.to - other.to).norm() + radius * (self.by - other.by).singular_values().max()
     }
 
-    /// Returns the map backwards.
+    /// Returns the inverse map.
     pub(super) fn inverse(&self) -> Self {
         let by = self.by.try_inverse().unwrap_or_else(Matrix2::identity);
         Self { from: self.to, to: self.from, by }
     }
 }
 
-/// Finds affine maps from a picture to another, the likeliest first. Moments give first maps at all angles; then the
-/// difference of the blurred pictures is minimised.
+/// Finds affine maps from a picture to another, the likeliest first. Starts come from the moments, at all angles. Each
+/// start then minimises the difference of the blurred pictures.
 ///
-/// Outlines say which map is likeliest. The others turn less, so that a pattern may prevent a turn. It never makes
-/// one: an iris moves in its eye.
-pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
+/// Outlines decide which map is likeliest. The other returned maps turn less, so that a pattern may prevent a turn but
+/// never cause one: an iris moves in its eye.
+pub(super) fn affine_maps(rest: &Field, other: &Field) -> Vec<Affine> {
     let [own, target] = [rest.moments(), other.moments()];
-    // The blur reaches across the larger shape.
+    // The blur scales with the larger shape.
     let sigma = (own.radius().max(target.radius()) / BLUR).max(1.0);
     let fields = [rest, other].map(|field| field.blurred(sigma));
     let found = |by: Matrix2<f64>| {
@@ -81,7 +81,7 @@ pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
     let mut out = vec![likeliest];
     let others = all.into_iter().take_while(|(cost, _)| *cost <= LIKELY * least);
     for (_, map) in others.filter(|(_, map)| cosine(&map.by) > cosine(&likeliest.by)) {
-        let is_new = out.iter().all(|other| map.apart(other, own.radius()) > sigma);
+        let is_new = out.iter().all(|other| map.distance(other, own.radius()) > sigma);
         if is_new {
             out.push(map);
         }
@@ -89,7 +89,7 @@ pub(super) fn affine(rest: &Field, other: &Field) -> Vec<Affine> {
     out
 }
 
-/// Lists first maps: turns of the whole, and turns between maps that make both pictures round.
+/// Lists the starts: scaled turns, and turns between maps that make both pictures round.
 fn starts(own: &Moments, target: &Moments) -> Vec<Matrix2<f64>> {
     let root = |spread: Matrix2<f64>| {
         let eigen = spread.symmetric_eigen();
@@ -108,7 +108,7 @@ fn starts(own: &Moments, target: &Moments) -> Vec<Matrix2<f64>> {
     turns().map(|turn| turn * scale).chain(turns().map(|turn| to * turn * back)).collect()
 }
 
-/// Returns how far a map turns and stretches unevenly; 0 for scales.
+/// Returns the cost of the turn and the uneven stretch of a map; 0 for scales.
 fn distortion(by: &Matrix2<f64>) -> f64 {
     let stretches = by.singular_values();
     let uneven = log(stretches.max() / stretches.min().max(f64::MIN_POSITIVE));
@@ -121,14 +121,14 @@ fn cosine(by: &Matrix2<f64>) -> f64 {
     along / along.hypot(across).max(f64::MIN_POSITIVE)
 }
 
-/// A map with its error, and the normal equations of the next step.
+/// Error of a map, and the normal equations of the next step.
 struct Tried {
     error: f64,
     matrix: SMatrix<f64, 6, 6>,
     right: SVector<f64, 6>,
 }
 
-/// Improves a map by damped steps of Gauss and Newton; returns its error over that of two pictures apart.
+/// Improves a map by damped Gauss-Newton steps. Returns the map and its error over that of two disjoint pictures.
 fn fitted(fields: &[Field; 2], start: Affine, sigma: f64) -> (Affine, f64) {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
@@ -180,8 +180,10 @@ fn fitted(fields: &[Field; 2], start: Affine, sigma: f64) -> (Affine, f64) {
 }
 
 impl Tried {
-    /// Adds a place: its distance from where the map starts from, and by channel the difference and its slope along the
-    /// moved place.
+    /// Adds a place.
+    ///
+    /// - `off`: offset of the place from the origin of the map.
+    /// - `of`: difference of a channel, and its slope along the mapped place.
     fn add(&mut self, off: Vector2<f64>, of: impl Fn(usize) -> (f64, Vector2<f64>)) {
         for (k, weight) in WEIGHTS.into_iter().enumerate() {
             let (error, slope) = of(k);
@@ -194,5 +196,184 @@ impl Tried {
             self.matrix += weight * row * row.transpose();
             self.right += weight * error * row;
         }
+    }
+}
+
+/// Radius of the Gaussian kernel, in standard deviations.
+const REACH: f64 = 3.0;
+/// Empty pixels around a blurred picture.
+const MARGIN: usize = 2;
+
+/// A picture of premultiplied RGBA from 0 to 1. Outside its edge nothing is covered.
+#[derive(Clone)]
+pub(super) struct Field {
+    /// Position of the corner, pixels.
+    pub(super) corner: Vector2<f64>,
+    /// Width and height, pixels.
+    pub(super) size: [usize; 2],
+    rgba: Vec<[f64; 4]>,
+}
+
+/// Moments of the coverage of a picture.
+#[derive(Clone, Copy)]
+pub(super) struct Moments {
+    /// Centre.
+    pub(super) mean: Vector2<f64>,
+    /// Second moments about the centre.
+    pub(super) spread: Matrix2<f64>,
+}
+
+/// Values of the channels, and their derivatives in x and y.
+pub(super) type Sample = ([f64; 4], [Vector2<f64>; 4]);
+
+impl Field {
+    /// Makes a field of a cropped picture with straight RGBA. Each pixel of the field is the mean of a square of
+    /// pixels.
+    ///
+    /// - `side`: side of the squares, pixels. Places are divided by `side`.
+    pub(super) fn new(
+        rgba: &[u8],
+        [width, height]: [usize; 2],
+        corner: [usize; 2],
+        side: usize,
+    ) -> Self {
+        let size = [width, height].map(|len| len.div_ceil(side));
+        let mut means = vec![[0.0; 4]; size[0] * size[1]];
+        for (at, pixel) in rgba.chunks(4).enumerate() {
+            let mean = &mut means[at / width / side * size[0] + at % width / side];
+            let alpha = f64::from(pixel[3]) / 255.0;
+            (0..3).for_each(|channel| mean[channel] += alpha * f64::from(pixel[channel]) / 255.0);
+            mean[3] += alpha;
+        }
+        let area = (side * side) as f64;
+        means.as_flattened_mut().iter_mut().for_each(|sum| *sum /= area);
+        let corner = Vector2::from(corner.map(|x| x as f64 / side as f64));
+        Self { corner, size, rgba: means }
+    }
+
+    /// Shrinks the picture.
+    ///
+    /// - `scale`: factor of places, at most 1.
+    pub(super) fn scaled(self, scale: f64) -> Self {
+        if scale >= 1.0 {
+            return self;
+        }
+        // The blur removes details between the new pixels.
+        let blurred = self.blurred(0.4 / scale);
+        let size = blurred.size.map(|len| (len as f64 * scale).ceil() as usize);
+        let corner = blurred.corner * scale;
+        let place = |at: usize| {
+            let own = Vector2::new((at % size[0]) as f64 + 0.5, (at / size[0]) as f64 + 0.5);
+            blurred.sample((corner + own) / scale).0
+        };
+        Self { corner, size, rgba: (0..size[0] * size[1]).map(place).collect() }
+    }
+
+    /// Blurs the picture by a Gaussian. The picture grows by the radius of the kernel.
+    pub(super) fn blurred(&self, sigma: f64) -> Self {
+        let reach = (REACH * sigma).ceil() as usize;
+        let mut kernel: Vec<f64> = (0..=2 * reach)
+            .map(|at| exp(-0.5 * ((at as f64 - reach as f64) / sigma).powi(2)))
+            .collect();
+        let sum: f64 = kernel.iter().sum();
+        kernel.iter_mut().for_each(|weight| *weight /= sum);
+        let [width, height] = self.size;
+        let pad = reach + MARGIN;
+        let size = self.size.map(|len| len + 2 * pad);
+        let mut rows = vec![[0.0; 4]; size[0] * height];
+        for (y, row) in self.rgba.chunks(width.max(1)).enumerate() {
+            for (x, pixel) in row.iter().enumerate().filter(|(_, pixel)| pixel[3] > 0.0) {
+                let start = y * size[0] + x + MARGIN;
+                spread(&mut rows, start, 1, &kernel, pixel);
+            }
+        }
+        let mut rgba = vec![[0.0; 4]; size[0] * size[1]];
+        for (at, pixel) in rows.iter().enumerate().filter(|(_, pixel)| pixel[3] > 0.0) {
+            spread(&mut rgba, at + MARGIN * size[0], size[0], &kernel, pixel);
+        }
+        let corner = self.corner - Vector2::repeat(pad as f64);
+        Self { corner, size, rgba }
+    }
+
+    /// Samples the picture bilinearly between the centres of its pixels.
+    pub(super) fn sample(&self, place: Vector2<f64>) -> Sample {
+        let at = place - self.corner - Vector2::repeat(0.5);
+        let [width, height] = self.size;
+        let is_inside =
+            at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 - 1.0 && at.y < height as f64 - 1.0;
+        if !is_inside {
+            return ([0.0; 4], [Vector2::zeros(); 4]);
+        }
+        let (x, y) = (at.x as usize, at.y as usize);
+        let (fx, fy) = (at.x - x as f64, at.y - y as f64);
+        let first = y * width + x;
+        let [a, b] = [self.rgba[first], self.rgba[first + 1]];
+        let [c, d] = [self.rgba[first + width], self.rgba[first + width + 1]];
+        let mut out: Sample = Default::default();
+        for k in 0..4 {
+            let (top, bottom) = (a[k] + fx * (b[k] - a[k]), c[k] + fx * (d[k] - c[k]));
+            out.0[k] = top + fy * (bottom - top);
+            let across = (b[k] - a[k]) + fy * ((d[k] - c[k]) - (b[k] - a[k]));
+            out.1[k] = Vector2::new(across, bottom - top);
+        }
+        out
+    }
+
+    /// Lists the centres of every `step`-th pixel across and down, with their values.
+    pub(super) fn places(&self, step: usize) -> Vec<(Vector2<f64>, [f64; 4])> {
+        let [width, height] = self.size;
+        let rows = (0..height).step_by(step);
+        let all = rows.flat_map(|y| (0..width).step_by(step).map(move |x| (x, y)));
+        let place = |(x, y): (usize, usize)| {
+            let own = self.corner + Vector2::new(x as f64 + 0.5, y as f64 + 0.5);
+            (own, self.rgba[y * width + x])
+        };
+        all.map(place).collect()
+    }
+
+    /// Returns the moments of the coverage. A constant is added to the second moments, so that lines have a width.
+    pub(super) fn moments(&self) -> Moments {
+        let places = self.places(1);
+        let mass: f64 = places.iter().map(|(_, rgba)| rgba[3]).sum();
+        let mass = mass.max(f64::MIN_POSITIVE);
+        let mean = places.iter().map(|(place, rgba)| place * rgba[3]).sum::<Vector2<f64>>() / mass;
+        let square = |(place, rgba): &(Vector2<f64>, [f64; 4])| {
+            let off = place - mean;
+            off * off.transpose() * rgba[3]
+        };
+        let spread = places.iter().map(square).sum::<Matrix2<f64>>() / mass;
+        Moments { mean, spread: spread + Matrix2::identity() * 0.1 }
+    }
+}
+
+impl Moments {
+    /// Returns the radius of the coverage: the root of the mean squared distance from the centre.
+    pub(super) fn radius(&self) -> f64 {
+        self.spread.trace().sqrt()
+    }
+}
+
+/// Adds a pixel times a kernel to pixels `stride` apart.
+fn spread(out: &mut [[f64; 4]], start: usize, stride: usize, kernel: &[f64], pixel: &[f64; 4]) {
+    for (number, weight) in kernel.iter().enumerate() {
+        let out = &mut out[start + number * stride];
+        (0..4).for_each(|k| out[k] += weight * pixel[k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_of_pixels_become_their_mean() {
+        let pixel = |at: u8| [at, 0, 255, if at < 3 { 255 } else { 0 }];
+        let rgba: Vec<u8> = (0..6).flat_map(pixel).collect();
+        let own = Field::new(&rgba, [3, 2], [5, 8], 2);
+        assert_eq!((own.size, own.corner), ([2, 1], Vector2::new(2.5, 4.0)));
+        let expected = [[0.25 / 255.0, 0.0, 0.5, 0.5], [0.5 / 255.0, 0.0, 0.25, 0.25]];
+        assert_eq!(own.rgba, expected);
+        let plain = Field::new(&rgba, [3, 2], [5, 8], 1);
+        assert_eq!((plain.rgba[1], plain.rgba[4]), ([1.0 / 255.0, 0.0, 1.0, 1.0], [0.0; 4]));
     }
 }

@@ -1,41 +1,38 @@
-//! Points proposed for a layer: corners of triangles over its silhouette in one view, and where the layer's pictures
-//! match them in the others.
+//! Proposes points for a layer: corners of triangles over the silhouette in one view, and the matching places of the
+//! layer's pictures in the other views.
 
 mod affine;
 mod bend;
-mod field;
-mod lattice;
 
-use super::data::{Parameter, Values, ViewSet};
-use super::elements::Element;
+use super::data::{Element, Parameter, Values, ViewSet};
+use super::elements::{Silhouette, cropped};
 use super::error::SetError;
-use super::silhouette::Silhouette;
 use crate::page::picture::Picture;
-use crate::views::covered::cropped;
-use affine::affine;
-use bend::bent;
-use field::Field;
+use affine::{Field, affine_maps};
+use bend::smooth_map;
 use libm::remainder;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// Sides of triangles along the longer side of a layer, at most, and how long each is at the least, pixels.
+/// Largest number of triangle sides along the longer side of a layer.
 const ACROSS: f64 = 8.0;
+/// Smallest side of a triangle, pixels.
 const LEAST: f64 = 4.0;
-/// Pixels around a silhouette that triangles cover at the least, and as a part of their sides.
+/// Smallest margin around a silhouette that triangles cover, pixels.
 const MARGIN: usize = 2;
+/// Smallest margin, over the side of a triangle.
 const MARGIN_PART: f64 = 0.25;
-/// Longer side of the largest picture that is matched, pixels. Larger ones are shrunk.
+/// Longer side of the largest matched picture, pixels. Larger pictures are shrunk.
 const SIDE: f64 = 128.0;
-/// Share of a sum of distances below which two sums are equal.
+/// Relative difference below which two sums of distances are equal.
 const EQUAL: f64 = 1e-9;
 
 /// Adds points and elements to layers without points.
 ///
-/// - `layers`: the layers, by number.
+/// - `layers`: indices of the layers.
 ///
 /// # Errors
-/// [`SetError`] of a picture, and [`SetError::Layer`]: no view shows a layer.
+/// [`SetError`] of a picture, and [`SetError::Layer`] if no view shows a layer.
 pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
     let keys = set.key_views();
     let mut found = Vec::new();
@@ -48,7 +45,7 @@ pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
         for map in &mut set.maps {
             for view in map.train.iter_mut().chain(&mut map.test) {
                 view.points.resize(first + len, None);
-                // Nobody knows in views without pictures.
+                // In views without pictures the visibility is unknown.
                 view.visible.resize(first + len, !view.is_key());
             }
         }
@@ -66,41 +63,41 @@ pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// Points of a layer.
+/// Proposed points of a layer.
 struct Proposed {
-    /// By key view where the points are; `None` where the layer has no picture, or an empty one.
+    /// Positions of the points by key view; `None` if the layer has no picture, or an empty one.
     points: Vec<Option<Vec<[f64; 2]>>>,
     triangles: Vec<[usize; 3]>,
 }
 
-/// A picture of a layer, cut to its covered pixels.
-struct Shown {
+/// A picture of a layer, cropped to its covered pixels.
+struct Cropped {
     key: usize,
     picture: Picture,
     corner: [usize; 2],
 }
 
 fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Proposed, SetError> {
-    let mut shown = Vec::new();
+    let mut pictures = Vec::new();
     for (key, &(map, view)) in keys.iter().enumerate() {
         let Some(image) = set.maps[map].train[view].picture(layer) else { continue };
         let cut = cropped(&image.load(set.size)?, 0);
-        shown.extend(cut.map(|(picture, corner)| Shown { key, picture, corner }));
+        pictures.extend(cut.map(|(picture, corner)| Cropped { key, picture, corner }));
     }
-    let sides = |own: &Shown| own.picture.size.width.max(own.picture.size.height);
-    let Some(longest) = shown.iter().map(sides).max() else {
+    let sides = |own: &Cropped| own.picture.size.width.max(own.picture.size.height);
+    let Some(longest) = pictures.iter().map(sides).max() else {
         return Err(SetError::never_shown(&set.layers[layer].name));
     };
     let scale = (SIDE / longest as f64).min(1.0);
-    let field = |Shown { picture, corner, .. }: &Shown| {
+    let field = |Cropped { picture, corner, .. }: &Cropped| {
         let size = [picture.size.width, picture.size.height];
-        // Small enough to be blurred in f64.
+        // Averages squares of pixels first, so that the blur in f64 stays small.
         let side = (0.5 / scale).max(1.0) as usize;
         Field::new(&picture.rgba, size, *corner, side).scaled(scale * side as f64)
     };
-    let fields: Vec<Field> = shown.par_iter().map(field).collect();
-    let rest = central(set, &shown.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
-    let reference = &shown[rest];
+    let fields: Vec<Field> = pictures.par_iter().map(field).collect();
+    let rest = central(set, &pictures.iter().map(|own| keys[own.key]).collect::<Vec<_>>());
+    let reference = &pictures[rest];
     let across = (sides(reference) as f64 / LEAST).clamp(1.0, ACROSS);
     let side = sides(reference) as f64 / across;
     let margin = MARGIN.max((MARGIN_PART * side).ceil() as usize);
@@ -112,7 +109,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
         if number == rest {
             return places.iter().map(|place| (*place).into()).collect();
         }
-        let map = bent(&fields[rest], other, &affine(&fields[rest], other));
+        let map = smooth_map(&fields[rest], other, &affine_maps(&fields[rest], other));
         let place = |place: &Vector2<f64>| {
             let found = map.as_ref().map_or(*place, |map| map.at(place * scale).0 / scale);
             found.into()
@@ -121,15 +118,15 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     };
     let found: Vec<Vec<[f64; 2]>> = fields.par_iter().enumerate().map(matched).collect();
     let mut points = vec![None; keys.len()];
-    for (Shown { key, .. }, found) in shown.iter().zip(found) {
+    for (Cropped { key, .. }, found) in pictures.iter().zip(found) {
         points[*key] = Some(found);
     }
     Ok(Proposed { points, triangles: faces })
 }
 
-/// Chooses the view whose parameters are nearest to those of the others of its motion; the first of equals.
+/// Chooses the view whose parameters are nearest to those of the other views of its motion. The first of equals wins.
 ///
-/// - `keys`: motion and number of each view. The first motion has the chosen view.
+/// - `keys`: indices of the motion and the view. The chosen view is in the first motion.
 fn central(set: &ViewSet, keys: &[(usize, usize)]) -> usize {
     let Some(&(first, _)) = keys.first() else { return 0 };
     let examples = &set.maps[first];
