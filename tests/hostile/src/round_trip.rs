@@ -149,7 +149,7 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
     })
 }
 
-/// Describes up to three shapes, each of which leaves some vertices unmoved.
+/// Describes up to three shapes; each leaves some vertices unmoved.
 fn shapes(vertex_len: usize, u: &mut Unstructured<'_>) -> Result<Shapes> {
     let names = list(u.choose_index(4)?, || name(u))?;
     let moved = |u: &mut Unstructured<'_>| -> Result<[f64; 3]> {

@@ -1,4 +1,4 @@
-//! A file in pieces, each of which may be invalid, and their assembly.
+//! Files in pieces that may be invalid, and their assembly.
 
 use crate::bytes::{part_row, section_row};
 use crate::message::head;

@@ -1,4 +1,4 @@
-//! What is committed is what the sources give, valid, and bound as the layout says.
+//! The committed SPIR-V equals the compiled sources, is valid, and has the bindings of the layout.
 
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 
-/// Every stage's WGSL, parsed.
+/// Parses the WGSL of every stage.
 fn modules() -> impl Iterator<Item = (Stage, Module)> {
     Stage::ALL.into_iter().map(|stage| {
         let module = wgsl::parse_str(stage.wgsl());
@@ -99,7 +99,7 @@ fn bindings_are_those_that_the_layout_lists() {
     }
 }
 
-/// Names of the members of the uniform block, in their order.
+/// Returns the names of the uniform block's members, in order.
 fn members_of(module: &Module) -> Vec<String> {
     let (_, block) = module
         .types
@@ -110,7 +110,7 @@ fn members_of(module: &Module) -> Vec<String> {
     members.iter().map(|member| member.name.clone().expect("they have names")).collect()
 }
 
-/// A golden model.
+/// Loads a golden model.
 fn golden(name: &str) -> Model<Vec<u8>> {
     let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("it is there");
     Model::from_bytes(bytes).expect("it loads")
@@ -140,7 +140,7 @@ fn the_uniform_block_is_what_the_layout_writes() {
         (filter, "filter_params.glsl"),
     ];
     for (plan, file) in plans {
-        // A kernel, shapes, and a filter have a block of their own.
+        // Kernels, shapes and filters have their own uniform blocks.
         const ALONE: [Stage; 3] = [Stage::Kernel, Stage::Shapes, Stage::Filter];
         let alone = ALONE.map(|stage| plan.stages().eq([stage]));
         let is_own = |stage: Stage| ALONE.map(|own| own == stage) == alone;

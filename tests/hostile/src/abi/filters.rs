@@ -21,9 +21,7 @@ pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (memory, bytes) = call.memory(sinew_filter_bytes())?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_filter_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 

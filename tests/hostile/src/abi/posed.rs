@@ -17,9 +17,7 @@ pub(super) fn rest_locals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Local)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of this module: pointers are null, misaligned, or into the arena, with lengths that
-    // stay within it or reach beyond the address space; handles are null, misaligned, or point to enough of
-    // it, where an object is loaded or the memory is blank or empty; names point into the arena.
+    // SAFETY: as for each call of `functions`; names also point into the arena.
     Ok(unsafe { sinew_envelope_rest_locals(envelope, out, out_len, error) })
 }
 

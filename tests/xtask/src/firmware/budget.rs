@@ -1,20 +1,20 @@
-//! Figures against what they may be.
+//! Compares figures with their budgets.
 
 use std::fmt::Write;
 
-/// A budget that is this much above its figure, in percent, should be tightened.
+/// A budget this many percent above its figure should be tightened.
 const LOOSE: u64 = 10;
 
-/// What came of a comparison.
+/// Result of a comparison.
 pub(super) struct Judged {
-    /// Every figure with its budget, to print.
+    /// Table of figures and budgets, to print.
     pub(super) table: String,
-    /// What is wrong, a line each.
+    /// Failures, one line each.
     pub(super) failures: Vec<String>,
 }
 
-/// Compares figures with a budget: lines of name, budget and, where an issue sets one, the bar that
-/// no budget may exceed; `#` starts a comment.
+/// Compares figures with a budget: lines of a name, a budget and, if an issue sets one, the bar
+/// that no budget may exceed; `#` starts a comment.
 ///
 /// # Errors
 /// If the budget cannot be read.
@@ -47,7 +47,7 @@ struct Row {
 }
 
 impl Row {
-    /// Reads a line: words that make the name, then one or two numbers.
+    /// Parses a line: the words of the name, then one or two numbers.
     fn parse(line: &str) -> Option<Self> {
         let words: Vec<_> = line.split_whitespace().collect();
         let is_number = |word: &&&str| word.parse::<u64>().is_ok();
@@ -78,7 +78,7 @@ impl Row {
             judged.failures.push(format!("{name}: the budget of {budget} is above {bar}"));
         }
         let bar = bar.map_or_else(String::new, |bar| format!("of {bar}"));
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(judged.table, "{name:<40} {figure:>9} {budget:>9} {bar:<12} {note}");
     }
 }
