@@ -1,4 +1,5 @@
-//! Every finding of a check, on a made character that has exactly this fault; one without has none.
+//! Tests every finding of `check`, on a synthetic character with exactly this fault; a character
+//! without faults has no finding.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod frames;

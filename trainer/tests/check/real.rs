@@ -1,4 +1,4 @@
-//! What a check must and must not say of the sets of `../shared/data`.
+//! Findings that a check must and must not report on the sets of `../shared/data`.
 
 use crate::shared::shared;
 use sinew_trainer::envelope::check::finding::{Kind, Severity};
@@ -17,7 +17,7 @@ fn mpfb_arm_is_good_but_for_vertices_without_faces() {
     let Some(found) = checked("mpfb-arm/mpfb_arm.npz") else { return };
     assert_eq!(found.count(Severity::Warning), 0, "{:?}", found.findings);
     assert_eq!(found.find(Kind::Unreferenced).unwrap().places.len(), 8);
-    // METHOD §1.9: kernel maps reach 0.068 % on held-out frames with 40 helpers.
+    // METHOD §1.9: the kernel predictor with 40 helpers reaches 0.068 % on held-out frames.
     let predicted = found.predicted.unwrap();
     assert!((0.05..0.12).contains(&predicted.expected_percent), "{}", predicted.expected_percent);
     assert!((0.7..0.9).contains(&found.lbs.rms_percent));

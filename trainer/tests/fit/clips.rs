@@ -1,5 +1,5 @@
-//! A painted character whose clips are held out in turn: the model against the artist's own weights. Forecasts of the
-//! error (METHOD §1.2, §1.9).
+//! A painted character with each clip held out in turn: compares the model with the artist's
+//! weights. Forecasts of the error (METHOD §1.2, §1.9).
 
 use crate::shared::shared;
 use sinew_runtime::Model;
@@ -10,7 +10,8 @@ use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Split, npz};
 use sinew_trainer::progress::Silent;
 
-/// Trains without a clip. Returns the errors on this clip and the forecast for another clip, in % of the diagonal.
+/// Trains without a clip. Returns the errors on this clip and the forecast for another clip, in %
+/// of the diagonal.
 fn held_out(clip: &str) -> Option<(Evaluation, f64)> {
     let mut loaded = npz::load(&shared("../cases/rigs/biped.npz")?).unwrap();
     loaded.examples.hold_out_clips(&loaded.clips, &[clip.to_owned()]).unwrap();
@@ -24,7 +25,8 @@ fn held_out(clip: &str) -> Option<(Evaluation, f64)> {
 
 #[test]
 fn an_unseen_clip_is_no_worse_than_by_own_or_fitted_weights_and_is_forecast() {
-    // RMS errors of the artist's own weights and of fitted ones before the pull to these, by an independent measurement.
+    // The smaller of two RMS errors, by an independent measurement: of the artist's weights, and of
+    // fitted weights before the pull to the artist's.
     for (clip, least) in [("Walk 歩き", 0.171), ("Wave & look", 0.163), ("Squat + squash", 0.226)]
     {
         let Some((found, forecast)) = held_out(clip) else { return };
@@ -37,7 +39,7 @@ fn an_unseen_clip_is_no_worse_than_by_own_or_fitted_weights_and_is_forecast() {
 
 #[test]
 fn no_forecast_is_below_the_error_on_the_frames_that_were_read() {
-    // The 250 vertices that forecasts are made on leave 60 helpers less than 2,500 do.
+    // Forecasts use 250 vertices, which leave less data for 60 helpers than the 2,500 vertices do.
     let examples = demo(&DemoOptions { vertices: 2500, poses: 120, held_out: 0, seed: 1 });
     let options = Options { proxies: Some(ProxyCount::Fixed(60)), ..Options::default() };
     let report = train(&examples, &options, &Silent).unwrap().report;

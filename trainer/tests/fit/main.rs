@@ -1,4 +1,4 @@
-//! What a fit reads, what it reaches, and what comes out of it.
+//! Tests of fits: their inputs, their errors, and their files.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod authored;

@@ -1,10 +1,10 @@
-//! Every number that a fit is set to, so that a new one has to earn its place.
+//! Counts every number that sets a fit, so that a new number must be worth its cost.
 
 use sinew_trainer::envelope::Settings;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where the fit lies, and what of the sources there is not of the fit.
+/// Folders of the fit, and sources in them that do not belong to the fit.
 const FIT: [&str; 2] = ["src/envelope", "src/kernel"];
 const OTHERS: [&str; 16] = [
     "envelope/bake",
@@ -24,9 +24,9 @@ const OTHERS: [&str; 16] = [
     "kernel/plot.rs",
     "kernel/train",
 ];
-/// Further parts of `kernel` that no envelope uses.
+/// Other parts of `kernel` that envelopes do not use.
 const KERNELS: [&str; 6] = ["hyper", "problem", "rotations.rs", "scattered", "bake.rs", "model"];
-/// Beside the fields of [`Settings`]; raised only for what earns 3 % on two sets.
+/// Limit besides the fields of [`Settings`]; raise it only for a gain of 3 % on two sets.
 const MOST: usize = 105;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -48,7 +48,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The numeric constants of a source, above its tests: name and value.
+/// Returns the numeric constants of a source above its tests: name and value.
 fn constants(source: &str) -> Vec<(String, String)> {
     let source = source.split("#[cfg(test)]").next().unwrap();
     let after = |part: &str| -> Option<(String, String)> {

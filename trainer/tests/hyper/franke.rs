@@ -25,7 +25,7 @@ fn fixed_and_moved(centres: usize) -> [f64; 2] {
 }
 
 #[test]
-fn moved_centres_reach_what_is_promised() {
+fn moved_centres_reach_the_promised_errors() {
     // Promised: these, the median of four seeds.
     for (centres, most) in [(12, 0.021), (24, 0.011)] {
         let [_, moved] = fixed_and_moved(centres);

@@ -55,7 +55,7 @@ fn a_metric_of_low_rank_finds_the_direction_that_matters() {
 }
 
 #[test]
-fn what_is_not_learned_stays_as_it_starts() {
+fn parameters_that_are_not_learned_keep_their_start() {
     let problem = Problem::franke(1, 60);
     let start = Mat::from_fn(2, 2, |r, c| [[4.0, 0.5], [-0.5, 3.0]][r][c]);
     let of = |learned_entries| {

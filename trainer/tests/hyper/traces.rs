@@ -122,7 +122,7 @@ fn the_energy_is_that_of_the_function_and_a_ridge_is_part_of_it() {
 }
 
 #[test]
-fn what_cannot_get_better_stops_early() {
+fn an_optimal_start_stops_early() {
     // A plane: the polynomial leaves nothing.
     let plane = Problem::new(3, 60, 2, |x| 1.0 + 2.0 * x[0] - x[1]);
     let options = Options { degree: Some(1), ridge: 0.0, ..options(2, 6) };

@@ -118,7 +118,7 @@ fn assert_same(model: &KernelModel, about: &str) {
 }
 
 #[test]
-fn the_file_gives_what_was_fitted() {
+fn the_file_gives_the_fitted_values() {
     for (kernel, degree) in [("gaussian", 0), ("thin plate", 1), ("matern 5/2", -1)] {
         for query in [QueryRule::Free, QueryRule::Clamp, QueryRule::Fade] {
             for normalise in [Normalise::Never, Normalise::Always, Normalise::AboveOne] {
@@ -138,7 +138,7 @@ fn the_file_gives_what_was_fitted() {
 }
 
 #[test]
-fn the_file_gives_what_was_learned() {
+fn the_file_gives_the_learned_values() {
     let learn =
         Learn { centres: Some(6), seeds: 1, evaluations: 60, ridge: 1e-6, ..Learn::default() };
     let options = ProblemOptions { learn: Some(learn), ..ProblemOptions::default() };

@@ -145,7 +145,7 @@ fn a_single_sample_has_no_norm_as_published_and_is_a_constant_here() {
 }
 
 #[test]
-fn what_is_not_a_number_is_an_error_with_its_place() {
+fn nans_are_errors_with_their_place() {
     let Some(file) = file() else { return };
     assert!(file["nan_feature"].is_string());
     let (mut sites, values) = conflicting();

@@ -190,7 +190,7 @@ fn fewer_centres_are_left_out_as_by_brute_force() {
 }
 
 #[test]
-fn what_the_others_do_not_determine_has_no_error() {
+fn samples_that_the_others_do_not_determine_have_no_error() {
     // Three samples of a plane: without one of them there is no plane.
     let sites = halton(1, 3, 2);
     let fit =

@@ -318,7 +318,7 @@ fn deviations_are_those_of_the_likeliest_process() {
 }
 
 #[test]
-fn reports_say_what_was_merged_dropped_and_left() {
+fn reports_list_merged_rows_dropped_inputs_and_residuals() {
     let sites = Mat::from_fn(12, 3, |i, c| match c {
         0 => (0.7 * (i % 11) as f64).sin(),
         1 => 4.0,

@@ -151,7 +151,7 @@ fn the_biased_estimator_is_definite_and_the_other_is_not() {
 }
 
 #[test]
-fn what_was_indefinite_is_definite_when_it_is_clipped() {
+fn indefinite_matrices_are_definite_after_clipping() {
     let covariance = Covariance::OrnsteinUhlenbeck { length: 3.0 };
     let places: Vec<f64> = (0..60).map(f64::from).collect();
     let samples = Drawn::new(&covariance, &places).one(&mut Numbers::new(3));

@@ -134,7 +134,7 @@ fn all_neighbours_are_the_whole_and_few_of_ornstein_and_uhlenbeck_are_enough() {
 }
 
 #[test]
-fn variance_gains_what_an_unknown_mean_costs() {
+fn variance_grows_by_the_cost_of_an_unknown_mean() {
     // METHOD's formula, by plain elimination.
     let places: Vec<f64> = vec![0.0, 1.0, 2.5, 4.0, 4.2];
     let process = Process {

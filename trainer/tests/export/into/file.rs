@@ -1,9 +1,9 @@
-//! A GLB taken apart, changed and put together again.
+//! Parses, changes and reassembles a GLB.
 
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// The tree of a GLB and its bytes.
+/// JSON and binary chunk of a GLB.
 #[derive(Clone)]
 pub(crate) struct Glb {
     pub(crate) json: Value,
@@ -36,7 +36,7 @@ impl Glb {
         glb
     }
 
-    /// Writes the file for a test and gives its place.
+    /// Writes the file for a test and returns its path.
     pub(crate) fn save(&self, test: &str) -> PathBuf {
         let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
             .join(format!("into-{test}-{}.glb", std::process::id()));
@@ -55,7 +55,7 @@ impl Glb {
         views.len() - 1
     }
 
-    /// The bytes that a view shows.
+    /// Returns the bytes of a view.
     pub(crate) fn seen(&self, view: usize) -> &[u8] {
         let view = &self.json["bufferViews"][view];
         let number = |name: &str| view.get(name).map_or(0, |x| x.as_u64().unwrap() as usize);

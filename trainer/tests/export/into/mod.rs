@@ -1,4 +1,4 @@
-//! A model in an artist's own file.
+//! A model in an artist's file.
 
 mod alone;
 mod file;
@@ -12,7 +12,7 @@ use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Clip, Examples, JointNames};
 use std::path::Path;
 
-/// Puts a model's first skin into a file.
+/// Exports a model's first skin into a file.
 fn export_into(
     model: &[u8],
     examples: &Examples,
@@ -24,7 +24,7 @@ fn export_into(
     ExportInto { model, skin: None, examples, clips, between: false, levels, names, file }.run()
 }
 
-/// The demo as an artist has it, with a model of it.
+/// The demo as an artist's file, with a trained model.
 struct Character {
     examples: Examples,
     clips: Vec<Clip>,
@@ -40,7 +40,7 @@ impl Character {
         Self { examples, clips: vec![clip(&clips[0].name, 0, 6), clip("new", 6, 3)], glb, model }
     }
 
-    /// The number of an accessor of the file's mesh.
+    /// Returns the index of an accessor of the file's mesh.
     fn attribute(&self, name: &str) -> usize {
         let attributes = &self.glb.json["meshes"][0]["primitives"][0]["attributes"];
         attributes[name].as_u64().unwrap() as usize
