@@ -1,5 +1,5 @@
-//! Reads and evaluates kernels, priors and filters of an accepted file, and checks the promises of the
-//! runtime.
+//! Reads and evaluates kernels, priors and filters of an accepted file, and checks the promises of
+//! the runtime.
 
 use models::Rng;
 use sinew_runtime::filter::Samples;

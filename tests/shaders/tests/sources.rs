@@ -22,7 +22,7 @@ fn modules() -> impl Iterator<Item = (Stage, Module)> {
 }
 
 #[test]
-fn the_committed_spirv_is_what_the_glsl_gives() {
+fn the_committed_spirv_equals_the_compiled_glsl() {
     let found = sources(&folder()).unwrap();
     let stems = |stems: &mut dyn Iterator<Item = String>| stems.collect::<BTreeSet<_>>();
     let of_files = found.iter().map(|(glsl, _)| glsl.file_stem().unwrap().to_str().unwrap().into());
@@ -76,7 +76,7 @@ fn the_wgsl_is_valid_and_needs_nothing_optional() {
 }
 
 #[test]
-fn bindings_are_those_that_the_layout_lists() {
+fn bindings_match_the_layout() {
     for (stage, module) in modules() {
         let mut found = vec![None; stage.bindings().len()];
         for (_, global) in module.global_variables.iter() {
@@ -117,7 +117,7 @@ fn golden(name: &str) -> Model<Vec<u8>> {
 }
 
 #[test]
-fn the_uniform_block_is_what_the_layout_writes() {
+fn the_uniform_block_matches_the_layout() {
     const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
     let [of_envelope, of_kernel] = ["envelope-8-kernel.snw", "kernel-8.snw"].map(golden);
     let (envelope, skin) = (of_envelope.envelope().unwrap(), of_envelope.skin().unwrap());

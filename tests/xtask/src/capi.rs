@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_tests_need_is_found_where_it_is_installed() {
+    fn installed_components_are_found() {
         let missing = components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_tests_need_is_found_where_it_is_installed() {
+    fn installed_components_are_found() {
         let missing = crate::components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");

@@ -74,7 +74,7 @@ fn a_joint_that_moves_no_vertex_is_named() {
 }
 
 #[test]
-fn joint_weights_of_another_skin_are_named_and_left_aside() {
+fn joint_weights_of_another_skin_are_named_and_ignored() {
     let mut examples = chain(&bends());
     // Displacements that no weights explain: otherwise the poses would determine the weights.
     for (k, x) in examples.vertices.as_flattened_mut().iter_mut().enumerate() {

@@ -48,7 +48,7 @@ fn z_up() -> Matrix3<f64> {
 }
 
 #[test]
-fn the_size_tells_the_unit() {
+fn the_size_reveals_the_unit() {
     let of = |factor| check(&moved(scale(factor), Vector3::zeros())).size;
     for (factor, unit) in [(1.0, "metres"), (100.0, "centimetres"), (1000.0, "millimetres")] {
         let size = of(factor);
@@ -181,7 +181,7 @@ fn meshes_with_a_motion_that_the_joints_lack_are_reported() {
 }
 
 #[test]
-fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others() {
+fn frames_with_a_common_motion_are_named_without_other_findings() {
     for moved in [5..14, 5..23] {
         let mut examples = arm();
         moved.clone().for_each(|frame| lift(&mut examples, frame, 0.2));

@@ -225,7 +225,7 @@ fn a_track_becomes_weights_and_weights_a_take() {
 }
 
 #[test]
-fn eval_tells_each_number_of_handles() {
+fn eval_reports_each_number_of_handles() {
     let folder = trained("face-eval");
     let eval = "face eval face.sinew --animation take.csv --handles 1,2 --every 3 --from 1 --frames 30.. -q";
     let found = folder.sinew(&format!("{eval} --json")).json();
@@ -302,7 +302,7 @@ fn bad_takes_are_named_by_line_and_column() {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn impossible_requests_are_explained() {
     let folder = trained("face-refused");
     let failed = |arguments: &str, expected: &str| {
         let error = folder.sinew(arguments).failed();

@@ -1,5 +1,5 @@
-//! Choices of `train`: predictors, their errors, and file sizes; and the table row of the mesh's own joint
-//! weights.
+//! Choices of `train`: predictors, their errors, and file sizes; and the table row of the mesh's
+//! own joint weights.
 
 use super::cases::with_cases;
 use super::common::{Folder, Run, Set};

@@ -222,7 +222,7 @@ fn few_samples_and_few_centres_have_a_fade_too() {
 }
 
 #[test]
-fn a_file_that_misses_its_function_is_refused_unless_it_may() {
+fn inexact_files_are_refused_unless_permitted() {
     let folder = Folder::new("kernel-f32");
     // Random values at pairs of near samples: coefficients are large and cancel.
     let mut seed = 3;

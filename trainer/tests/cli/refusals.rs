@@ -1,5 +1,5 @@
-//! Bad input and bad usage: one line names the place, and nothing is written. Outputs: complete or absent,
-//! and never in place of an input.
+//! Bad input and bad usage: one line names the place, and nothing is written. Outputs: complete or
+//! absent, and never in place of an input.
 
 use super::common::{Folder, Set};
 use serde_json::json;

@@ -98,7 +98,7 @@ fn skins_that_cannot_be_are_refused_before_anything_is_written() {
 }
 
 #[test]
-fn a_model_for_an_engine_errs_as_one_in_the_examples_own_space() {
+fn a_model_for_an_engine_has_the_errors_of_one_in_the_examples_space() {
     let folder = Folder::with_demo("space");
     write_obj(&folder, "lod1.obj", 1.0);
     let record = folder.sinew(&format!("{TRAIN} --predictor kernel {STATED} --json")).json();

@@ -24,7 +24,7 @@ const LONG: &str =
     "character_01:rig:deformation:left_forearm_twist_segment_0_with_a_name_that_goes_on_and_on";
 
 #[test]
-fn tables_of_long_names_fit_and_tell_the_names_apart() {
+fn tables_of_long_names_fit_and_distinguish_the_names() {
     let folder = Folder::with_demo("tables-long");
     let mut set = Set::demo();
     for (joint, name) in set.json["bone_names"].as_array_mut().unwrap().iter_mut().enumerate() {

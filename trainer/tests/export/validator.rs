@@ -50,7 +50,7 @@ fn issues(name: &str, glb: &[u8]) -> (u64, u64, Value) {
     (count("numErrors"), count("numWarnings"), issues)
 }
 
-/// Asserts that there are no errors and no warnings.
+/// Asserts that the validator reports no errors and no warnings.
 #[track_caller]
 pub(crate) fn valid(name: &str, glb: &[u8]) {
     let (errors, warnings, issues) = issues(name, glb);

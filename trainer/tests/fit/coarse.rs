@@ -215,7 +215,7 @@ fn no_vertex_has_normals_worse_than_by_cofactors() {
 }
 
 #[test]
-fn painted_weights_stay_on_a_hinge_where_positions_do_not_tell() {
+fn painted_weights_stay_on_a_hinge_that_positions_do_not_determine() {
     let strip = Chain::strip();
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let rows = |map: &Matrix4<f64>| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| map[(r, c)]));

@@ -51,7 +51,7 @@ fn important_vertices_are_fitted_better_by_every_predictor() {
 }
 
 #[test]
-fn vertices_that_count_alike_count_as_without() {
+fn equal_importance_changes_nothing() {
     let plain = arm();
     let mut weighed = plain.clone();
     weighed.weigh(vec![2.0; plain.vertex_len()]).unwrap();
@@ -63,7 +63,7 @@ fn vertices_that_count_alike_count_as_without() {
 /// Errors weigh a vertex of importance 3 like three vertices of importance 1, and ignore a vertex
 /// of importance 0.
 #[test]
-fn figures_count_vertices_as_they_count() {
+fn errors_weigh_vertices_by_importance() {
     let plain = arm();
     let model = model(&plain, Predictor::Kernel);
     let mut weighed = plain.clone();
@@ -94,7 +94,7 @@ fn figures_count_vertices_as_they_count() {
 }
 
 #[test]
-fn a_frame_that_counts_often_is_fitted_better() {
+fn repeated_frames_are_fitted_better() {
     let plain = arm();
     let mut weighed = plain.clone();
     for predictor in Predictor::ALL {

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod authored;
-mod clips;
 mod coarse;
 #[path = "../../benches/figures/full.rs"]
 mod full;
@@ -21,4 +20,3 @@ mod shapes;
 mod shared;
 mod skins;
 mod spaces;
-mod unreduced;

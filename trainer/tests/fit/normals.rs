@@ -232,7 +232,7 @@ fn units_divide_coefficients_and_a_mirror_turns_h_around() {
 }
 
 #[test]
-fn the_file_says_how_far_its_normals_are_off() {
+fn the_file_states_the_errors_of_its_normals() {
     let examples = arm(400);
     for predictor in Predictor::ALL {
         let model = train(&examples, &options(predictor), &Silent).unwrap().model;

@@ -92,7 +92,7 @@ fn named(
 }
 
 #[test]
-fn poses_of_a_body_are_taken_and_mistakes_named() {
+fn poses_of_a_body_are_accepted_and_mistakes_named() {
     let Some((examples, file)) = set("mpfb-body/mpfb_body.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
     let envelope = model.envelope().unwrap();
@@ -175,7 +175,7 @@ fn after(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
 }
 
 #[test]
-fn joints_that_part_are_taken_as_far_as_they_were_trained() {
+fn joints_that_part_are_accepted_within_their_trained_range() {
     let Some((examples, file)) = set("dem-bones/bone.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
     let envelope = model.envelope().unwrap();

@@ -1,5 +1,6 @@
-//! S3 as published: content of its file, and its errors.
+//! S3 as published: content of its file, and its errors; and the envelope without reduction.
 
+use crate::full::Full;
 use nalgebra::Matrix3x4 as Transform;
 use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
@@ -57,4 +58,12 @@ fn a_published_fit_is_near_and_not_exact_at_rest_and_its_file_is_the_oracle() {
     let moved = |m: &Transform<f64>| (m - Transform::identity()).amax();
     let still = found.iter().filter(|m| moved(m) < 1e-5).count();
     assert!((joints..joints + proxies).contains(&still), "{still}");
+}
+
+#[test]
+fn an_arm_is_reconstructed_in_full_from_poses_that_were_not_seen() {
+    let examples = demo(&DemoOptions { vertices: 300, poses: 60, held_out: 20, seed: 1 });
+    let full = Full::fit(&examples, 0.25).unwrap();
+    let [found, lbs] = [full.rms(Full::reconstruct), full.rms(Full::skinned)];
+    assert!(found < 0.5 * lbs, "{found} against {lbs} of LBS");
 }

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 const NUMBERS: [ShapeNumbers; 3] = [ShapeNumbers::F32, ShapeNumbers::F16, ShapeNumbers::I8];
 
-/// Makes a round cap of rings, the first of which is the pole; triangles face outward.
+/// Makes a round cap of rings; the first ring is the pole. Triangles face outward.
 fn cap(rings: usize, sides: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let mut positions = vec![[0.0, 0.0, 1.0]];
     for ring in 1..=rings {

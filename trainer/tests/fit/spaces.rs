@@ -20,7 +20,7 @@ const UNREAL: Space = Space::UNREAL;
 const UNITY: Space = Space::UNITY;
 
 /// With this seed, no vertex is midway between joints: there the last digit would decide, and a
-/// unit of 1/100 would change it.
+/// factor of 100 would change it.
 fn arm() -> Examples {
     let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 3 });
     Examples { space: GLTF, ..arm }
@@ -73,12 +73,12 @@ fn check(predictor: Predictor) {
 }
 
 #[test]
-fn kernel_models_for_engines_err_as_the_examples_own() {
+fn kernel_models_for_engines_have_the_errors_of_the_examples_space() {
     check(Predictor::Kernel);
 }
 
 #[test]
-fn rotational_models_for_engines_err_as_the_examples_own() {
+fn rotational_models_for_engines_have_the_errors_of_the_examples_space() {
     check(Predictor::Rotational);
 }
 

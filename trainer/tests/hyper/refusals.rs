@@ -1,4 +1,4 @@
-//! What cannot be learned, and the error that says why.
+//! Problems that cannot be learned, and their errors.
 
 use crate::problem::{Problem, options};
 use faer::Mat;

@@ -84,9 +84,10 @@ pub(super) const FUNCTIONS: [(&str, Function); 55] = [
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of this module. Pointers are null, misaligned, or into the arena; their
-    // lengths stay within the arena or reach beyond the address space. Handles are null, misaligned,
-    // or point to enough of the arena, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of this module. Pointers are null, misaligned, or into the arena;
+    // their lengths stay within the arena or reach beyond the address space. Handles are null,
+    // misaligned, or point to enough of the arena, where an object is loaded or the memory is blank
+    // or empty.
     Ok(unsafe { sinew_limits_default(out, error) })
 }
 

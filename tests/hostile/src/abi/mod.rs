@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_the_header_promises_of_calls_happens() {
+    fn every_status_in_the_header_occurs() {
         let golden = |index: usize| Pieces::of(GOLDEN[index]).unwrap();
         let (mut empty, mut bare, mut loose) = (golden(1), golden(0), golden(0));
         empty.keep_vertices(0);

@@ -29,7 +29,7 @@ fn promised(golden: &[u8], counts: SectionKind, at: usize, count: u32) -> FileEr
 }
 
 #[test]
-fn what_counts_promise_must_be_there_before_anything_is_read() {
+fn counted_content_must_exist_before_anything_is_read() {
     use SectionKind::{EnvelopeCounts, SkinCounts};
     let length = |section: SectionKind, expected: u64, error: FileError| {
         let expected = u32::try_from(expected).unwrap_or(u32::MAX);

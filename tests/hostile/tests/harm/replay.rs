@@ -39,7 +39,7 @@ fn the_corpus_is_harmless() {
 }
 
 #[test]
-fn what_was_once_found_is_harmless() {
+fn past_findings_are_harmless() {
     for target in stems("regressions") {
         let (_, body) = targets::ALL.into_iter().find(|(name, _)| *name == target).unwrap();
         let [found, _] = replay(&format!("regressions/{target}"), body);
@@ -55,7 +55,7 @@ fn every_target_of_the_fuzzer_is_replayed() {
 }
 
 #[test]
-fn descriptions_come_back() {
+fn descriptions_survive_the_round_trip() {
     let mut random = ChaCha8Rng::seed_from_u64(6);
     let baked = |random: &mut ChaCha8Rng| {
         let mut data = vec![0; random.random_range(0..8192)];

@@ -1,4 +1,5 @@
-//! An engine's character: "Your mesh", "Your skeleton", "Scale", "Levels of detail", "Far from the origin".
+//! An engine's character: "Your mesh", "Your skeleton", "Scale", "Levels of detail", "Far from the
+//! origin".
 
 use crate::math::{diagonal, farthest, palette, product, rest, skinned};
 use crate::shown::axes::TO_ENGINE;
@@ -120,7 +121,7 @@ fn a_scaled_actor_is_wrong_and_certain_until_its_scale_is_taken_out() {
 }
 
 #[test]
-fn joints_alone_do_where_their_error_is_not_seen() {
+fn joints_suffice_where_their_error_is_invisible() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let envelope = model.envelope().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 35);
@@ -141,7 +142,7 @@ fn joints_alone_do_where_their_error_is_not_seen() {
 const FAR: [(f32, f32); 3] = [(1e3, 7e-5), (1e4, 1e-3), (1e5, 8e-3)];
 
 #[test]
-fn a_far_pose_costs_what_the_page_says_and_a_camera_beside_it_nothing() {
+fn a_far_pose_has_the_error_of_the_page_and_a_near_camera_has_none() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let envelope = model.envelope().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 36);

@@ -1,4 +1,5 @@
-//! "Threads", "Crowds and culling", "Ownership", "Hot reload", "Packed vertices", "Levels of detail".
+//! "Threads", "Crowds and culling", "Ownership", "Hot reload", "Packed vertices", "Levels of
+//! detail".
 
 use crate::math::{diagonal, farthest, palette, rest, skinned};
 use crate::shown::{crowd, crowd_on_threads, culling, levels, ownership, packed, reload, threads};

@@ -1,5 +1,5 @@
-//! Checks links between the pages, and references "METHOD §" of code, shaders and pages: files, headings
-//! and sections exist.
+//! Checks links between the pages, and references "METHOD §" of code, shaders and pages: files,
+//! headings and sections exist.
 
 use pages::{read, repository};
 use std::path::Path;
@@ -104,7 +104,7 @@ fn referred(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_place_of_method_is_there() {
+fn every_referenced_section_of_method_exists() {
     assert_eq!(referred("by METHOD §1.9, §2 and §9. As METHOD §3"), ["1.9", "2", "9", "3"]);
     let method = read("trainer/METHOD.md");
     let headings = method.lines().filter(|line| line.starts_with('#'));

@@ -64,7 +64,7 @@ fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
 }
 
 #[test]
-fn packages_that_stand_alone_say_what_the_workspace_says() {
+fn standalone_packages_match_the_workspace() {
     let workspace = read("Cargo.toml");
     let table = |text: &str, name: &str| -> Vec<String> {
         let own = text.split_once(&format!("[{name}]\n")).map_or("", |(_, rest)| rest);

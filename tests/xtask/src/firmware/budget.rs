@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn within_the_budget_is_well() {
+    fn figures_within_the_budget_pass() {
         assert_eq!(failures(&[("small code", 1000), ("stack", 460)], BUDGET), [""; 0]);
     }
 
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loose_budget_is_told() {
+    fn a_loose_budget_is_reported() {
         let table = |figure| judge(&[("stack".to_owned(), figure)], "stack 500");
         let is_loose = |figure| table(figure).is_ok_and(|judged| judged.table.contains("loose"));
         assert!(is_loose(454) && !is_loose(455));

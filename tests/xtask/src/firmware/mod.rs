@@ -176,7 +176,7 @@ mod tests {
     use super::compare;
 
     #[test]
-    fn one_other_bit_is_seen() {
+    fn one_other_bit_is_detected() {
         let sound = "a pose 01\na skin 02\nend\n";
         assert_eq!(compare("host", sound, sound), Ok(()));
         let other = compare("host", sound, "a pose 01\na skin 03\nend\n");

@@ -180,7 +180,7 @@ fn a_path_says_where_a_module_lies() {
 }
 
 #[test]
-fn whatever_cfg_says_counts() {
+fn code_under_every_cfg_counts() {
     // Two modules of one name; one of them closes a circle.
     let unix = "#[cfg(unix)] mod sys { pub use crate::a::open; }";
     let other = "#[cfg(not(unix))] mod sys { pub fn open() {} }";
@@ -220,7 +220,7 @@ fn whatever_cfg_says_counts() {
 }
 
 #[test]
-fn every_circle_is_told() {
+fn every_circle_is_reported() {
     let files = [
         ("lib.rs", "mod a; mod b; mod c; mod d;"),
         ("a.rs", "pub struct A(crate::b::B);"),
@@ -232,7 +232,7 @@ fn every_circle_is_told() {
 }
 
 #[test]
-fn a_module_without_a_file_and_a_crate_without_imports_are_told() {
+fn a_module_without_a_file_and_a_crate_without_imports_are_reported() {
     let lost = checked(&[("lib.rs", "mod a;")]).unwrap_err();
     assert_eq!(lost, format!("cannot read {}", Path::new("a/mod.rs").display()));
     let files = [("lib.rs", "mod a; mod b; mod c;"), ("a.rs", ""), ("b.rs", ""), ("c.rs", "")];

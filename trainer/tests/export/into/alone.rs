@@ -2,8 +2,7 @@
 
 use super::super::scene::Scene;
 use super::super::validator::valid;
-use super::file::Glb;
-use super::{Character, export_into};
+use super::{Character, Glb, export_into};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
@@ -216,7 +215,7 @@ fn positions(glb: &Glb) -> usize {
 }
 
 #[test]
-fn what_cannot_take_the_model_is_refused() {
+fn unsuitable_files_are_refused() {
     let scene = |error: IntoError| match error {
         IntoError::File(error) => match error.error {
             FormatError::Scene(error) => error,

@@ -3,8 +3,7 @@
 use super::super::scene::Scene;
 use super::super::validator::valid;
 use super::super::{clip, model, pose, runtime_skin, set};
-use super::file::Glb;
-use super::{Character, Clip, Examples, export_into};
+use super::{Character, Clip, Examples, Glb, export_into};
 use nalgebra::{Matrix4, Vector3};
 use serde_json::json;
 use sinew_runtime::Model;
@@ -103,7 +102,7 @@ fn in_the_file_that_it_was_trained_on() {
 
 /// A mesh that the file lacks follows the model's joints, wherever they are in the file.
 #[test]
-fn a_further_mesh_is_added_beside() {
+fn a_further_mesh_is_added() {
     let mut character = Character::new();
     character.glb.json["nodes"][0]["scale"] = json!([0.5, 0.5, 0.5]);
     let Character { examples, clips, glb, model } = &character;
@@ -276,7 +275,7 @@ fn fox_in_its_own_file() {
 /// A model of posed meshes in metres with z up, and the glTF exporter's file of that character: y
 /// up, vertices split along seams, two materials, shapes.
 #[test]
-fn a_leg_in_what_blender_exports_of_it() {
+fn a_leg_in_blenders_export() {
     let Some(examples) = set("leg/leg.npz") else { return };
     let Some(path) = super::super::shared::shared("leg/leg.glb") else { return };
     let model = model(&examples, Predictor::Kernel, 6, 4);
