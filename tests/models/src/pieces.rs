@@ -77,7 +77,7 @@ impl Pieces {
     /// # Panics
     /// If there is no section of this kind.
     pub fn section(&mut self, kind: SectionKind) -> &mut Vec<u8> {
-        self.find(kind).expect("there is such a section")
+        self.find(kind).expect("the section exists")
     }
 
     /// Returns the content of a part's section, to be changed.
@@ -87,7 +87,7 @@ impl Pieces {
     pub fn section_of(&mut self, part: u16, kind: SectionKind) -> &mut Vec<u8> {
         let is_it = |content: &&mut Content| (content.part, content.kind) == (part, kind.number());
         let found = self.sections.iter_mut().find(is_it);
-        &mut found.expect("the part has such a section").bytes
+        &mut found.expect("the part has the section").bytes
     }
 
     /// Returns a word of the first section of a kind, if there is one.
@@ -100,7 +100,7 @@ impl Pieces {
     /// # Panics
     /// If there is no section of this kind.
     pub fn set_word(&mut self, kind: SectionKind, index: usize, value: u32) {
-        *self.word(kind, index).expect("there is such a word") = value.to_le_bytes();
+        *self.word(kind, index).expect("the word exists") = value.to_le_bytes();
     }
 
     /// Replaces a float of the first section of a kind.

@@ -30,7 +30,7 @@ pub fn browser() -> Option<&'static str> {
 /// If the browser does not start, or does not answer within a minute.
 pub fn said(browser: &str, arguments: &[&str], files: &[Served<'_>]) -> String {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port is free");
-    let port = server.local_addr().expect("it has an address").port();
+    let port = server.local_addr().expect("the server has an address").port();
     let profile = std::env::temp_dir().join(format!("sinew-browser-{}-{port}", std::process::id()));
     let mut running = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-background-networking", "--no-first-run"])
@@ -41,7 +41,7 @@ pub fn said(browser: &str, arguments: &[&str], files: &[Served<'_>]) -> String {
         .stderr(Stdio::null())
         .spawn()
         .expect("the browser starts");
-    server.set_nonblocking(true).expect("it need not wait");
+    server.set_nonblocking(true).expect("the server can be non-blocking");
     // A browser that does not answer must not block the tests.
     let start = Instant::now();
     let mut said = None;

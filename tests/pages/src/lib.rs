@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Returns the repository's folder.
 pub fn repository() -> PathBuf {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-    own.ancestors().nth(2).expect("this package stands two folders down").to_owned()
+    own.ancestors().nth(2).expect("this package lies two folders below the root").to_owned()
 }
 
 /// Reads a file of the repository.

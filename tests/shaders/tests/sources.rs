@@ -105,15 +105,15 @@ fn members_of(module: &Module) -> Vec<String> {
         .types
         .iter()
         .find(|(_, t)| t.name.as_deref() == Some("Params"))
-        .expect("there is a block");
-    let TypeInner::Struct { members, .. } = &block.inner else { panic!("it is a struct") };
-    members.iter().map(|member| member.name.clone().expect("they have names")).collect()
+        .expect("the module has a uniform block");
+    let TypeInner::Struct { members, .. } = &block.inner else { panic!("the block is no struct") };
+    members.iter().map(|member| member.name.clone().expect("members have names")).collect()
 }
 
 /// Loads a golden model.
 fn golden(name: &str) -> Model<Vec<u8>> {
-    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("it is there");
-    Model::from_bytes(bytes).expect("it loads")
+    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("the golden exists");
+    Model::from_bytes(bytes).expect("the golden loads")
 }
 
 #[test]

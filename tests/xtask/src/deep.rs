@@ -41,7 +41,7 @@ fn fuzz(target: &str, seconds: u32) -> Result<(), String> {
          -timeout={HANG_SECONDS} -max_len=16384 -print_final_stats=1 -artifact_prefix={findings}"
     );
     run(&mut nightly(&arguments)).map_err(|error| {
-        format!("{error}; move what is in {findings} to tests/fuzz/regressions/{target}")
+        format!("{error}; move the files of {findings} to tests/fuzz/regressions/{target}")
     })
 }
 

@@ -145,7 +145,7 @@ impl<'a, 'b> Call<'a, 'b> {
         let done = status == sinew_status::Ok;
         assert!(
             done || promises()[function].contains(&(status as i32)),
-            "{function} returned {status:?}, of which its comment says nothing"
+            "{function} returned {status:?}, which its comment does not list"
         );
         self.check_error(function, status);
         let used = self.used.take().filter(|_| status == sinew_status::NonFinite);

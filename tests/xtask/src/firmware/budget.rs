@@ -28,13 +28,13 @@ pub(super) fn judge(figures: &[(String, u64)], budget: &str) -> Result<Judged, S
         let row = Row::parse(line).ok_or_else(|| format!("budget: `{line}` has no number"))?;
         match figures.iter().find(|(name, _)| *name == row.name) {
             Some((_, figure)) => row.judge(*figure, &mut judged),
-            None => judged.failures.push(format!("{} is budgeted and not measured", row.name)),
+            None => judged.failures.push(format!("{} has a budget but was not measured", row.name)),
         }
         budgeted.push(row.name);
     }
     for (name, figure) in figures {
         if !budgeted.contains(name) {
-            judged.failures.push(format!("{name} is {figure} and has no budget"));
+            judged.failures.push(format!("{name} is {figure} but has no budget"));
         }
     }
     Ok(judged)
@@ -87,7 +87,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    const BUDGET: &str = "# what it may be\nsmall code 1000 1400\nstack 500 # words\n";
+    const BUDGET: &str = "# budgets\nsmall code 1000 1400\nstack 500 # words\n";
 
     fn failures(figures: &[(&str, u64)], budget: &str) -> Vec<String> {
         let figures: Vec<_> = figures.iter().map(|(name, x)| ((*name).to_owned(), *x)).collect();
@@ -114,7 +114,10 @@ mod tests {
     #[test]
     fn every_figure_has_a_budget_and_every_budget_a_figure() {
         let found = failures(&[("small code", 990), ("heap", 1)], BUDGET);
-        assert_eq!(found, ["stack is budgeted and not measured", "heap is 1 and has no budget"]);
+        assert_eq!(
+            found,
+            ["stack has a budget but was not measured", "heap is 1 but has no budget"]
+        );
         assert_eq!(failures(&[], "stack"), ["budget: `stack` has no number"]);
     }
 

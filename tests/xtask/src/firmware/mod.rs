@@ -72,7 +72,7 @@ fn same_bits(running: Vec<Run>) -> Result<(), String> {
 /// Compares the output of two targets line by line.
 fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
     if !found.ends_with("end\n") {
-        return Err(format!("{target}: did not come to its end: {found}"));
+        return Err(format!("{target}: did not run to its end: {found}"));
     }
     let differs = expected.lines().zip(found.lines()).find(|(a, b)| a != b);
     match differs {
@@ -106,7 +106,7 @@ fn no_panic(folder: &Path) -> Result<(), String> {
     for profile in Profile::ALL {
         control_fails(folder, M4F, profile)?;
     }
-    eprintln!("xtask: no panic can be reached; where one can, the control does not link");
+    eprintln!("xtask: no panic can be reached; the control with a panic does not link");
     Ok(())
 }
 
@@ -122,7 +122,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
         }
     }
     if symbols(Image::ControlAlloc)?.is_empty() {
-        return Err("the search for an allocator finds none where there is one".to_owned());
+        return Err("the search for an allocator does not find the control's".to_owned());
     }
     eprintln!("xtask: no allocator is linked");
     Ok(())

@@ -57,7 +57,7 @@ pub(super) fn check_crate(
     // A crate without detected imports would pass: the parser must find some.
     let with_imports = imports.keys().collect::<BTreeSet<_>>().len();
     if parsed.files().len() > 3 && with_imports < parsed.files().len() / 3 {
-        return Err(format!("of {} files only {with_imports} import", parsed.files().len()));
+        return Err(format!("only {with_imports} of {} files import others", parsed.files().len()));
     }
     let found = circles(&imports);
     if found.is_empty() {

@@ -236,7 +236,7 @@ fn a_module_without_a_file_and_a_crate_without_imports_are_reported() {
     let lost = checked(&[("lib.rs", "mod a;")]).unwrap_err();
     assert_eq!(lost, format!("cannot read {}", Path::new("a/mod.rs").display()));
     let files = [("lib.rs", "mod a; mod b; mod c;"), ("a.rs", ""), ("b.rs", ""), ("c.rs", "")];
-    assert_eq!(checked(&files), Err("of 4 files only 0 import".to_owned()));
+    assert_eq!(checked(&files), Err("only 0 of 4 files import others".to_owned()));
 }
 
 #[test]
