@@ -1,7 +1,7 @@
-//! Prints how long scattered data takes on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
-//! queries of baked functions; the least of five runs.
+//! Prints times on scattered data on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
+//! queries of baked functions. Each time is the least of five runs.
 //!
-//! `cargo bench -p sinew-trainer --bench scattered`. SciPy's times beside it:
+//! `cargo bench -p sinew-trainer --bench scattered`. This prints SciPy's times:
 //!
 //! ```text
 //! OPENBLAS_NUM_THREADS=1 python -c "
