@@ -1,4 +1,4 @@
-//! Names the linker script of a bare target.
+//! Passes the linker script of a bare target to the linker.
 
 use std::env::var;
 

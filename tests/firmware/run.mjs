@@ -1,4 +1,4 @@
-// Runs an image that was built for WebAssembly: node run.mjs IMAGE.wasm
+// Runs a WebAssembly image: node run.mjs IMAGE.wasm
 import { readFileSync } from "node:fs";
 
 const decoder = new TextDecoder();

@@ -1,4 +1,4 @@
-//! The golden files, and the bits of every stage over seeded poses, which all CPUs agree on.
+//! The golden files, and hashes of every stage over seeded poses, which are equal on all CPUs.
 //!
 //! A module of the runtime's tests and of `tests/firmware`: no standard library, no allocation.
 
@@ -28,7 +28,7 @@ use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
 };
 
-/// A golden file, and a hash of the bits of each of its stages.
+/// A golden file, and a hash for each of its stages.
 pub(crate) struct Golden {
     pub(crate) name: &'static str,
     pub(crate) predictor: Predictor,
@@ -36,12 +36,12 @@ pub(crate) struct Golden {
     pub(crate) bits: [u64; STAGES.len()],
 }
 
-/// The palette before it is corrected is "palette"; "correction" is what it is then, with the
-/// confidence.
+/// Names of the stages. "palette" is the palette before the correction; "correction" is the
+/// corrected palette with the confidence.
 pub(crate) const STAGES: [&str; 8] =
     ["pose", "gradients", "palette", "features", "correction", "skin", "bounds", "shapes"];
 
-/// Change these only with a reason that the commit states: they are the promise of METHOD §7.
+/// The promise of METHOD §7: change these hashes only with a reason that the commit states.
 pub(crate) const GOLDEN: [Golden; 7] = [
     Golden {
         name: "rotational",
@@ -150,7 +150,7 @@ pub(crate) const GOLDEN: [Golden; 7] = [
     },
 ];
 
-/// Poses of a hash.
+/// Poses per hash.
 pub(crate) const POSES: usize = 1024;
 
 const JOINTS: usize = 24;
@@ -158,7 +158,7 @@ const PROXIES: usize = 24;
 const VERTICES: usize = 1000;
 const SHAPES: usize = 16;
 
-/// Room for every array of a frame; zeros.
+/// Room for every array of a frame, filled with zeros.
 pub(crate) struct Memory {
     pub(crate) local: [LocalTransform; JOINTS],
     pub(crate) pose: [Matrix3x4; JOINTS],
@@ -189,20 +189,20 @@ impl Memory {
     }
 }
 
-/// What the poses gave.
+/// Results of all poses.
 pub(crate) struct Found {
-    /// A hash a stage.
+    /// A hash per stage.
     pub(crate) bits: [u64; STAGES.len()],
-    /// Poses whose confidence lies between 0 and 1.
+    /// Number of poses whose confidence lies strictly between 0 and 1.
     pub(crate) faded: usize,
     /// Whether every float of the skin was finite.
     pub(crate) finite: bool,
 }
 
-/// Hashes the stages over seeded poses, as many as given, each of whose numbers `nudge` is added to.
+/// Hashes the stages over seeded poses; `nudge` is added to numbers of each pose.
 ///
 /// # Errors
-/// Those of the stages; lengths, if the model is larger than the memory.
+/// Errors of the stages; a length error if the model does not fit in the memory.
 pub(crate) fn hashes(
     envelope: Envelope<'_>,
     skin: Skin<'_>,
@@ -213,7 +213,7 @@ pub(crate) fn hashes(
     let mut found = Found { bits: [0; STAGES.len()], faded: 0, finite: true };
     let (mut rng, mut weight) = (Rng(2007), Rng(2010));
     for i in 0..poses {
-        // Small, usual and wild rotations, through every branch of the logarithm.
+        // Small, usual and large rotations, so that every branch of the logarithm runs.
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
         let local = cut(&mut memory.local, envelope.joint_len());
         local.iter_mut().for_each(|local| *local = rng.local(turn));
@@ -222,7 +222,7 @@ pub(crate) fn hashes(
         }
         local.iter_mut().for_each(|local| local.rotation[0] += nudge);
         let weights = cut(&mut memory.weights, skin.shape_len());
-        // From -1 to 2, and here and there 0.
+        // From -1 to 2, with a few zeros.
         for out in weights {
             let number = weight.unit();
             *out = if number.abs() < 0.25 { 0.0 } else { number * 1.5 + 0.5 + nudge };
@@ -232,7 +232,7 @@ pub(crate) fn hashes(
     Ok(found)
 }
 
-/// Evaluates the pose of `memory.local`, and adds each stage to its hash.
+/// Evaluates the pose in `memory.local`, and adds the result of each stage to its hash.
 fn frame(
     envelope: Envelope<'_>,
     skin: Skin<'_>,
@@ -304,7 +304,7 @@ fn frame(
         tangents: attribute(6).filter(|_| skin.has_tangents()),
     };
     if skin.has_coefficients() {
-        // Without tangents vertices go side by side.
+        // Without tangents, vertices are skinned side by side (SIMD).
         SkinJob { tangents: None, ..job.clone() }.run()?;
         lent.iter().for_each(|x| add(skinned, &[x.get()]));
     }
@@ -318,14 +318,14 @@ fn frame(
     Ok(())
 }
 
-/// Adds the bits of floats, in order, to a hash (FNV-1a); 0 stands for a stage that never ran.
+/// Adds the bits of floats, in order, to a hash (FNV-1a); 0 is the hash of a stage that never ran.
 fn add(hash: &mut u64, values: &[f32]) {
     let start = if *hash == 0 { 0xcbf2_9ce4_8422_2325 } else { *hash };
     let bytes = values.iter().flat_map(|x| x.to_bits().to_le_bytes());
     *hash = bytes.fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
 }
 
-/// Takes what a model needs of an array; of one that is too short all, which the runtime refuses.
+/// Returns the first `len` elements, or all if there are fewer, which the runtime then refuses.
 pub(crate) fn cut<T>(all: &mut [T], len: usize) -> &mut [T] {
     let len = len.min(all.len());
     all.get_mut(..len).unwrap_or_default()

@@ -1,26 +1,27 @@
-//! The golden filter, and its bits over seeded signals, which all CPUs agree on.
+//! The golden filter, and its hash over seeded signals, which is equal on all CPUs.
 
 use super::{Rng, add, cut};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::{CallError, Filter, Model};
 
-/// A file of a filter that makes a sensor's signal four times as fine.
+/// A file of a filter that multiplies the sample rate of a sensor's signal by four.
 pub(crate) const FILTER: &[u8] = include_bytes!("filter-8.snw");
 
-/// A hash of it. Change it only with a reason that the commit states: it is the promise of METHOD §7.
+/// Hash of the filter, the promise of METHOD §7: change it only with a reason that the commit
+/// states.
 pub(crate) const BITS: u64 = 0x50fb_0458_9f2c_00b9;
 
-/// Signals of a hash, of each number of lanes.
+/// Signals per hash and number of lanes.
 const SIGNALS: usize = 16;
 /// Samples of a signal.
 const SAMPLES: usize = 9;
-/// Lanes: one by one, side by side, and both.
+/// Numbers of lanes: scalar code, SIMD code, and both.
 const LANES: [usize; 3] = [1, 8, 11];
 
-/// Hashes signals that a filter makes finer; `nudge` is added to each sample.
+/// Hashes the filter's output on seeded signals; `nudge` is added to each sample.
 ///
 /// # Errors
-/// Those of the call; lengths, if the filter is larger than the memory.
+/// Errors of the call; a length error if the filter does not fit in the memory.
 pub(crate) fn hash(
     filter: &Filter<'_>,
     nudge: f32,
@@ -42,7 +43,7 @@ pub(crate) fn hash(
     Ok(hash)
 }
 
-/// Loads the golden filter; `None` if that fails.
+/// Loads the golden filter; `None` on failure.
 pub(crate) fn load() -> Option<Model<&'static [u8]>> {
     Model::from_bytes(FILTER).ok()
 }

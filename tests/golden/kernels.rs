@@ -1,13 +1,13 @@
-//! The golden kernels, and the bits of each over seeded queries, which all CPUs agree on.
+//! The golden kernels, and the hash of each over seeded queries, which is equal on all CPUs.
 
 use super::{Rng, add, cut};
 use sinew_runtime::{CallError, KernelMap, Model};
 
-/// A file of every kernel; rules, inputs and what else there may be differ from one to the next.
+/// A file with every kernel; rules, inputs and options vary.
 pub(crate) const KERNELS: &[u8] = include_bytes!("kernel-8.snw");
 
-/// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
-/// METHOD §7.
+/// Hash of each kernel, the promise of METHOD §7: change these only with a reason that the commit
+/// states.
 pub(crate) const BITS: [u64; 15] = [
     0x36fc_5eb1_fc02_5e6c,
     0x2f47_7421_80f8_b9dd,
@@ -26,18 +26,18 @@ pub(crate) const BITS: [u64; 15] = [
     0xb205_5dea_5bc3_05b7,
 ];
 
-/// Queries of a hash.
+/// Queries per hash.
 const QUERIES: usize = 1024;
-/// Of so many queries one has its derivatives hashed.
+/// One query in this many has its derivatives hashed.
 const DERIVED: usize = 16;
-/// The most numbers of a query.
+/// Largest length of a query.
 const NUMBERS: usize = 8;
 
-/// Hashes a kernel over seeded queries, each of whose numbers `nudge` is added to: outputs and confidence,
-/// derivatives, variances.
+/// Hashes a kernel over seeded queries: outputs and confidence, derivatives, variances. `nudge` is
+/// added to each number of a query.
 ///
 /// # Errors
-/// Those of the calls; lengths, if the kernel is larger than the memory.
+/// Errors of the calls; a length error if the kernel does not fit in the memory.
 pub(crate) fn hash(
     map: &KernelMap<'_>,
     nudge: f32,
@@ -51,7 +51,7 @@ pub(crate) fn hash(
     let mut query = [0.0; NUMBERS];
     let query = cut(&mut query, map.query_len());
     for number in 0..QUERIES {
-        // Near the centres, about them, and beyond.
+        // Near the centres, among them, and outside.
         let size = [0.3, 1.0, 3.0, 20.0][number % 4];
         query.iter_mut().for_each(|x| *x = size * rng.unit() + nudge);
         let outputs = cut(out, map.result_len());
@@ -72,7 +72,7 @@ pub(crate) fn hash(
     Ok(hash)
 }
 
-/// Loads the golden kernels; `None` if that fails.
+/// Loads the golden kernels; `None` on failure.
 pub(crate) fn load() -> Option<Model<&'static [u8]>> {
     Model::from_bytes(KERNELS).ok()
 }

@@ -1,4 +1,4 @@
-//! The golden face, and the bits of pins over seeded targets, which all CPUs agree on.
+//! The golden face, and its hash of pin solves over seeded targets, which is equal on all CPUs.
 
 use super::{Rng, add};
 use sinew_runtime::prior::{Anchor, Temporal};
@@ -7,21 +7,23 @@ use sinew_runtime::{CallError, Model, Pin, PinJob, Pins, Prior, Skin};
 /// A file of a skin with shapes and its prior.
 pub(crate) const FACE: &[u8] = include_bytes!("prior-8.snw");
 
-/// Its hash. Change it only with a reason that the commit states: it is the promise of METHOD §7.
+/// Hash of the solves, the promise of METHOD §7: change it only with a reason that the commit
+/// states.
 pub(crate) const BITS: u64 = 0xe673_5d42_1135_60a1;
 
-/// Solves of a hash.
+/// Solves per hash.
 const SOLVES: usize = 256;
 const PINS: usize = 3;
 const SHAPES: usize = 8;
-/// Numbers of scratch that the golden face needs for them.
+/// Length of the scratch that the golden face needs, in f64 numbers.
 const SCRATCH: usize = 240;
 
-/// Hashes solves of a model's first prior for seeded pins, to the targets of which `nudge` is added: weights, what was
-/// done, and where the pinned vertices are then. Every second one is a drag, which uses the factor of the one before.
+/// Hashes solves of a model's first prior for seeded pins: weights, edits, and the solved places of
+/// the pinned vertices. `nudge` is added to the targets. Every second solve is a drag, which reuses
+/// the factor of the previous solve.
 ///
 /// # Errors
-/// Those of the calls; lengths, if the prior is not of the golden file's size.
+/// Errors of the calls; a length error if the prior does not have the golden file's size.
 pub(crate) fn hash(prior: Prior<'_>, skin: Skin<'_>, nudge: f32) -> Result<u64, CallError> {
     let mut hash = 0;
     let mut rng = Rng(1985);
@@ -36,7 +38,7 @@ pub(crate) fn hash(prior: Prior<'_>, skin: Skin<'_>, nudge: f32) -> Result<u64, 
         let mut pins = Pins::<PINS>::new();
         for (at, vertex) in vertices.into_iter().enumerate().take(number / 2 % PINS + 1) {
             let place = skin.place(vertex, &[], &[]).unwrap_or_default();
-            // Some are near, others beyond what the shapes reach.
+            // Some targets are near, others out of reach of the shapes.
             let size = [0.125, 1.0][number / 16 % 2];
             let target = place.map(|x| x + size * rng.unit() + nudge);
             let keep = [true, at != 1, at != 2];
@@ -63,7 +65,7 @@ pub(crate) fn hash(prior: Prior<'_>, skin: Skin<'_>, nudge: f32) -> Result<u64, 
     Ok(hash)
 }
 
-/// Loads the golden face; `None` if that fails.
+/// Loads the golden face; `None` on failure.
 pub(crate) fn load() -> Option<Model<&'static [u8]>> {
     Model::from_bytes(FACE).ok()
 }

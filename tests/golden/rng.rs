@@ -1,8 +1,9 @@
-//! Seeded numbers and poses, by integers and the runtime's own arithmetic: the same everywhere.
+//! Seeded numbers and poses, computed with integers and the runtime's arithmetic: equal on all
+//! CPUs.
 
 use sinew_runtime::LocalTransform;
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
+/// SplitMix64 (Steele, Lea, Flood 2014).
 pub struct Rng(pub u64);
 
 impl Rng {
@@ -15,12 +16,12 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// Uniform in [-1, 1), a multiple of 2^-23.
+    /// Returns a uniform number in [-1, 1), a multiple of 2^-23.
     pub fn unit(&mut self) -> f32 {
         (self.next_u64() >> 40) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    /// A local transform with a rotation of up to `turn` times pi, about.
+    /// Returns a local transform with a rotation of roughly up to `turn` times π.
     pub fn local(&mut self, turn: f32) -> LocalTransform {
         let mut unit = || self.unit() * turn;
         let rotation = [unit(), unit(), unit(), 0.5];

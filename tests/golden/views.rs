@@ -1,18 +1,19 @@
-//! The golden objects of key views, and the bits of each over seeded parameters, which all CPUs agree on.
+//! The golden objects of key views, and the hash of each over seeded parameters, which is equal on
+//! all CPUs.
 
 use super::{Rng, add};
 use sinew_runtime::views::{RenderScratch, ViewsCounts};
 use sinew_runtime::{CallError, Frame, FrameJob, Model, RenderJob, Views};
 
-/// A file of an object that stands alone, and one of an object that is transferred.
+/// Files of an object that is not transferred, and of a transferred object.
 pub(crate) const VIEWS: [&[u8]; 2] =
     [include_bytes!("views-8.snw"), include_bytes!("views-8-transferred.snw")];
 
-/// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
-/// METHOD §7.
+/// Hash of each object, the promise of METHOD §7: change these only with a reason that the commit
+/// states.
 pub(crate) const BITS: [u64; 2] = [0x881d_e8f3_30b1_11e9, 0x6d89_79b0_2944_33e4];
 
-/// Frames of a hash.
+/// Frames per hash.
 const FRAMES: usize = 64;
 /// Width and height of a picture.
 const SIZE: [usize; 2] = [48, 40];
@@ -22,11 +23,12 @@ const LAYERS: usize = 2;
 const VERTICES: usize = 10;
 const ELEMENTS: usize = 7;
 
-/// Hashes every map of a model's first object over seeded parameters, each of which `nudge` is added to: points,
-/// visibilities, scores, opacities and orders of layers, the characteristic view, and pictures.
+/// Hashes every map of a model's first object over seeded parameters: points, visibilities, scores,
+/// opacities and orders of layers, the characteristic view, and pictures. `nudge` is added to each
+/// parameter.
 ///
 /// # Errors
-/// Those of the calls; lengths, if the object is not of the golden files' size.
+/// Errors of the calls; a length error if the object does not have the golden files' size.
 pub(crate) fn hash(
     model: &Model<&[u8]>,
     views: Views<'_>,
@@ -79,7 +81,7 @@ pub(crate) fn hash(
     Ok(hash)
 }
 
-/// Loads a golden object; `None` if that fails.
+/// Loads a golden object; `None` on failure.
 pub(crate) fn load(file: &'static [u8]) -> Option<Model<&'static [u8]>> {
     Model::from_bytes(file).ok()
 }

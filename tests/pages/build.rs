@@ -1,11 +1,12 @@
-//! Takes the Rust of pages apart: each block a file, by its heading and its number below that.
+//! Splits the Rust code of pages into files: one per block, named after the heading and the block's
+//! index under the heading.
 
 use std::error::Error;
 use std::path::Path;
 
 const PAGES: [&str; 2] = ["../../runtime/ENGINE.md", "../../runtime/WEB.md"];
 
-/// How lines begin that a test has to see: items, and functions of a type.
+/// Starts of lines that a test must be able to call: items, and functions of a type.
 const ITEMS: [&str; 6] = ["fn ", "struct ", "enum ", "type ", "const ", "    fn "];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,7 +36,7 @@ fn take_apart(page: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Lets a test see what a line begins.
+/// Makes the item of a line visible to tests.
 fn seen(line: &str) -> String {
     let code = line.trim_start();
     if ITEMS.iter().any(|item| line.starts_with(item)) {

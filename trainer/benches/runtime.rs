@@ -1,10 +1,10 @@
-//! Prints what evaluation costs beside plain skinning: `cargo bench -p sinew-trainer --bench
-//! runtime`, and with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers. One core; medians of
-//! runs taken in turn, so that ratios hold on a busy machine. Sets that are not in `../shared/data` are
-//! named and left out.
+//! Prints the cost of evaluation relative to plain skinning: `cargo bench -p sinew-trainer --bench
+//! runtime`, and with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers. Runs use one core.
+//! Medians are of alternating runs, so that ratios hold on a busy machine. Sets that are missing in
+//! `../shared/data` are named and left out.
 //!
-//! Plain skinning is the same skin stage with the character's joints for a palette, and a loop as
-//! an engine without SIMD would write it.
+//! Plain skinning is the same skin stage with the character's joints as palette, and a loop as an
+//! engine without SIMD would write it.
 
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
@@ -123,7 +123,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints what the skins of a model cost at rest: no number depends on the pose.
+/// Prints the cost of a model's skins at rest; the cost does not depend on the pose.
 fn skins(model: &Model<Vec<u8>>) -> Result<(), Box<dyn Error>> {
     for skin in model.skins() {
         let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -173,7 +173,7 @@ fn positions_and_normals(
     .run()
 }
 
-/// Trains a model, and returns its file.
+/// Trains a model and returns its file.
 fn trained(
     examples: &Examples,
     predictor: Predictor,
@@ -184,8 +184,8 @@ fn trained(
         proxies: Some(ProxyCount::Fixed(proxies)),
         ..Options::default()
     };
-    // On a thread of its own: the training's wide registers, left in use, would halve the speed of
-    // all that this thread measures after it.
+    // In a separate thread: the training leaves wide registers in use, which would halve the speed
+    // of all later measurements in this thread.
     let trained = std::thread::scope(|scope| {
         scope
             .spawn(|| train(examples, &options, &Silent))
@@ -199,8 +199,8 @@ fn posed(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
     examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
-/// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64
-/// centres and 24 latent values.
+/// Returns the seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45
+/// inputs, 64 centres and 24 latent values.
 fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
     let (joints, inputs, centres, rank, certainty, proxies) = (20, 45, 64, 24, 8, 4);
     let number = |i: usize| (0.37 * i as f64).sin();
@@ -253,7 +253,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
     palette_seconds(&envelope, &pose)
 }
 
-/// Seconds from pose to palette of an envelope with kernel maps.
+/// Returns the seconds from pose to palette of an envelope with kernel maps.
 fn palette_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
@@ -266,7 +266,7 @@ fn palette_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, B
     Ok(seconds)
 }
 
-/// Seconds from pose to palette without the correction.
+/// Returns the seconds from pose to palette without the correction.
 fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
@@ -277,7 +277,7 @@ fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Bo
     Ok(seconds)
 }
 
-/// Seconds of the check of a pose that is taken.
+/// Returns the seconds to check an acceptable pose.
 fn check_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
     envelope.check_pose(pose)?;
     Ok(seconds_of(|| {
@@ -286,7 +286,7 @@ fn check_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box
     })?)
 }
 
-/// Seconds of a call, the median of runs of 16.
+/// Returns the seconds per call: the median over runs of 16 calls.
 fn seconds_of(mut call: impl FnMut() -> Result<(), CallError>) -> Result<f64, CallError> {
     let mut seconds = Vec::new();
     for _ in 0..RUNS {
@@ -295,7 +295,7 @@ fn seconds_of(mut call: impl FnMut() -> Result<(), CallError>) -> Result<f64, Ca
     Ok(median(seconds) / 16.0)
 }
 
-/// Linear blend skinning as written without a thought of SIMD.
+/// Linear blend skinning as written without SIMD in mind.
 fn skin_plainly(
     palette: &[Matrix3x4],
     influences: &[(usize, f32)],

@@ -1,7 +1,7 @@
-//! Prints how long scattered data takes on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
-//! queries of baked functions; the least of five runs.
+//! Prints times on scattered data on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
+//! queries of baked functions. Each time is the least of five runs.
 //!
-//! `cargo bench -p sinew-trainer --bench scattered`. SciPy's times beside it:
+//! `cargo bench -p sinew-trainer --bench scattered`. This prints SciPy's times:
 //!
 //! ```text
 //! OPENBLAS_NUM_THREADS=1 python -c "
@@ -44,7 +44,7 @@ const INPUTS: usize = 10;
 const VALUES: usize = 100;
 const RUNS: usize = 5;
 
-/// Samples, inputs and values of functions that are asked.
+/// Samples, inputs and values of the evaluated functions.
 const ASKED: [[usize; 3]; 2] = [[200, 3, 3], [64, 27, 480]];
 const QUERIES: usize = 100_000;
 
@@ -58,7 +58,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints how long a baked function takes for a query.
+/// Prints the time of a baked function per query.
 fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut row = || (0..d).map(|_| 2.0 * random.random::<f64>() - 1.0).collect::<Vec<f64>>();
@@ -108,7 +108,7 @@ fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints how long fits take, and their reports.
+/// Prints the times of fits and of their reports.
 fn fits() -> Result<(), KernelError> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut uniform = |rows: usize, columns: usize| {
@@ -132,7 +132,7 @@ fn fits() -> Result<(), KernelError> {
     Ok(())
 }
 
-/// Runs something some times, and returns its result and the least of its seconds.
+/// Runs a function several times; returns its result and the least time in seconds.
 fn least<T>(run: impl Fn() -> Result<T, KernelError>) -> Result<(T, f64), KernelError> {
     let timed = || {
         let start = Instant::now();

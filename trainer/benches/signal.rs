@@ -1,5 +1,6 @@
-//! Prints how long 256 x 256 pixels of three numbers take to become 512 x 512 on one thread: by our filter, in f64 and
-//! by the runtime from a file, and by `fast_image_resize`; the least of many runs.
+//! Prints the time to enlarge 256 x 256 pixels of three channels to 512 x 512 on one thread: by our
+//! filter, in f64 and by the runtime from a file, and by `fast_image_resize`; the least of many
+//! runs.
 //!
 //! `cargo bench -p sinew-trainer --bench signal`
 

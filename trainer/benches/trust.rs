@@ -1,6 +1,7 @@
-//! Prints how far a fit can be trusted: errors and confidence on poses unlike those of training.
+//! Prints errors and confidence on poses unlike the training poses.
 //!
-//! `cargo bench -p sinew-trainer --bench trust [-- WORD ...]`: of the rows, those whose name holds every word.
+//! `cargo bench -p sinew-trainer --bench trust [-- WORD ...]`: prints the rows whose name contains
+//! every word.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,9 +18,9 @@ use std::collections::BTreeSet;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// Where the model's error in a frame is so many times that of LBS, it is worse.
+/// A model is worse in a frame if its error exceeds that of LBS this many times.
 const WORSE: f64 = 1.2;
-/// Confidence that a frame that is worse may have.
+/// Largest permitted confidence in a frame where the model is worse.
 const TRUSTED: f64 = 0.5;
 
 const SETS: [(&str, &str); 3] = [
@@ -102,11 +103,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Copies of a set, with noise of this share of the diagonal.
+/// Copies of a set, and the amplitude of their noise as a share of the diagonal.
 const COPIES: u64 = 10;
 const NOISE: f64 = 1e-6;
 
-/// The leg's walk, of which a quarter is held out, with its stretch beyond it, and dem-bones as it is.
+/// Loads the leg's walk, with a quarter held out and its stretch outside the trained range, and
+/// dem-bones unchanged.
 fn noisy_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut sets = Vec::new();
     if let Some(path) = found("leg/leg.npz") {
@@ -121,7 +123,8 @@ fn noisy_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(sets)
 }
 
-/// Trains on copies that differ by noise, and by the digits of a text file, and says how far apart they come.
+/// Trains on copies with noise, and on a copy rounded to the digits of a text file; prints the
+/// spread of the errors.
 fn noise(name: &str, examples: &Examples, options: &Options) -> Result<(), Box<dyn Error>> {
     let splits = [Split::HeldOut, Split::Extreme];
     let mut errors = [Vec::new(), Vec::new()];
@@ -129,7 +132,8 @@ fn noise(name: &str, examples: &Examples, options: &Options) -> Result<(), Box<d
     for copy in 0..=COPIES {
         let mut noisy = examples.clone();
         let mut random = ChaCha8Rng::seed_from_u64(copy);
-        // Uniform noise of this size has an RMS length of as much; the last copy is rounded instead.
+        // Uniform noise of this size has an RMS length of the same size; the last copy is rounded
+        // instead.
         let size = NOISE * examples.diagonal();
         for x in noisy.vertices.iter_mut().flatten() {
             *x = match copy {
@@ -159,7 +163,7 @@ fn noise(name: &str, examples: &Examples, options: &Options) -> Result<(), Box<d
     Ok(())
 }
 
-/// Spoils the mesh of a frame, given the one before it.
+/// Damages the mesh of a frame, given the previous frame's mesh and the diagonal.
 type Spoil = fn(&mut [[f64; 3]], &[[f64; 3]], f64);
 
 const SPOILS: [(&str, Spoil); 3] = [
@@ -173,10 +177,10 @@ const SPOILS: [(&str, Spoil); 3] = [
     ("a frame late", |mesh, before, _| mesh.copy_from_slice(before)),
 ];
 
-/// Frames of a set that are spoiled, one at a time.
+/// Number of frames of a set that are damaged, one at a time.
 const SPOILED: usize = 12;
 
-/// The sets as they are, the two clips of the leg, and the demo of few poses.
+/// Loads the undamaged sets, the two clips of the leg, and the demo of few poses.
 fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut sets: Vec<(String, Examples)> =
         scenes()?.into_iter().filter(|(name, _)| name.starts_with("leg")).collect();
@@ -189,7 +193,8 @@ fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(sets)
 }
 
-/// Spoils some training frames, one at a time, and counts how often it is named, and what else.
+/// Damages training frames one at a time; counts how often the frame is detected, and how many
+/// other frames are.
 fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn Error>> {
     let (frames, len) = (examples.frames_of(Split::Train), examples.vertex_len());
     let (mut named, mut others) = (0, Vec::new());
@@ -216,8 +221,9 @@ fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn E
     Ok(())
 }
 
-/// How many times as much a model errs on held-out frames, or where there are none on those of training, that was
-/// trained with a spoiled frame and not without it. Of one that is named the two are the same.
+/// Returns the ratio of two errors: of a model trained with a damaged frame, and of a model trained
+/// without the frame. The error is on held-out frames, or on training frames if there are none. If
+/// the frame is detected, both models are the same.
 fn harm(spoiled: &Examples, frame: usize) -> Result<f64, Box<dyn Error>> {
     let mut without = spoiled.clone();
     without.split[frame] = Split::Extreme;
@@ -232,7 +238,7 @@ fn harm(spoiled: &Examples, frame: usize) -> Result<f64, Box<dyn Error>> {
     Ok(error(spoiled)? / error(&without)?)
 }
 
-/// Sets whose held-out frames are beyond those of training.
+/// Loads sets whose held-out frames are outside the trained range.
 fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut scenes = Vec::new();
     for (clip, own) in [("walk", 0..66), ("stretch", 66..122)] {
@@ -281,7 +287,7 @@ fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(scenes)
 }
 
-/// One predictor, with so many helpers.
+/// Returns options for one predictor and a number of helpers.
 fn fixed(predictor: Predictor, proxies: usize) -> Options {
     Options {
         predictor: Predict::Only(predictor),
@@ -302,7 +308,7 @@ fn predictors(set: &str) -> Vec<(String, Options)> {
     rows
 }
 
-/// A frame as it was measured: errors are RMS, in % of the diagonal.
+/// A measured frame: errors are RMS, in % of the diagonal.
 struct Frame {
     confidence: f64,
     lbs: f64,
@@ -315,7 +321,7 @@ impl Frame {
     }
 }
 
-/// Measures one training; gives its frames.
+/// Measures one training; returns its frames.
 fn row(name: &str, examples: &Examples, options: &Options) -> Result<Vec<Frame>, Box<dyn Error>> {
     let model = match train(examples, options, &Silent) {
         Ok(trained) => trained.model,
@@ -352,7 +358,7 @@ fn row(name: &str, examples: &Examples, options: &Options) -> Result<Vec<Frame>,
     Ok(all)
 }
 
-/// The rank correlation of pairs.
+/// Returns the rank correlation (Spearman) of pairs.
 fn spearman(pairs: &[(f64, f64)]) -> f64 {
     let ranks = |of: &dyn Fn(&(f64, f64)) -> f64| -> Vec<f64> {
         let values: Vec<f64> = pairs.iter().map(of).collect();

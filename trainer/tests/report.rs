@@ -1,4 +1,4 @@
-//! The report against the measurement that `sinew eval` prints.
+//! The report, compared with the measurement that `sinew eval` prints.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 
 const HELD_OUT: Frames = Frames::Of(Split::HeldOut);
 
-/// A small arm with names that a page must not believe, in two clips.
+/// Makes a small arm with names that contain markup, in two clips.
 fn arm() -> (Examples, Vec<Clip>) {
     let mut examples = demo(&DemoOptions { vertices: 250, poses: 24, held_out: 8, seed: 3 });
     examples.skeleton.names[2] = "<script>alert(1)</script> & \"co\"".to_owned();
@@ -38,7 +38,7 @@ fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// LBS as a model, with one rest vertex moved by so much.
+/// Bakes LBS as a model, with one rest vertex moved by `by`.
 fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
     let training = Training::new(examples, &Silent).unwrap();
     let weights = training.lbs.weights.clone();
@@ -61,7 +61,8 @@ fn page(comparison: &Comparison<'_>, sizes: bool) -> String {
     Page { comparison, options, sizes }.html(&Silent).unwrap()
 }
 
-/// Checks that tags are balanced and that attributes and text hold no bare `<`; lists the tags.
+/// Checks that tags are balanced, and that attributes and text contain no unescaped `<`; lists the
+/// tags.
 fn tags(html: &str) -> Vec<String> {
     let mut open: Vec<&str> = Vec::new();
     let mut all = Vec::new();
@@ -85,7 +86,7 @@ fn tags(html: &str) -> Vec<String> {
     all
 }
 
-/// The cells of every table, by row, without markup.
+/// Lists the cells of every table without markup, by row.
 fn rows(html: &str) -> Vec<Vec<String>> {
     let cells = |row: &str| -> Vec<String> {
         let (cells, _) = row.rsplit_once("</t").unwrap();
@@ -124,9 +125,9 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
         (count("script"), count("link"), count("h1"), count("title")),
         (0, 0, 1, tags_of_titles(&html))
     );
-    // Truth, LBS and two models twice over, as clay and as heat; then the whole of both on the rest
-    // pose; the angles of three on both; then the palettes: joints alone and the map of each vertex, and the
-    // other's maps.
+    // Truth, LBS and two models, twice, as clay and as heat; then the rest pose of all; the angles
+    // of three models on both poses; then the palettes: joints only with the map of each vertex,
+    // and the other palette's maps.
     assert_eq!(count("img"), 4 * 4 + 5 + 2 * 3 + 3);
     assert!(!html.contains("http") && !html.contains("src=\"/"));
     assert!(!html.contains("own weights"), "the mesh comes without");
@@ -144,7 +145,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     assert_eq!(row(&rows, "a&amp;b.sinew")[1..7], accuracy(&found[0].errors));
     assert_eq!(row(&rows, "other")[1..7], accuracy(&found[1].errors));
 
-    // Joints: their vertices are all vertices, and their squares sum up to the whole's.
+    // Joints partition the vertices, so their squares sum to the total.
     let names = examples.skeleton.names.iter();
     let names: Vec<String> = names
         .map(|n| {
@@ -163,7 +164,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
         let squares: f64 = joints.iter().map(|r| number(&r[1]) * number(&r[column]).powi(2)).sum();
         assert!(((squares / vertices).sqrt() / whole - 1.0).abs() < 0.01, "{column}");
     }
-    // A training with as many proxies as the model has gives the model again.
+    // Training with the model's number of proxies reproduces the model.
     let again = row(&rows, "8");
     assert_eq!(again[1..7], accuracy(&found[0].errors));
     assert_eq!(again[8].replace('\u{202f}', ""), format!("{} B", bytes.len()));
@@ -172,7 +173,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     }
 }
 
-/// SVG has titles too: what lies under the pointer.
+/// Counts titles; SVG has titles too, which show under the pointer.
 fn tags_of_titles(html: &str) -> usize {
     html.matches("<title>").count()
 }
@@ -188,18 +189,18 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     tags(&html);
     let sentence = format!("Vertex {vertex}, where the model is off by ");
     let (_, after) = html.split_once(&sentence).expect("the worst vertex is named");
-    // LBS moves a vertex as far as its rest position was moved, or less where joints disagree.
+    // LBS moves a vertex by the displacement of its rest position, or less if joints disagree.
     let percent: f64 = after.split('\u{a0}').next().unwrap().parse().unwrap();
     assert!((10.0..21.0).contains(&percent), "{percent}");
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
-    // What there is nothing to show of is left out.
+    // Empty sections are left out.
     for absent in ["More or fewer proxies", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
         assert!(!html.contains(absent), "{absent}");
     }
     for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
         assert_eq!(&record.unwrap()[8], vertex.to_string());
     }
-    // Undisturbed, another one is.
+    // Without the disturbance, another vertex is the worst.
     let bytes = disturbed(&examples, vertex, 0.0);
     let comparison =
         Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
@@ -207,7 +208,7 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
 }
 
 #[test]
-fn a_second_model_that_has_read_what_is_measured_is_told() {
+fn a_second_model_trained_on_the_measured_frames_is_reported() {
     let (examples, clips) = arm();
     let mut seen = examples.clone();
     seen.split.fill(Split::Train);
@@ -330,14 +331,14 @@ fn a_page_is_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn training_frames_are_told_for_what_they_are() {
+fn training_frames_are_reported_as_such() {
     let (mut examples, clips) = arm();
     examples.split.fill(Split::Train);
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
     let comparison = Comparison::new(source(&examples, &clips), Some(train), file(&bytes)).unwrap();
     assert!(page(&comparison, false).contains("than on what it will meet"));
-    // Without any of them nothing can be trained, and the rest of the page is still there.
+    // Without training frames nothing can be trained; the rest of the page is still complete.
     examples.split.fill(Split::HeldOut);
     let comparison =
         Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
@@ -346,7 +347,7 @@ fn training_frames_are_told_for_what_they_are() {
     tags(&html);
 }
 
-/// Frames of a split alone, in one clip.
+/// Returns the frames of a split, in one clip.
 fn only(examples: &Examples, split: Split) -> (Examples, Vec<Clip>) {
     let frames = examples.frames_of(split);
     let mut out = examples.clone();
@@ -362,7 +363,7 @@ fn only(examples: &Examples, split: Split) -> (Examples, Vec<Clip>) {
 fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let (examples, clips) = arm();
     let bytes = model(&examples, Predictor::Kernel);
-    // The model alone knows that frames were held out.
+    // Only the model knows that frames were held out.
     let mut bare = examples.clone();
     bare.split.fill(Split::Train);
     let comparison = Comparison::new(source(&bare, &clips), None, file(&bytes)).unwrap();
@@ -371,7 +372,7 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let html = page(&comparison, true);
     let cells = rows(&html);
     assert_eq!(row(&cells, "8")[1..7], accuracy(&found.errors));
-    // The tables of the worst frames and of the least confident ones; the second names models.
+    // The tables of the worst frames and of the least confident frames; the second names models.
     let named = cells.iter().filter(|row| row[0].starts_with("frame "));
     let uses: Vec<&str> =
         named.map(|row| &*row[1]).filter(|name| !name.contains("sinew")).collect();
@@ -380,7 +381,8 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     assert!(reader.records().all(|row| &row.unwrap()[3] == "held-out"));
 
-    // Other frames that are held out when the report is made are not trained on, although the model has read them.
+    // Frames held out at the time of the report are not used to train other sizes, even if the
+    // model was trained on them.
     let mut other = bare.clone();
     let measured: Vec<usize> = examples.frames_of(Split::Train)[..6].to_vec();
     measured.iter().for_each(|&frame| other.split[frame] = Split::HeldOut);
@@ -392,11 +394,11 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
 }
 
 #[test]
-fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
+fn other_sizes_that_only_measured_frames_could_train_are_reported_or_left_out() {
     let (examples, clips) = arm();
     let bytes = model(&examples, Predictor::Kernel);
     let told = "trained on frames that are measured here";
-    // Every frame that the model has read is measured: the figures are those of a fit on its own frames.
+    // All measured frames are training frames of the model: the errors are training errors.
     let (read, walk) = only(&examples, Split::Train);
     let comparison = Comparison::new(source(&read, &walk), None, file(&bytes)).unwrap();
     let html = page(&comparison, true);
@@ -404,7 +406,7 @@ fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
     let found = evaluate(&again, None, &read, Frames::Of(Split::Train)).unwrap();
     assert!(html.contains(told));
     assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&found.errors));
-    // Of new poses alone none is a training frame.
+    // No new pose is a training frame.
     let (new, walk) = only(&examples, Split::HeldOut);
     let comparison = Comparison::new(source(&new, &walk), None, file(&bytes)).unwrap();
     let html = page(&comparison, true);
@@ -414,7 +416,7 @@ fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
     assert!(!page(&comparison, true).contains(told));
 }
 
-/// Weights of 2 on each of the arm's first five joints, and of 0 at the first vertex.
+/// Sets weights of 2 on each of the arm's first five joints, and of 0 at the first vertex.
 fn with_weights(examples: &mut Examples) {
     let joint_len = examples.joint_len();
     assert!(joint_len > 5);
@@ -423,7 +425,8 @@ fn with_weights(examples: &mut Examples) {
     examples.joint_weights = Some((0..examples.vertex_len()).flat_map(row).collect());
 }
 
-/// Distances from the mesh of a frame when each vertex follows the mean of the first five joints, V.
+/// Returns the V distances from a frame's mesh if each vertex follows the mean of the first five
+/// joints.
 fn distances_by_five_joints(examples: &Examples, frame: usize) -> Vec<f64> {
     let follow = |(x, truth): (&[f64; 3], &[f64; 3])| {
         let axis = |axis: usize| {
@@ -450,7 +453,7 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
     let mut all = Vec::new();
     for (place, frame) in examples.frames_of(Split::HeldOut).into_iter().enumerate() {
         let mut expected = distances_by_five_joints(&examples, frame);
-        // Without weights of its own it follows the fitted ones.
+        // A vertex without authored weights follows the fitted weights.
         expected[0] = comparison.baselines.lbs.measured.frames[place].distances[0];
         let found = &own.measured.frames[place].distances;
         assert!(expected.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -463,8 +466,9 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
     assert!((errors.max_percent * examples.diagonal() / most - 100.0).abs() < 1e-7);
 
     let html = page(&comparison, true);
-    // The worst pose, whole and near: the truth and four skins, four error maps and one on its own scale. Then the rest
-    // pose with these maps, maps of four skins' angles on both poses, and two palettes.
+    // The worst pose, whole and close: the truth and four skins, four error maps and one with its
+    // own scale. Then the rest pose with these maps, maps of four skins' angles on both poses, and
+    // two palettes.
     let pictures = tags(&html).iter().filter(|tag| *tag == "img").count();
     assert_eq!(pictures, 4 * 5 + 6 + 2 * 4 + 2);
     let cells = rows(&html);
@@ -472,7 +476,7 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
     for class in ["line own", "area own"] {
         assert!(html.contains(&format!("class=\"{class}\"")), "{class}");
     }
-    // The worst vertex is the model's.
+    // The report names the model's worst vertex.
     assert!(
         html.contains("Vertex 123, where the model is off by ")
             && html.contains(", own weights by ")

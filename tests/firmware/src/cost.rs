@@ -1,4 +1,4 @@
-//! Instructions, stack and scratch of a frame, on a Cortex-M4F in QEMU.
+//! Measures instructions, stack and scratch of a frame, on a Cortex-M4F in QEMU.
 
 use crate::bits::{Memory, Rng, cut};
 use crate::memory::take;
@@ -8,16 +8,16 @@ use core::hint::black_box;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Envelope, Model, Skin, SkinJob, model_space_pose};
 
-/// Models of the shape that the budget is stated for.
+/// Models of the shape for which the budget is stated.
 const BARS: [(&str, &[u8]); 2] = [
     ("rotational", include_bytes!(concat!(env!("SINEW_MODELS"), "/bar-rotational.snw"))),
     ("kernel", include_bytes!(concat!(env!("SINEW_MODELS"), "/bar-kernel.snw"))),
 ];
 
-/// Poses, of which the costliest counts.
+/// Number of poses; the costliest counts.
 const POSES: usize = 64;
 
-/// Prints what each model costs; returns whether all could be evaluated and the clock is true.
+/// Prints the cost of each model; returns whether all evaluations succeeded and the clock is right.
 pub fn cost() -> bool {
     let Some(memory) = take() else { return false };
     start_timer();
@@ -25,7 +25,7 @@ pub fn cost() -> bool {
     clock() && sound
 }
 
-/// Prints what the servo's kernel costs; returns whether all of it could be evaluated.
+/// Prints the cost of the servo's kernel; returns whether all evaluations succeeded.
 #[cfg(feature = "kernel")]
 pub fn servo() -> bool {
     let Some(memory) = take() else { return false };
@@ -54,7 +54,7 @@ fn servo_kernel(memory: &mut Memory) -> Option<()> {
     sound.then_some(())
 }
 
-/// Prints what a skin with tangent coefficients costs; returns whether it could be evaluated.
+/// Prints the cost of a skin with tangent coefficients; returns whether the evaluation succeeded.
 #[cfg(feature = "tangent-coefficients")]
 pub fn normals() -> bool {
     let Some(memory) = take() else { return false };
@@ -63,7 +63,7 @@ pub fn normals() -> bool {
     turned_skin(file, memory).is_some()
 }
 
-/// Prints the instructions of positions and normals, and the deepest stack of all attributes.
+/// Prints the instructions for positions and normals, and the deepest stack for all attributes.
 #[cfg(feature = "tangent-coefficients")]
 fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let model = load("normals", file)?;
@@ -96,7 +96,7 @@ fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     sound.then_some(())
 }
 
-/// Loads a model, and prints what that takes.
+/// Loads a model, and prints the cost of loading.
 fn load<'a>(name: &str, file: &'a [u8]) -> Option<Model<&'a [u8]>> {
     let file = black_box(file);
     let mut loaded = Model::from_bytes(file);
@@ -107,7 +107,7 @@ fn load<'a>(name: &str, file: &'a [u8]) -> Option<Model<&'a [u8]>> {
     loaded.ok()
 }
 
-/// Times loops of known length, of which one has two million instructions more.
+/// Checks the clock with loops of known length: one has two million instructions more.
 fn clock() -> bool {
     let counted = |times| instructions_of(|| count_down(black_box(times)));
     let (short, long) = (counted(1_000), counted(1_001_000));
@@ -123,7 +123,7 @@ fn model(name: &str, file: &[u8], memory: &mut Memory) -> Option<()> {
     stacks(name, envelope, skin, memory)
 }
 
-/// Prints the instructions of the costliest of the poses, stage by stage and together.
+/// Prints the instructions of the costliest pose, by stage and in total.
 fn instructions(
     name: &str,
     envelope: Envelope<'_>,
@@ -146,7 +146,7 @@ fn instructions(
         });
         let moved = instructions_of(|| {
             let confidence = envelope.palette(pose, scratch, palette);
-            // A kernel map that has faded would cost little.
+            // A kernel map with confidence 0 would cost little.
             let whole = |confidence| confidence > 0.0 || !envelope.predictor().corrects();
             is_sound(confidence.is_ok_and(whole));
         });

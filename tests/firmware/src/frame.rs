@@ -1,4 +1,4 @@
-//! Frames of which sizes are measured: the least that one needs, and all that one may.
+//! Frames whose sizes are measured: the smallest frame, and a frame with every output.
 
 use core::hint::black_box;
 #[cfg(feature = "shapes")]
@@ -8,7 +8,8 @@ use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Model, SkinJob, model_space_pose,
 };
 
-/// Loads, computes the palette of a pose and skins positions, all of them unknown to the compiler.
+/// Loads, computes the palette of a pose and skins positions, with arguments unknown to the
+/// compiler.
 #[inline(always)]
 pub fn skinned_by(
     palette: impl Fn(
@@ -27,7 +28,8 @@ pub fn skinned_by(
     black_box(done).is_ok() && black_box(skin.skin_positions(out_palette, out)).is_ok()
 }
 
-/// Loads, poses, skins positions, normals and tangents, and bounds; `None` where nothing is loaded.
+/// Loads, poses, skins positions, normals and tangents, and computes bounds; `None` if nothing is
+/// loaded.
 #[inline(always)]
 pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
     let model = Model::from_bytes(bytes).ok()?;
@@ -56,7 +58,8 @@ pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
     Some(frame())
 }
 
-/// Loads, shapes positions, normals and tangents at rest, and bounds; `None` where nothing is loaded.
+/// Loads, shapes positions, normals and tangents at rest, and computes bounds; `None` if nothing is
+/// loaded.
 #[cfg(feature = "shapes")]
 #[inline(always)]
 pub fn shaped(bytes: &[u8]) -> Option<Result<(), CallError>> {

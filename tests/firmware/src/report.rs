@@ -1,4 +1,4 @@
-//! The bits of every stage, of the golden files and of models baked for this run.
+//! Prints hashes of every stage, for the golden files and for models baked for this run.
 
 #[cfg(feature = "filter")]
 use crate::bits::filters;
@@ -16,16 +16,18 @@ use sinew_runtime::Model;
 
 /// Models that the trainer baked for this run, by name.
 ///
-/// Another CPU may bake other bytes, so that their bits are compared between targets and not kept.
+/// Another CPU may bake other bytes, so their hashes are compared between targets but not stored.
 const BAKED: [(&str, &[u8]); 2] = [
     ("demo rotational", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-rotational.snw"))),
     ("demo kernel", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-kernel.snw"))),
 ];
 
-/// Poses of each of them: without a float unit a character takes fifty times as long as a golden model.
+/// Poses per baked model: without a float unit a character takes fifty times as long as a golden
+/// model.
 const BAKED_POSES: usize = POSES / 4;
 
-/// Prints a hash a stage and model; returns whether those of the golden files are the promised ones.
+/// Prints a hash for each stage and model; returns whether the golden files have the promised
+/// hashes.
 pub fn bits() -> bool {
     let Some(memory) = take() else { return false };
     let mut sound = true;
@@ -66,7 +68,7 @@ pub fn bits() -> bool {
     sound
 }
 
-/// Prints a hash of each golden kernel; returns whether they are the promised ones.
+/// Prints a hash of each golden kernel; returns whether they are the promised hashes.
 #[cfg(feature = "kernel")]
 fn of_kernels(memory: &mut Memory) -> bool {
     let Some(model) = kernels::load() else {
@@ -89,13 +91,13 @@ fn of_kernels(memory: &mut Memory) -> bool {
     sound
 }
 
-/// Without the part kernel there is nothing to print.
+/// Prints nothing without the part kernel.
 #[cfg(not(feature = "kernel"))]
 fn of_kernels(_: &mut Memory) -> bool {
     true
 }
 
-/// Prints a hash of each golden object of key views; returns whether they are the promised ones.
+/// Prints a hash of each golden object of key views; returns whether they are the promised hashes.
 #[cfg(feature = "views")]
 fn of_views(memory: &mut Memory) -> bool {
     let mut sound = true;
@@ -120,13 +122,13 @@ fn of_views(memory: &mut Memory) -> bool {
     sound
 }
 
-/// Without views there is nothing to print.
+/// Prints nothing without views.
 #[cfg(not(feature = "views"))]
 fn of_views(_: &mut Memory) -> bool {
     true
 }
 
-/// Prints a hash of the golden face's pins; returns whether it is the promised one.
+/// Prints a hash of the golden face's pins; returns whether it is the promised hash.
 #[cfg(feature = "prior")]
 fn of_pins() -> bool {
     let model = priors::load();
@@ -147,13 +149,13 @@ fn of_pins() -> bool {
     }
 }
 
-/// Without priors there is nothing to print.
+/// Prints nothing without priors.
 #[cfg(not(feature = "prior"))]
 fn of_pins() -> bool {
     true
 }
 
-/// Prints a hash of the golden filter; returns whether it is the promised one.
+/// Prints a hash of the golden filter; returns whether it is the promised hash.
 #[cfg(feature = "filter")]
 fn of_filter(memory: &mut Memory) -> bool {
     let model = filters::load();
@@ -173,7 +175,7 @@ fn of_filter(memory: &mut Memory) -> bool {
     }
 }
 
-/// Without the part filter there is nothing to print.
+/// Prints nothing without the part filter.
 #[cfg(not(feature = "filter"))]
 fn of_filter(_: &mut Memory) -> bool {
     true

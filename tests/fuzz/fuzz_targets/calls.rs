@@ -1,4 +1,4 @@
-//! Calls the C ABI as no careful caller does, on files from strangers.
+//! Calls the C ABI as no careful caller does, on untrusted files.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

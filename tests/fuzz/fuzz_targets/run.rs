@@ -1,4 +1,4 @@
-//! Loads any bytes and evaluates what is accepted.
+//! Loads any bytes and evaluates an accepted file.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

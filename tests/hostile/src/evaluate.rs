@@ -1,21 +1,21 @@
-//! Everything that an accepted file offers, evaluated and held to what the runtime promises.
+//! Evaluates every part of an accepted file and checks the promises of the runtime.
 
-use crate::filters::{evaluate_filter, read_filter};
-use crate::kernels::{evaluate_kernel, read_kernel};
+use crate::parts::{
+    evaluate_filter, evaluate_kernel, evaluate_prior, read_filter, read_kernel, read_prior,
+};
 use crate::poses::pose;
-use crate::priors::{evaluate_prior, read_prior};
 use crate::views::{evaluate_views, read_views};
 use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, ShapesJob, Skin, SkinJob};
 use std::ops::Range;
 
-/// Reads all that a model's accessors give.
+/// Reads every accessor of a model.
 ///
 /// # Panics
-/// Where an accessor lacks what a loaded model must have, or where the model asks for more work or
-/// memory than a file of its length may: every loop of loading and evaluating runs over these counts
-/// or over bytes of the file.
+/// If an accessor lacks a value that a loaded model must have, or if the model asks for more work
+/// or memory than its file's length allows. Every loop of loading and evaluating runs over these
+/// counts or over bytes of the file.
 pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
     let followed: Vec<_> = model.skins().filter_map(|skin| skin.envelope_part()).collect();
@@ -63,14 +63,15 @@ fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
     if is_followed || envelope.predictor() != Predictor::Kernel {
         costs.extend([24 * palette_len, envelope.scratch_len()]);
     } else {
-        // Helpers of a group without centres take no bytes but a skin's: the limits hold them.
+        // Helpers of a group without centres take no bytes outside the skin: the limits bound their
+        // number.
         let most = (Limits::DEFAULT.joints + Limits::DEFAULT.proxies) as usize;
         assert!(palette_len <= most && envelope.scratch_len() <= 16 * most);
     }
     for cost in costs {
         assert!(cost <= file.len(), "a file of {} bytes costs {cost}", file.len());
     }
-    // A group's share of it is counted once a group.
+    // Every group counts its share again.
     assert!(at_once <= 4 * file.len() * (1 + envelope.group_len()));
     let reconstructs = envelope.predictor().reconstructs();
     assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
@@ -103,11 +104,12 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
     assert!(opened.is_some_and(|opened| opened.counts() == skin.counts()));
 }
 
-/// Evaluates every envelope of a model over poses within its certificate's ranges, by the numbers of
-/// [`pose`], every skin, every kernel and every map of views over queries, and every prior over pins of as many kinds.
+/// Evaluates every part of a model: every envelope over the poses numbered by `numbers` (see
+/// [`pose`], within the certificate's ranges); every skin; every kernel and every map of views over
+/// queries; and every prior over pins.
 ///
 /// # Panics
-/// Where a call is refused, a result is not finite, a confidence is outside 0 and 1, or a vertex
+/// If a call is refused, a result is not finite, a confidence is outside 0 to 1, or a vertex is
 /// outside its bounds.
 pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     for envelope in model.envelopes() {
@@ -133,7 +135,7 @@ pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     }
 }
 
-/// Evaluates one pose of an envelope, and the skins that follow it; its number tells it from others.
+/// Evaluates one pose of an envelope, by number, and the skins that follow the envelope.
 ///
 /// # Panics
 /// As [`evaluate`] does.
@@ -192,8 +194,8 @@ fn check(named: &str, what: &str, values: &[f32]) {
 /// Floats of the vertices, and the bounds.
 type Skinned = (Vec<f32>, Option<Bounds>);
 
-/// Skins a mesh, shaped if there are weights: position, normal and, where there are any, tangent of each vertex; not a number where
-/// nothing was written. And its bounds.
+/// Skins a mesh, with shapes if there are weights. Returns position, normal and, if present,
+/// tangent of each vertex (NaN where nothing was written), and the bounds.
 fn skinned(skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]) -> Result<Skinned, CallError> {
     let (stride, v) = (stride(skin), skin.vertex_len());
     let (mut positions, mut normals) = (vec![[f32::NAN; 3]; v], vec![[f32::NAN; 3]; v]);
@@ -240,7 +242,7 @@ fn skinned(skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]) -> Result<Sk
     Ok((out, bounds))
 }
 
-/// Counts the floats of a vertex.
+/// Returns the floats per vertex.
 const fn stride(skin: &Skin<'_>) -> usize {
     if skin.has_tangents() { 10 } else { 6 }
 }

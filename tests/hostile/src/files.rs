@@ -1,4 +1,4 @@
-//! The files that everything starts from.
+//! Seed files, from which every mutation starts.
 
 use models::{
     FilterContent, GOLDEN, KernelContent, Pieces, RecordContent, ShapeContent, ViewsContent,
@@ -9,10 +9,10 @@ use sinew_runtime::kernel::Kernel;
 use sinew_runtime::views::Layer;
 use std::sync::LazyLock;
 
-/// Lists the files that everything starts from: the golden ones, and one of several parts.
+/// Lists the seed files: the golden files, and one file of several parts.
 ///
 /// # Panics
-/// If a golden file is not sound.
+/// If a golden file is damaged.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         let several = several().expect("the golden files are sound");
@@ -21,9 +21,10 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter: those of a rotational and of a
-/// kernel model, a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one
-/// with little, a face, and an object with two maps, whose first layer has depth and clips the second.
+/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter. The
+/// envelopes are a rotational and a kernel model. One skin follows nothing; two skins have shapes.
+/// One kernel has every feature and one has few. The prior is a face. The views have two maps;
+/// their first layer has depth and clips the second.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel] = GOLDEN.map(Pieces::of);
     let (mut out, kernel) = (rotational?, kernel?);

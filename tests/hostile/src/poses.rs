@@ -1,26 +1,30 @@
-//! Poses within the ranges that a file's certificate states, made as a caller makes them.
+//! Makes poses within the ranges that a file's certificate states, as a caller would.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 use std::f64::consts::PI;
 
-/// A transform in the precision that poses are made in.
+/// A transform in f64, the precision of poses in the making.
 type Transform = [[f64; 4]; 3];
 
 const IDENTITY: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// How far a pose may lie from where its character rests, in its diagonals.
+/// Largest distance of a pose from the rest position, in diagonals of the character.
 const FAR: f64 = 100.0;
 
-/// Kinds of pose, which take turns.
+/// Number of kinds of poses, which alternate.
 pub const KINDS: usize = 5;
 
-/// Makes a pose of J skinning matrices, of the kind that its number tells: rest, every joint at the
-/// end of its range, every joint somewhere in it, the same far off, and the same through
-/// [`model_space_pose`].
+/// Makes a pose of J skinning matrices, whose kind depends on `number`:
 ///
-/// A hostile range has no end that a rotation reaches: angles stop at π.
+/// - rest;
+/// - every joint at the end of its range;
+/// - every joint somewhere in its range;
+/// - every joint somewhere in its range, far from the rest position;
+/// - every joint somewhere in its range, far away and through [`model_space_pose`].
+///
+/// A hostile range may exceed every rotation: angles stop at π.
 pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
     let mut random = ChaCha8Rng::seed_from_u64(number as u64);
     match number % KINDS {
@@ -37,8 +41,8 @@ pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
     }
 }
 
-/// Turns each joint in its own frame, as an engine does that plays clips, within its range or at its
-/// end.
+/// Turns each joint in its local frame, as an engine does that plays clips: within its range or at
+/// its end.
 pub fn local(envelope: &Envelope<'_>, number: usize) -> Vec<LocalTransform> {
     let mut random = ChaCha8Rng::seed_from_u64(number as u64);
     let turns = turns(envelope, number.is_multiple_of(2), &mut random);
@@ -52,7 +56,7 @@ pub fn local(envelope: &Envelope<'_>, number: usize) -> Vec<LocalTransform> {
     local.collect()
 }
 
-/// Computes the pose of local transforms made of the file's own frames.
+/// Computes the pose of local transforms that use the file's frames.
 pub fn from_local(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matrix3x4> {
     let mut out = vec![[[0.0; 4]; 3]; envelope.joint_len()];
     match model_space_pose(envelope, local, &mut out) {
@@ -61,7 +65,7 @@ pub fn from_local(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matr
     }
 }
 
-/// Draws a rotation a joint, of an angle within its range, or at its end.
+/// Draws a rotation per joint, by an angle within the joint's range or at its end.
 fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<Transform> {
     let ranges = (0..envelope.joint_len()).map(|j| envelope.pose_range(j).unwrap_or_default());
     let angle = |random: &mut ChaCha8Rng| if at_end { 1.0 } else { random.random_range(0.0..1.0) };
@@ -73,7 +77,8 @@ fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<
         .collect()
 }
 
-/// Turns each joint about its rest origin, in the rest pose's axes, then moves the whole.
+/// Turns each joint about its rest origin, in the axes of the rest pose, then moves the whole
+/// character.
 fn skinning(envelope: &Envelope<'_>, turns: &[Transform], motion: &Transform) -> Vec<Matrix3x4> {
     let mut transforms = vec![*motion; envelope.joint_len()];
     for joint in envelope.evaluation_order() {
@@ -88,7 +93,7 @@ fn skinning(envelope: &Envelope<'_>, turns: &[Transform], motion: &Transform) ->
     transforms.iter().map(|transform| transform.map(|row| row.map(|x| x as f32))).collect()
 }
 
-/// A joint's frame in the rest pose, its bind matrix taken as rigid.
+/// Returns the frame of a joint in the rest pose, with the bind matrix taken as rigid.
 fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> Transform {
     let bind = envelope.inverse_bind(joint).unwrap_or([[0.0; 4]; 3]);
     inverse(&bind.map(|row| row.map(f64::from)))
@@ -123,7 +128,7 @@ fn rotation(random: &mut ChaCha8Rng, angle: f64) -> Transform {
     ]
 }
 
-/// The quaternion of a rotation, by the largest of its four components (Shepperd 1978).
+/// Converts a rotation to a quaternion, by the largest of the four components (Shepperd 1978).
 fn quaternion(m: &Transform) -> [f32; 4] {
     let [[xx, xy, xz, _], [yx, yy, yz, _], [zx, zy, zz, _]] = *m;
     let q = if xx + yy + zz >= 0.0 {

@@ -1,16 +1,21 @@
-//! Bytes read as a recipe: a sound file, changed piece by piece behind a checksum that holds.
+//! Reads bytes as a recipe: a valid file, changed piece by piece behind a valid checksum.
 //!
-//! Most changes leave a file that may well be accepted, with numbers as far out as the format lets
-//! them be: what is refused at once tells little about evaluation.
+//! Most changes leave a file that the runtime may accept, with the most extreme numbers that the
+//! format allows. A file that is refused at once hardly tests evaluation.
 
 use crate::files;
 use arbitrary::{Result, Unstructured};
 use models::{Content, Pieces, group_row, seal};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::format::{CORRECTION_MAX, Element, MAGNITUDE_MAX, PartRow, SectionKind};
 use sinew_runtime::skin::NO_ENVELOPE;
 
-/// Floats at which something ends: ranges, exactness, what can be squared, what is a number.
+/// Length of a random recipe in bytes; few recipes use all.
+const RECIPE_BYTES: usize = 96;
+
+/// Boundary values of floats: ranges, exactness, squares that overflow, NaN and infinities.
 const FLOATS: [f32; 24] = [
     0.0,
     -0.0,
@@ -38,7 +43,7 @@ const FLOATS: [f32; 24] = [
     2.0,
 ];
 
-/// Integers at which something ends.
+/// Boundary values of integers.
 const INTEGERS: [u32; 16] = [
     0,
     1,
@@ -58,20 +63,39 @@ const INTEGERS: [u32; 16] = [
     0xffff_ffff,
 ];
 
-/// Makes the file that a recipe tells of; any bytes are a recipe.
+/// Makes the file of a recipe; all bytes are a recipe.
 pub fn file(recipe: &[u8]) -> Vec<u8> {
     let mut u = Unstructured::new(recipe);
     let files = files();
     let sound = &files[u.choose_index(files.len()).unwrap_or_default()];
     let mut out = sound.clone();
     if let Ok(pieces) = Pieces::of(sound) {
-        // A recipe that ends early has done what it could.
+        // A recipe that ends early has made all its changes.
         let _ = follow(pieces, &mut u, &mut out);
     }
     out
 }
 
-/// Changes the pieces, then the file that they make; `out` is the last whole file.
+/// Makes mutant `number`, with a valid checksum. Three of four mutants follow a recipe; the fourth
+/// has bits flipped anywhere.
+pub fn mutant(number: u64) -> Vec<u8> {
+    let mut random = ChaCha8Rng::seed_from_u64(number);
+    if !number.is_multiple_of(4) {
+        let mut bytes = [0; RECIPE_BYTES];
+        random.fill_bytes(&mut bytes);
+        return file(&bytes);
+    }
+    let files = files();
+    let mut mutant = files[random.random_range(0..files.len())].clone();
+    for _ in 0..random.random_range(1..=8) {
+        let at = random.random_range(0..mutant.len());
+        mutant[at] ^= 1 << random.random_range(0..8);
+    }
+    seal(&mut mutant);
+    mutant
+}
+
+/// Changes the pieces, then the file made of them; `out` is the last complete file.
 fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Result<()> {
     for _ in 0..u.int_in_range(1..=4)? {
         change(&mut pieces, u)?;
@@ -79,7 +103,7 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
     }
     match u.int_in_range(0..=15)? {
         0 => {
-            // The table says what is not so.
+            // The table of sections states a wrong value.
             let (row, value) = (u.choose_index(pieces.sections.len().max(1))?, integer(u)?);
             let is_offset = bool(u)?;
             *out = pieces.bytes_with_rows(|rows| {
@@ -93,7 +117,7 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
             seal(out);
         }
         2 => {
-            // The head and the tables say most in the fewest bytes.
+            // The first bytes, the head and the tables, affect the most.
             let at = u.choose_index(out.len().min(400))?;
             out[at] ^= 1 << u.int_in_range(0..=7)?;
             seal(out);
@@ -149,7 +173,7 @@ fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     }
 }
 
-/// Changes the content of a section, the large ones no likelier than the small.
+/// Changes the content of a section; large sections are as likely as small sections.
 fn with_section(
     pieces: &mut Pieces,
     u: &mut Unstructured<'_>,
@@ -159,8 +183,8 @@ fn with_section(
     pieces.sections.get_mut(at).map_or(Ok(()), |content| change(&mut content.bytes, u))
 }
 
-/// Changes the content of a section of floats, or of records with floats among them. Directions are
-/// mostly turned, for few changes leave them their length.
+/// Changes the content of a section of floats, or of records that contain floats. Directions are
+/// mostly rotated, because few other changes keep their length.
 fn with_floats(
     pieces: &mut Pieces,
     u: &mut Unstructured<'_>,
@@ -182,7 +206,7 @@ fn with_floats(
     turn(bytes, floats_of_one, u)
 }
 
-/// Turns directions by quarters, and mirrors them; now and then one of them is none.
+/// Turns directions by quarter turns and mirrors them; a few become invalid.
 fn turn(bytes: &mut [u8], floats_of_one: usize, u: &mut Unstructured<'_>) -> Result<()> {
     let words = bytes.as_chunks_mut::<4>().0;
     let (by, is_mirrored) = (u.choose_index(3)?, bool(u)?);
@@ -206,15 +230,15 @@ fn set_word(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Fills a run of words.
+/// Fills a run of words with one value.
 fn fill(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     let (words, value) = (run(bytes, u)?, float(u)?);
     words.fill(value.to_le_bytes());
     Ok(())
 }
 
-/// Multiplies a run of floats by a power of ten, and half of the time keeps them within what the
-/// format allows.
+/// Multiplies a run of floats by a power of ten; half of the time clamps them to the range of the
+/// format.
 fn scale(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     let words = run(bytes, u)?;
     let factor = 10f32.powi(u.int_in_range(-12..=12)?) * if bool(u)? { 1.0 } else { -1.0 };
@@ -226,7 +250,7 @@ fn scale(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Chooses a run of words, half of the time all.
+/// Chooses a run of words, half of the time all words.
 fn run<'a>(bytes: &'a mut [u8], u: &mut Unstructured<'_>) -> Result<&'a mut [[u8; 4]]> {
     let words = bytes.as_chunks_mut::<4>().0;
     if words.is_empty() || bool(u)? {
@@ -281,7 +305,7 @@ fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Changes a count of a part, or what a skin follows.
+/// Changes a count of a part, or the envelope that a skin follows.
 fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let parts = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts, SectionKind::KernelCounts];
     let kinds = [&parts[..], &[SectionKind::PriorCounts, SectionKind::ViewsCounts]].concat();
@@ -302,7 +326,7 @@ fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Drops vertices, the tangents, the ranges, or the envelope: a sound file of another shape.
+/// Drops vertices, tangents, ranges, or the envelope: a valid file of another shape.
 fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     match u.int_in_range(0..=3)? {
         0 => pieces.sections.retain(|content| content.kind != SectionKind::RestTangents.number()),
@@ -360,12 +384,12 @@ fn kernel(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let Some(content) = own.into_iter().next() else { return Ok(()) };
     let at = u.choose_index((content.bytes.len() / bytes).max(1))? * bytes;
     let Some(row) = content.bytes.get_mut(at..at + bytes) else { return Ok(()) };
-    // The first word holds what is no float.
+    // The first word holds no float.
     row[u.choose_index(4)?] = u.int_in_range(0..=14)?;
     Ok(())
 }
 
-/// Changes a word of where blocks of shapes start, or of their entries.
+/// Changes a word of the starts of shape blocks, or of their entries.
 fn shapes(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let kinds = [SectionKind::ShapeBlocks, SectionKind::ShapeEntries].map(SectionKind::number);
     let own = pieces.sections.iter_mut().filter(|content| kinds.contains(&content.kind));
@@ -387,7 +411,7 @@ fn bool(u: &mut Unstructured<'_>) -> Result<bool> {
     u.arbitrary()
 }
 
-/// Draws a float, mostly one at which something ends.
+/// Draws a float, mostly a boundary value.
 pub(crate) fn float(u: &mut Unstructured<'_>) -> Result<f32> {
     if u.int_in_range(0..=3)? == 0 { u.arbitrary() } else { u.choose(&FLOATS).copied() }
 }

@@ -1,4 +1,5 @@
-//! A random small description, baked by the trainer, loads and gives back what was described.
+//! Random round trips: the trainer bakes a random small description, the runtime loads it, and the
+//! values must agree.
 
 use crate::evaluate::{evaluate, read};
 use arbitrary::{Error, Result, Unstructured};
@@ -17,16 +18,17 @@ use sinew_trainer::regression::certainty::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 use std::ops::Range;
 
-/// Bakes what bytes describe, loads it, compares it and evaluates it.
+/// Bakes the description that the bytes define, loads it, compares the values and evaluates the
+/// model.
 ///
 /// # Errors
-/// Why the description cannot be baked; most can.
+/// The reason why the description cannot be baked; most descriptions can.
 ///
 /// # Panics
-/// Where the file does not give back what was described.
+/// If the file gives other values than the description.
 pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
     let mut u = Unstructured::new(data);
-    // Bytes that end early go on in zeros, so that any are a description.
+    // Missing bytes are read as zeros, so all bytes are a description.
     let Ok(parts) = file_model(&mut u) else { return Ok(()) };
     let model = Model::from_bytes(parts.bake()?).map_err(BakeError::Refused)?;
     read(&model);
@@ -45,7 +47,7 @@ pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
 }
 
 fn file_model(u: &mut Unstructured<'_>) -> Result<FileModel> {
-    // The trainer's bake writes envelopes first, so that their numbers are those of their parts.
+    // The trainer writes envelopes first, so the index of an envelope is the index of its part.
     let envelope_len = u.int_in_range(0..=2)?;
     let envelopes = list(envelope_len, || envelope(u))?;
     let skin_len = u.int_in_range(usize::from(envelope_len == 0)..=3)?;
@@ -66,7 +68,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
     let joint_len = u.int_in_range(1..=6)?;
     let proxy_len = u.int_in_range(1..=4)?;
     let predictor = *u.choose(&Predictor::ALL)?;
-    // A tree whose joints have been renumbered by a turn.
+    // A tree whose joints are renumbered cyclically.
     let turn = u.choose_index(joint_len)?;
     let number = |joint: usize| (joint + turn) % joint_len;
     let mut parents = vec![None; joint_len];
@@ -105,7 +107,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
     })
 }
 
-/// Describes a skin of one of the envelopes, or of none.
+/// Describes a skin that follows one of the envelopes, or none.
 fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinModel> {
     let vertex_len = u.int_in_range(0..=9)?;
     let number = u.choose_index(envelopes.len() + 1)?;
@@ -147,7 +149,7 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
     })
 }
 
-/// Describes up to three shapes, some of whose vertices they do not move.
+/// Describes up to three shapes; each leaves some vertices unmoved.
 fn shapes(vertex_len: usize, u: &mut Unstructured<'_>) -> Result<Shapes> {
     let names = list(u.choose_index(4)?, || name(u))?;
     let moved = |u: &mut Unstructured<'_>| -> Result<[f64; 3]> {
@@ -162,7 +164,7 @@ fn shapes(vertex_len: usize, u: &mut Unstructured<'_>) -> Result<Shapes> {
 }
 
 fn key(joint_len: usize, u: &mut Unstructured<'_>) -> Result<Key> {
-    // Nine entries of a third of the norm reach it.
+    // Nine entries of a third of the norm reach the norm.
     let most = 0.33 * TWIST_MAX;
     let matrix = |u: &mut Unstructured<'_>| -> Result<Matrix3<f64>> {
         let rows = [vector(u, most)?, vector(u, most)?, vector(u, most)?];
@@ -196,7 +198,8 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
         })?,
         map: KernelMap {
             kernel: *u.choose(&GroupKernel::ALL)?,
-            // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
+            // Squares and sums of these values stay finite, so a far centre's kernel at rest is a
+            // number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
             coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
             certainty: Certainty { len, reach, linear, signal, noise },
@@ -212,12 +215,12 @@ fn compare_entries(what: &str, expected: &Mat<f64>, found: impl Fn(usize, usize)
     }
 }
 
-/// The rows of a matrix, rounded.
+/// Rounds the rows of a matrix.
 fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [[f32; N]; N] {
     std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)] as f32))
 }
 
-/// A matrix, drawn row by row.
+/// Draws a matrix row by row.
 fn matrix(rows: usize, columns: usize, mut entry: impl FnMut() -> Result<f64>) -> Result<Mat<f64>> {
     let mut out = Mat::zeros(rows, columns);
     for (r, c) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
@@ -226,7 +229,7 @@ fn matrix(rows: usize, columns: usize, mut entry: impl FnMut() -> Result<f64>) -
     Ok(out)
 }
 
-/// A rigid frame: a rotation about an axis of the three, and an origin.
+/// Draws a rigid frame: a rotation about one of the three axes, and an origin.
 fn frame(u: &mut Unstructured<'_>) -> Result<[[f64; 4]; 3]> {
     let [x, y, z] = vector(u, 1e6)?;
     let (s, c) = float(u, 4.0)?.sin_cos();
@@ -237,7 +240,7 @@ fn frame(u: &mut Unstructured<'_>) -> Result<[[f64; 4]; 3]> {
     })
 }
 
-/// A direction, of length 1; `None` one time in many.
+/// Draws a direction of length 1; rarely `None`.
 fn direction(u: &mut Unstructured<'_>) -> Result<Option<[f64; 3]>> {
     let v = vector(u, 1.0)?;
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -248,7 +251,7 @@ fn vector(u: &mut Unstructured<'_>, most: f32) -> Result<[f64; 3]> {
     Ok([float(u, most)?, float(u, most)?, float(u, most)?])
 }
 
-/// A number within ±`most`, one in four at its end.
+/// Draws a number within ±`most`; every fourth is ±`most`.
 fn float(u: &mut Unstructured<'_>, most: f32) -> Result<f64> {
     let share = match u.arbitrary::<i16>()? {
         bits if bits & 3 == 0 => f64::from(bits.signum()),
@@ -266,7 +269,7 @@ fn list<T>(len: usize, mut make: impl FnMut() -> Result<T>) -> Result<Vec<T>> {
     (0..len).map(|_| make()).collect()
 }
 
-/// Compares each array of an envelope with what was described, rounded.
+/// Compares each array of an envelope with its rounded description.
 fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.name(), parts.name);
@@ -286,7 +289,7 @@ fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     compare_groups(parts, envelope);
 }
 
-/// Compares each array of a skin with what was described, rounded.
+/// Compares each array of a skin with its rounded description.
 fn compare_skin(parts: &SkinModel, skin: &Skin<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!((skin.name(), skin.vertex_len()), (&*parts.name, parts.rest_positions.len()));
@@ -308,7 +311,8 @@ fn compare_skin(parts: &SkinModel, skin: &Skin<'_>) {
     compare_shapes(&parts.shapes, skin);
 }
 
-/// Compares shapes, those of single precision rounded, the others as near as the file says.
+/// Compares shapes: f32 values with the rounded description, smaller types within the precision
+/// that the file states.
 fn compare_shapes(parts: &Shapes, skin: &Skin<'_>) {
     assert_eq!(skin.shape_len(), parts.names.len());
     let most = skin.shape_errors().map_or(0.0, |errors| errors.largest);

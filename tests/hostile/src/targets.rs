@@ -1,4 +1,4 @@
-//! The bodies of the fuzz targets. Each panics at a finding and does nothing else of note.
+//! Bodies of the fuzz targets. Each body panics at a finding and has no other effect.
 
 use crate::evaluate::{evaluate, read};
 use crate::poses::KINDS;
@@ -7,26 +7,27 @@ use models::seal;
 use sinew_runtime::{FileError, Model};
 use std::ops::Range;
 
-/// Loads any bytes, and reads what was accepted.
+/// Loads any bytes, and reads an accepted file.
 ///
 /// # Errors
-/// Why the bytes were refused.
+/// The reason why the bytes were refused.
 pub fn load(data: &[u8]) -> Result<(), FileError> {
     Model::from_bytes(data).map(|model| read(&model))
 }
 
-/// Loads any bytes, and evaluates what was accepted.
+/// Loads any bytes, and evaluates an accepted file.
 ///
 /// # Errors
-/// Why the bytes were refused.
+/// The reason why the bytes were refused.
 pub fn run(data: &[u8]) -> Result<(), FileError> {
     run_poses(data, 0..KINDS)
 }
 
-/// Loads any bytes, and evaluates what was accepted over some of the [`poses`](crate::poses::pose).
+/// Loads any bytes, and evaluates an accepted file over the [`poses`](crate::poses::pose)
+/// `numbers`.
 ///
 /// # Errors
-/// Why the bytes were refused.
+/// The reason why the bytes were refused.
 pub fn run_poses(data: &[u8], numbers: Range<usize>) -> Result<(), FileError> {
     let model = Model::from_bytes(data)?;
     read(&model);
@@ -34,10 +35,10 @@ pub fn run_poses(data: &[u8], numbers: Range<usize>) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Repairs the checksum of any bytes, so that mutations reach behind it, and runs them.
+/// Repairs the checksum of any bytes and runs the file, so that mutations get past the checksum.
 ///
 /// # Errors
-/// Why the file was refused.
+/// The reason why the file was refused.
 pub fn repaired(data: &[u8]) -> Result<(), FileError> {
     let mut file = data.to_vec();
     seal(&mut file);
@@ -47,7 +48,7 @@ pub fn repaired(data: &[u8]) -> Result<(), FileError> {
 /// Reads bytes as a recipe that changes a golden file piece by piece, and runs the result.
 ///
 /// # Errors
-/// Why the file was refused.
+/// The reason why the file was refused.
 pub fn recipe(data: &[u8]) -> Result<(), FileError> {
     run(&recipe::file(data))
 }
@@ -55,10 +56,10 @@ pub fn recipe(data: &[u8]) -> Result<(), FileError> {
 pub use crate::abi::calls;
 pub use crate::round_trip::round_trip;
 
-/// A target's body; whether it accepted the bytes.
+/// Body of a target; returns whether the bytes were accepted.
 pub type Body = fn(&[u8]) -> bool;
 
-/// Every target by the name of its file in `tests/fuzz/fuzz_targets`.
+/// Every target, with the name of its file in `tests/fuzz/fuzz_targets`.
 pub const ALL: [(&str, Body); 6] = [
     ("calls", |data| calls(data).is_ok()),
     ("load", |data| load(data).is_ok()),

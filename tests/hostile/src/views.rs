@@ -1,20 +1,22 @@
-//! Views of an accepted file, evaluated, drawn and held to what the runtime promises.
+//! Evaluates and draws views of an accepted file and checks the promises of the runtime.
 
-use crate::kernels::query;
+use crate::parts::query;
 use sinew_runtime::views::{CLIPS_MAX, Drawn, RenderScratch};
 use sinew_runtime::{Argument, CallErrorKind, Frame, FrameJob, Model, RenderJob, Views};
 
 /// Width and height of a picture.
 const SIZE: [usize; 2] = [24, 16];
 
-/// What is worth a picture's time: elements drawn, those of a layer that clips once for each layer that it clips;
-/// weights; and points, vertices and layers times key views.
+/// Cost above which a picture would take too long. Counted are drawn elements (elements of a
+/// clipping layer once for each layer that they clip); weights; and points, vertices and layers
+/// times key views.
 const COST: usize = 1 << 14;
 
-/// Reads all that the accessors of views give.
+/// Reads every accessor of views.
 ///
 /// # Panics
-/// Where one lacks what loaded views must have, or where they ask for more than a file of their length may.
+/// If an accessor lacks a value that loaded views must have, or if the views ask for more than
+/// their file's length allows.
 pub(crate) fn read_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>) {
     let file = model.as_bytes();
     let (k, v, e) = (views.point_len(), views.vertex_len(), views.element_len());
@@ -62,7 +64,8 @@ pub(crate) fn read_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>) {
     assert!(opened.is_some_and(|opened| opened.counts() == counts));
 }
 
-/// Reads the layers: each element is of one, and no chain of layers that clip comes round.
+/// Reads the layers: each element belongs to one layer, and chains of clipping layers have no
+/// cycle.
 fn read_layers(views: &Views<'_>) {
     let l = views.layer_len();
     let (mut end, mut has_depth, mut has_clips, mut has_groups) = (0, false, false, false);
@@ -86,7 +89,7 @@ fn read_layers(views: &Views<'_>) {
     assert!(views.layer(l).is_none() && views.layer_name(l).is_none());
 }
 
-/// Reads the vertices: each weight is of one, and of a point.
+/// Reads the vertices: each weight belongs to one vertex and one point.
 fn read_vertices(views: &Views<'_>) {
     let mut weight_len = 0;
     for number in 0..views.vertex_len() {
@@ -102,8 +105,8 @@ fn read_vertices(views: &Views<'_>) {
     assert!(views.vertex(views.vertex_len()).is_none());
 }
 
-/// Returns how many elements a picture is worth the time of: those of every layer, and again those of the layers that
-/// clip it. A layer counts as one, for its pixels are gone over.
+/// Counts the elements that a picture draws: those of every layer, and again those of the layers
+/// that clip it. Each layer counts as one more element, because a pass runs over its pixels.
 fn picture_cost(views: &Views<'_>) -> usize {
     let len = |layer| views.layer(layer).map_or(0, |layer| layer.end - layer.first);
     let layers = 0..views.layer_len();
@@ -114,11 +117,11 @@ fn picture_cost(views: &Views<'_>) -> usize {
     costs.sum()
 }
 
-/// Evaluates a query by its number with each map, and draws what comes of it.
+/// Evaluates query `number` with each map, and draws the resulting frame.
 ///
 /// # Panics
-/// Where a call is refused but for what is beyond measure, where a refused call has written, where a result is not
-/// finite, or where a picture depends on what scratch held.
+/// If a call is refused for another reason than overflow, if a refused call has written, if a
+/// result is not finite, or if a picture depends on the previous content of scratch.
 pub(crate) fn evaluate_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>, number: usize) {
     let (k, n, l) = (views.point_len(), views.view_len(), views.layer_len());
     let (v, counts) = (views.vertex_len(), views.counts());
@@ -174,10 +177,10 @@ pub(crate) fn evaluate_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>
     }
 }
 
-/// Draws a picture, with scratch that holds a float, numbers and bytes; no more of it than the job asks for.
+/// Draws a picture with the minimum scratch of the job, filled with a float, numbers and bytes.
 ///
 /// # Panics
-/// Where the job is refused.
+/// If the job is refused.
 fn picture(job: &RenderJob<'_>, (float, half, byte): (f32, u16, u8)) -> (Drawn, Vec<[u8; 4]>) {
     let views = &job.views;
     let [width, height] = SIZE;

@@ -1,4 +1,4 @@
-//! Numbers, rows and matrices as bytes of a file.
+//! Encodes numbers, rows and matrices as bytes of a file.
 
 use sinew_runtime::envelope::{GroupRow, Trust};
 use sinew_runtime::format::{PartRow, SectionRow};
@@ -19,7 +19,7 @@ pub fn halves(values: &[u16]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Writes section `names`: the part's, then those of its joints or ranges.
+/// Writes section `names`: the part's name, then the names of its joints or ranges.
 pub fn names(part: &str, others: &[String]) -> Vec<u8> {
     let (mut ends, mut text) = (Vec::new(), String::new());
     for name in std::iter::once(part).chain(others.iter().map(String::as_str)) {
@@ -29,8 +29,8 @@ pub fn names(part: &str, others: &[String]) -> Vec<u8> {
     [words(&ends), text.into_bytes()].concat()
 }
 
-/// Writes a matrix, a list of its rows, in blocks of 8 rows, each column after column, with zeros in rows
-/// that pad the last.
+/// Writes a matrix, given as a list of rows, in blocks of 8 rows. Each block is column-major;
+/// missing rows of the last block are zero.
 pub fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
     let mut out = Vec::new();
     for block in matrix.chunks(8) {

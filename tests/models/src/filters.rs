@@ -1,33 +1,33 @@
-//! Filters in plain lists, each field free to be wrong.
+//! Filters as plain lists, whose fields may be invalid.
 
 use crate::bytes::{floats, names, words};
-use crate::head;
+use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use sinew_runtime::filter::FILTER_SECTIONS;
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 
-/// A filter in plain lists.
+/// A filter as plain lists.
 #[derive(Clone)]
 pub struct FilterContent {
     /// Name of the part.
     pub name: String,
-    /// F.
+    /// Factor F.
     pub factor: u32,
-    /// N.
+    /// Number of taps N.
     pub tap_len: u32,
-    /// N F N: place by place, phase by phase.
+    /// N F N taps, by place, then phase.
     pub taps: Vec<f32>,
-    /// N F, if the file has any.
+    /// N F variances, if the file has them.
     pub variances: Option<Vec<f32>>,
-    /// Step, RMS of samples left out, that of linear interpolation.
+    /// Step, RMS error of left-out samples, RMS error of linear interpolation.
     pub fit: [f32; 3],
 }
 
 impl FilterContent {
-    /// Makes one of so many phases and taps, of which no two are alike, with variances.
+    /// Makes a filter of F phases and N taps, all different, with variances.
     pub fn sample(factor: u32, tap_len: u32) -> Self {
         let rows = factor * tap_len;
-        // Quarters, whose products with whole numbers are exact.
+        // Quarters: products with whole numbers are exact.
         let tap = |at: u32| 0.25 * ((7 * at + 3) % 11) as f32 - 1.0;
         Self {
             name: "filter".to_owned(),
@@ -39,7 +39,8 @@ impl FilterContent {
         }
     }
 
-    /// Makes one for a sensor: four fine samples of each, spread evenly about it, by the polynomial through five.
+    /// Makes a filter for a sensor: each sample becomes four samples, spread evenly about it, on
+    /// the polynomial through five.
     pub fn sensor() -> Self {
         let (factor, tap_len) = (4, 5);
         let weight = |place: u32, phase: u32, tap: u32| {
@@ -62,7 +63,7 @@ impl FilterContent {
     /// Writes the sections.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     fn sections(&self) -> Vec<(SectionKind, Vec<u8>)> {
         let variances = self.variances.as_ref();
         let written = [
@@ -83,7 +84,7 @@ impl Pieces {
     /// Makes a file of one filter.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn filter(content: &FilterContent) -> Self {
         let mut pieces = Self { head: head::SOUND, parts: Vec::new(), sections: Vec::new() };
         pieces.add_filter(content);
@@ -93,7 +94,7 @@ impl Pieces {
     /// Appends a filter.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn add_filter(&mut self, content: &FilterContent) {
         let part = self.parts.len() as u16;
         self.parts.push(PartRow { kind: PartKind::Filter.number(), flags: 1 });

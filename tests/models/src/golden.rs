@@ -1,32 +1,33 @@
 //! The golden files.
 
 use crate::pieces::Pieces;
-use crate::shape::Shape;
+use crate::sample::Shape;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use std::path::{Path, PathBuf};
 
-/// Names of the golden files, one a predictor: rotational, kernel.
+/// Names of the golden files, by predictor: rotational, kernel.
 pub const GOLDEN_NAMES: [&str; 2] = ["envelope-8-rotational.snw", "envelope-8-kernel.snw"];
 
-/// The golden files, as [`GOLDEN_NAMES`].
+/// The golden files named by [`GOLDEN_NAMES`].
 pub const GOLDEN: [&[u8]; 2] = [
     include_bytes!("../../golden/envelope-8-rotational.snw"),
     include_bytes!("../../golden/envelope-8-kernel.snw"),
 ];
 
-/// The golden files of skins with tangent coefficients, as [`Pieces::turned`] makes them.
+/// Names of the golden skins with tangent coefficients, which [`Pieces::turned`] makes.
 pub const TURNED_NAMES: [&str; 2] = ["skin-8-tangents.snw", "skin-8-normals.snw"];
 
-/// Those files: whose frames are of tangents, and of normals alone.
+/// The golden files named by [`TURNED_NAMES`]: with tangents, and with normals only.
 pub const TURNED: [&[u8]; 2] = [
     include_bytes!("../../golden/skin-8-tangents.snw"),
     include_bytes!("../../golden/skin-8-normals.snw"),
 ];
 
 impl Pieces {
-    /// Makes the golden files of skins with tangent coefficients: of four influences with tangents, and of three
-    /// without. Normals look to every side, and one to none.
+    /// Makes the golden files of skins with tangent coefficients: one with four influences and
+    /// tangents, one with three influences and no tangents. Normals point in all directions; one
+    /// normal is zero.
     ///
     /// # Panics
     /// As [`Pieces::sample`] does.
@@ -44,7 +45,7 @@ impl Pieces {
             let mut pieces = Self::sample(predictor, shape);
             for (kind, floats) in [(SectionKind::RestNormals, 3), (SectionKind::RestTangents, 4)] {
                 let Some(content) = pieces.find(kind) else { continue };
-                // The z of every third.
+                // Flips z of every third vertex.
                 for vertex in content.chunks_mut(4 * floats).step_by(3) {
                     vertex[11] ^= 0x80;
                 }
@@ -58,7 +59,7 @@ impl Pieces {
     }
 }
 
-/// Returns where a golden file lies; of an empty name, their folder.
+/// Returns the path of a golden file, or of their folder if `name` is empty.
 pub fn golden_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../golden").join(name)
 }

@@ -1,4 +1,4 @@
-//! Groups of proxies with their kernel maps, each field free to be wrong.
+//! Groups of proxies with their kernel maps, whose fields may be invalid.
 
 use crate::bytes::{blocks, floats, group_row, words};
 use crate::pieces::Pieces;
@@ -6,34 +6,34 @@ use crate::rng::Rng;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use sinew_runtime::format::SectionKind;
 
-/// Values of a sample's certainty, m.
+/// Number of certainty values m of a sample.
 const CERTAINTY: usize = 2;
 
-/// A group in plain lists.
+/// A group as plain lists.
 #[derive(Clone)]
 pub struct GroupContent {
-    /// The dominant joint.
+    /// Dominant joint.
     pub joint: usize,
-    /// The kernel of its map.
+    /// Kernel of the group's map.
     pub kernel: GroupKernel,
-    /// p.
+    /// Number of proxies p.
     pub proxies: usize,
-    /// d: feature and weight.
+    /// d inputs: feature and weight.
     pub inputs: Vec<(u32, f32)>,
-    /// n lists of d.
+    /// n centres of d numbers.
     pub centres: Vec<Vec<f32>>,
-    /// r rows of n + d, then m.
+    /// r rows of n + d, then m rows.
     pub coefficients: Vec<Vec<f32>>,
-    /// m.
+    /// Number of certainty values m.
     pub certainty: usize,
     /// 12 p rows of r.
     pub outputs: Vec<Vec<f32>>,
-    /// How the values of the last m rows count.
+    /// Use of the values of the last m rows.
     pub trust: Trust,
 }
 
 impl GroupContent {
-    /// Makes a group of random numbers: `[d, n, r]` of `sizes`.
+    /// Makes a group of random numbers; `sizes` is `[d, n, r]`.
     pub fn sample(rng: &mut Rng, joints: usize, proxies: usize, sizes: [usize; 3]) -> Self {
         let [d, n, r] = sizes;
         let mut list =
@@ -53,12 +53,12 @@ impl GroupContent {
         }
     }
 
-    /// The kernel of each centre at x = 0, as a reader computes it.
+    /// Evaluates the kernel of each centre at x = 0, as a reader computes it.
     pub fn rest(&self) -> Vec<f32> {
         self.centres.iter().map(|t| self.kernel.at_rest(t.iter().copied())).collect()
     }
 
-    /// The group's row of section `groups`, its words at an offset.
+    /// Returns the group's row of section `groups`; the group's words start at `offset`.
     pub fn row(&self, offset: usize) -> GroupRow {
         GroupRow {
             joint: self.joint as u16,
@@ -73,7 +73,7 @@ impl GroupContent {
         }
     }
 
-    /// The group's words of section `corrections`.
+    /// Returns the group's words of section `corrections`.
     pub fn words(&self) -> Vec<u8> {
         let d = self.inputs.len().next_multiple_of(8);
         let mut features = vec![0; d];
@@ -88,14 +88,14 @@ impl GroupContent {
         [words(&features), floats(&weights), centres, floats(&rest), coefficients, outputs].concat()
     }
 
-    /// Floats of scratch, by the formula of FORMAT.md.
+    /// Returns the floats of scratch, by the formula of FORMAT.md.
     fn scratch(&self) -> usize {
         let lens = [self.inputs.len(), self.centres.len(), self.coefficients.len()];
         lens.into_iter().chain([12 * self.proxies]).map(|len| 8 * len.div_ceil(8)).sum()
     }
 }
 
-/// Cuts P proxies into up to three groups of odd sizes and different kernels.
+/// Splits P proxies into up to three groups of different sizes and kernels.
 pub fn sample_groups(joints: usize, proxies: usize) -> Vec<GroupContent> {
     let mut rng = Rng(1992);
     let sizes = [[5, 11, 3], [9, 3, 1], [1, 17, 10]];
@@ -112,10 +112,10 @@ pub fn sample_groups(joints: usize, proxies: usize) -> Vec<GroupContent> {
 }
 
 impl Pieces {
-    /// Replaces the first envelope's groups and all that follows from them.
+    /// Replaces the groups of the first envelope, and every value that depends on them.
     ///
     /// # Panics
-    /// If it has none.
+    /// If the file has no envelope.
     pub fn set_groups(&mut self, groups: &[GroupContent]) {
         let (mut rows, mut words) = (Vec::new(), Vec::new());
         for group in groups {
@@ -129,10 +129,10 @@ impl Pieces {
         *self.section(SectionKind::Corrections) = words;
     }
 
-    /// Changes a row of the first envelope's groups.
+    /// Changes a row of the groups of the first envelope.
     ///
     /// # Panics
-    /// If it has none.
+    /// If the file has no envelope.
     pub fn edit_group(&mut self, group: usize, edit: impl FnOnce(&mut GroupRow)) {
         let rows = self.section(SectionKind::Groups).as_chunks_mut().0;
         let mut row = GroupRow::from_bytes(&rows[group]);

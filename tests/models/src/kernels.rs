@@ -1,7 +1,7 @@
-//! Parts kernel in plain lists, each field free to be wrong.
+//! Kernel parts as plain lists, whose fields may be invalid.
 
 use crate::bytes::{blocks, floats, halves, input_row, kernel_rule, names, output_row, words};
-use crate::head;
+use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
@@ -10,34 +10,34 @@ use sinew_runtime::kernel::{
     OutputKind, OutputRow, QueryRule,
 };
 
-/// A kernel in plain lists.
+/// A kernel as plain lists.
 #[derive(Clone)]
 pub struct KernelContent {
     /// Name of the part.
     pub name: String,
-    /// Which kernel, and what it does with queries and outputs.
+    /// The kernel, and its rules for queries and outputs.
     pub rule: KernelRule,
-    /// I: name and row.
+    /// I inputs: name and row.
     pub inputs: Vec<(String, InputRow)>,
-    /// O: name and row.
+    /// O outputs: name and row.
     pub outputs: Vec<(String, OutputRow)>,
-    /// d: shift, scale, least, most.
+    /// d features: shift, scale, minimum, maximum.
     pub features: Vec<[f32; 4]>,
-    /// e rows of d; none without a metric.
+    /// e rows of d; empty without a metric.
     pub metric: Vec<Vec<f32>>,
-    /// n lists of e, or of d.
+    /// n centres of e numbers, or of d without a metric.
     pub centres: Vec<Vec<f32>>,
-    /// T: the earlier term and the feature.
+    /// T terms: the earlier term and the feature.
     pub terms: Vec<[u16; 2]>,
-    /// m rows of n + T.
+    /// m rows of n + T coefficients.
     pub coefficients: Vec<Vec<f32>>,
-    /// What a variance is computed of.
+    /// Matrices of the variance.
     pub variance: Option<VarianceContent>,
-    /// What the fit reached.
+    /// Errors of the fit.
     pub fit: KernelFit,
 }
 
-/// What a variance is computed of, in plain lists.
+/// Matrices of the variance, as plain lists.
 #[derive(Clone)]
 pub struct VarianceContent {
     /// A: r rows of n + T.
@@ -50,12 +50,12 @@ pub struct VarianceContent {
     pub deviations: Vec<f32>,
 }
 
-/// Keeps nothing back.
+/// A range without limits.
 const ANY: (f32, f32) = (f32::MIN, f32::MAX);
 
 impl KernelContent {
-    /// Makes a kernel of random numbers with every kind of input and of output, a metric, a polynomial of
-    /// degree 2 and a variance: I = 7, R = 24, d = 25, e = 5, n = 11, m = 9, r = 6.
+    /// Makes a kernel of random numbers with every kind of input and of output, a metric, a
+    /// polynomial of degree 2 and a variance: I = 7, R = 24, d = 25, e = 5, n = 11, m = 9, r = 6.
     pub fn every(kernel: Kernel) -> Self {
         let mut rng = Rng(1992);
         let inputs: Vec<_> =
@@ -70,7 +70,7 @@ impl KernelContent {
         let d = 25;
         let mut terms = vec![[NO_TERM; 2]];
         terms.extend((0..d).map(|i| [0, i]));
-        // The square of feature 3, and its product with the last.
+        // The square of feature 3, and its product with the last feature.
         terms.extend([[4, 3], [4, d - 1]]);
         let (d, e, n, m, t, r) = (usize::from(d), 5, 11, 9, terms.len(), 6);
         Self {
@@ -95,7 +95,8 @@ impl KernelContent {
         }
     }
 
-    /// Makes a kernel of random numbers from d scalars to m scalars, of n centres, and nothing else.
+    /// Makes a kernel of random numbers with d scalar inputs, m scalar outputs, n centres and no
+    /// other feature.
     pub fn plain(kernel: Kernel, [d, n, m]: [usize; 3]) -> Self {
         let mut rng = Rng(2015);
         let name = |i: usize| format!("number {i}");
@@ -114,8 +115,8 @@ impl KernelContent {
         }
     }
 
-    /// Makes a kernel that drives a servo from two levers and the twist of a joint about x: one number within
-    /// [-1, 1], queries kept within the data.
+    /// Makes a kernel that drives a servo from two levers and the twist of a joint about x. The
+    /// output is a number within [-1, 1]; queries are clamped to the range of the data.
     pub fn servo() -> Self {
         let mut rng = Rng(25);
         let [lever, twist] = [InputKind::Scalar, InputKind::Twist].map(input);
@@ -138,8 +139,9 @@ impl KernelContent {
         }
     }
 
-    /// Lists the golden kernels, one of each: inputs are a number, a vector and a rotation of another kind each
-    /// time, and rules, metrics and variances come and go.
+    /// Lists the golden kernels, one for each function. Each has a number, a vector and a rotation
+    /// as inputs, the rotation in a different form each time; rules, metrics and variances
+    /// alternate.
     pub fn goldens() -> Vec<Self> {
         Kernel::ALL.into_iter().enumerate().map(|(i, kernel)| Self::golden(kernel, i)).collect()
     }
@@ -180,17 +182,17 @@ impl KernelContent {
         }
     }
 
-    /// Counts the numbers of a query, R.
+    /// Returns the length R of a query.
     pub fn query_len(&self) -> usize {
         self.inputs.iter().map(|(_, input)| input.kind.number_len()).sum()
     }
 
-    /// Makes a query of numbers within `scale`; rotations of any length and direction.
+    /// Makes a query of numbers within `scale`; rotations have any length and direction.
     pub fn query(&self, rng: &mut Rng, scale: f32) -> Vec<f32> {
         (0..self.query_len()).map(|_| rng.unit() * scale).collect()
     }
 
-    /// Counts I, O, d, e, n, T, m, r.
+    /// Returns I, O, d, e, n, T, m, r.
     pub fn counts(&self) -> [usize; 8] {
         [
             self.inputs.len(),
@@ -204,10 +206,10 @@ impl KernelContent {
         ]
     }
 
-    /// Writes the sections, those that there are.
+    /// Writes the sections that the kernel needs.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     fn sections(&self) -> Vec<(SectionKind, Vec<u8>)> {
         let own: Vec<_> = self.inputs.iter().map(|(name, _)| name.clone()).collect();
         let others = self.outputs.iter().map(|(name, _)| name.clone());
@@ -243,10 +245,10 @@ impl KernelContent {
 }
 
 impl Pieces {
-    /// Makes a file of kernels alone, a part each.
+    /// Makes a file of kernels only, one part each.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn kernels(contents: &[KernelContent]) -> Self {
         let sections = contents.iter().zip(0..).flat_map(|(content, part)| {
             let own = content.sections().into_iter();
@@ -258,7 +260,7 @@ impl Pieces {
     }
 }
 
-/// A kernel that fades no query, but tells how near it is.
+/// Returns a rule that does not fade queries but reports their confidence.
 fn rule(kernel: Kernel) -> KernelRule {
     let (query, normalise) = (QueryRule::Free, Normalise::Never);
     KernelRule { kernel, query, normalise, fade: (0.5, 4.0) }
@@ -278,7 +280,7 @@ fn output(kind: OutputKind, neutral: [f32; 4]) -> OutputRow {
     OutputRow { kind, is_marked: false, range: (0.0, 0.0), neutral }
 }
 
-/// Makes rows of random numbers within a size.
+/// Makes rows of random numbers within `size`.
 fn matrix(rng: &mut Rng, rows: usize, columns: usize, size: f32) -> Vec<Vec<f32>> {
     (0..rows).map(|_| (0..columns).map(|_| rng.unit() * size).collect()).collect()
 }

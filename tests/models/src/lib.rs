@@ -1,15 +1,15 @@
-//! The one maker of model files for tests: sound samples of every shape, and pieces that are free to be
-//! wrong.
+//! Makes model files for tests: valid samples of every shape, and files in pieces that may be
+//! invalid.
 //!
-//! Every byte is written here, after FORMAT.md, so that no mistake of the trainer's `bake` or of the
-//! runtime is shared. Of the runtime come the names of kinds, whose numbers its `document` test holds to
-//! FORMAT.md, and what a reader must find bit for bit as it computes it itself: kernels at rest.
+//! This crate alone writes such bytes, after FORMAT.md: so it shares no mistake of the trainer's
+//! `bake` or of the runtime. The crate takes two things from the runtime. The names of kinds: the
+//! runtime's `document` test compares their numbers with FORMAT.md. And kernels at rest, because a
+//! reader recomputes them and compares bit for bit.
 
 mod bytes;
 mod filters;
 mod golden;
 mod groups;
-pub mod head;
 mod kernels;
 mod message;
 mod pieces;
@@ -18,7 +18,6 @@ mod records;
 #[path = "../../golden/rng.rs"]
 mod rng;
 mod sample;
-mod shape;
 mod shapes;
 mod views;
 
@@ -30,13 +29,12 @@ pub use filters::FilterContent;
 pub use golden::{GOLDEN, GOLDEN_NAMES, TURNED, TURNED_NAMES, golden_path};
 pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
-pub use message::{Message, seal};
+pub use message::{Message, head, seal};
 pub use pieces::{Content, Pieces};
 pub use priors::{FACE_NAME, PriorContent};
 pub use records::RecordContent;
 pub use rng::Rng;
-pub use sample::direction;
-pub use shape::{SMALL, Shape, TINY};
+pub use sample::{SMALL, Shape, TINY, direction};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
 pub use views::{
     LayerContent, TextureContent, VIEWED_NAMES, VertexContent, ViewContent, ViewsContent,

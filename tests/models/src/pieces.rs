@@ -1,16 +1,16 @@
-//! A file in pieces, each free to be wrong, and put together again.
+//! Files in pieces that may be invalid, and their assembly.
 
 use crate::bytes::{part_row, section_row};
-use crate::head;
+use crate::message::head;
 use crate::message::{ALIGNMENT, Message};
 use sinew_runtime::format::{Element, MAGNITUDE_MAX, PartRow, SectionKind, SectionRow};
 use sinew_runtime::skin::NO_ENVELOPE;
 use sinew_runtime::{FileError, Model};
 
-/// The pieces of a file. Samples are made by [`Pieces::sample`] and its like.
+/// The pieces of a file. [`Pieces::sample`] and similar functions make samples.
 #[derive(Clone)]
 pub struct Pieces {
-    /// Magic, version, features, checksum, space: see [`head`]. The checksum is written anew.
+    /// Magic, version, features, checksum, space: see [`head`]. Writing recomputes the checksum.
     pub head: [u8; head::BYTES],
     /// Rows of the part table.
     pub parts: Vec<PartRow>,
@@ -18,31 +18,31 @@ pub struct Pieces {
     pub sections: Vec<Content>,
 }
 
-/// A section: its row, of which offset and length are written anew, and its bytes.
+/// A section: its row and its bytes. Writing recomputes the row's offset and length.
 #[derive(Clone)]
 pub struct Content {
     /// Number of a [`SectionKind`].
     pub kind: u16,
-    /// Row of its part.
+    /// Index of its part.
     pub part: u16,
     /// Number of an [`Element`].
     pub element: u8,
-    /// Bit 0: a reader must know the kind.
+    /// Bit 0: readers must know the kind.
     pub flags: u8,
     /// Zero.
     pub reserved: u16,
-    /// What stands in it.
+    /// Content.
     pub bytes: Vec<u8>,
 }
 
 impl Content {
-    /// Makes a section that a reader must know.
+    /// Makes a section that readers must know.
     pub fn new(kind: SectionKind, part: u16, bytes: Vec<u8>) -> Self {
         let element = kind.elements()[0].number();
         Self { kind: kind.number(), part, element, flags: 1, reserved: 0, bytes }
     }
 
-    /// Makes one of a kind that no reader knows.
+    /// Makes a section of a kind that no reader knows.
     pub fn unknown(kind: u16, part: u16, flags: u8) -> Self {
         let element = Element::Mixed.number();
         Self { kind, part, element, flags, reserved: 0, bytes: vec![1; 5] }
@@ -50,10 +50,10 @@ impl Content {
 }
 
 impl Pieces {
-    /// Takes a sound file apart.
+    /// Splits a valid file into pieces.
     ///
     /// # Errors
-    /// Why the file is not sound.
+    /// The reason why the file is invalid.
     pub fn of(file: &[u8]) -> Result<Self, FileError> {
         let model = Model::from_bytes(file)?;
         let sections = model.sections().map(|section| {
@@ -65,47 +65,48 @@ impl Pieces {
         Ok(Self { head, parts: model.parts().collect(), sections: sections.collect() })
     }
 
-    /// Gives the content of the first section of a kind, where there is one: of the names, the first part's.
+    /// Returns the content of the first section of a kind, if there is one. For names: of the first
+    /// part.
     pub fn find(&mut self, kind: SectionKind) -> Option<&mut Vec<u8>> {
         let found = self.sections.iter_mut().find(|content| content.kind == kind.number());
         found.map(|content| &mut content.bytes)
     }
 
-    /// Gives the content of the first section of a kind, to be changed.
+    /// Returns the content of the first section of a kind, to be changed.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no section of this kind.
     pub fn section(&mut self, kind: SectionKind) -> &mut Vec<u8> {
-        self.find(kind).expect("there is such a section")
+        self.find(kind).expect("the section exists")
     }
 
-    /// Gives the content of a part's section, to be changed.
+    /// Returns the content of a part's section, to be changed.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no section of this kind.
     pub fn section_of(&mut self, part: u16, kind: SectionKind) -> &mut Vec<u8> {
         let is_it = |content: &&mut Content| (content.part, content.kind) == (part, kind.number());
         let found = self.sections.iter_mut().find(is_it);
-        &mut found.expect("the part has such a section").bytes
+        &mut found.expect("the part has the section").bytes
     }
 
-    /// Gives a word of the first section of a kind, where there is one.
+    /// Returns a word of the first section of a kind, if there is one.
     pub fn word(&mut self, kind: SectionKind, index: usize) -> Option<&mut [u8; 4]> {
         self.find(kind)?.as_chunks_mut().0.get_mut(index)
     }
 
-    /// Replaces a word of the first section of a kind, as a count.
+    /// Replaces a word of the first section of a kind, for example a count.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no section of this kind.
     pub fn set_word(&mut self, kind: SectionKind, index: usize, value: u32) {
-        *self.word(kind, index).expect("there is such a word") = value.to_le_bytes();
+        *self.word(kind, index).expect("the word exists") = value.to_le_bytes();
     }
 
     /// Replaces a float of the first section of a kind.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no section of this kind.
     pub fn set_float(&mut self, kind: SectionKind, index: usize, value: f32) {
         self.set_word(kind, index, value.to_bits());
     }
@@ -113,12 +114,13 @@ impl Pieces {
     /// Replaces a u16 of the first section of a kind.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no section of this kind.
     pub fn set_half(&mut self, kind: SectionKind, index: usize, value: u16) {
         self.section(kind)[2 * index..][..2].copy_from_slice(&value.to_le_bytes());
     }
 
-    /// Appends the parts of another file; what its skins follow, its priors are of and its maps are goes with them.
+    /// Appends the parts of another file. References of its skins, priors and views to parts are
+    /// renumbered.
     pub fn append(&mut self, other: Self) {
         let first = self.parts.len() as u16;
         self.parts.extend(other.parts);
@@ -144,7 +146,7 @@ impl Pieces {
         }
     }
 
-    /// Drops the envelope of a file of one, and all that follows from it.
+    /// Drops the envelope of a file that has one envelope, and every reference to it.
     pub fn loosen(&mut self) {
         for (index, value) in [(1, 0), (2, NO_ENVELOPE)] {
             if let Some(word) = self.word(SectionKind::SkinCounts, index) {
@@ -163,7 +165,8 @@ impl Pieces {
         self.sections.iter_mut().for_each(|content| content.part = 0);
     }
 
-    /// Keeps the first skin's first vertices only, everywhere; of none there are no rest boxes.
+    /// Keeps only the first vertices of the first skin, in every section; without vertices the rest
+    /// boxes are empty.
     pub fn keep_vertices(&mut self, vertex_len: u32) {
         let Some(influence_len) = self.word(SectionKind::SkinCounts, 1) else { return };
         let influence_len = u32::from_le_bytes(*influence_len) as usize;
@@ -188,30 +191,30 @@ impl Pieces {
         if vertex_len == 0
             && let Some(boxes) = self.find(SectionKind::RestBoxes)
         {
-            // Least x is above greatest x: a box around nothing.
+            // The minimum of x is above its maximum: an empty box.
             let (words, _) = boxes.as_chunks_mut::<4>();
             words.chunks_mut(6).for_each(|rest_box| rest_box[0] = MAGNITUDE_MAX.to_le_bytes());
         }
     }
 
-    /// Writes the file and seals it.
+    /// Writes the file with its checksum.
     pub fn bytes(&self) -> Vec<u8> {
         self.message(|_| {}).bytes()
     }
 
-    /// Writes the file, its section table changed by `edit` after it is laid out, and seals it.
+    /// Writes the file with its checksum; `edit` changes the section table after the layout.
     pub fn bytes_with_rows(&self, edit: impl FnOnce(&mut [SectionRow])) -> Vec<u8> {
         self.message(edit).bytes()
     }
 
-    /// Writes the file, changed by `edit` after everything is laid out, and seals it.
+    /// Writes the file with its checksum; `edit` changes the message after the layout.
     pub fn bytes_with(&self, edit: impl FnOnce(&mut Message)) -> Vec<u8> {
         let mut message = self.message(|_| {});
         edit(&mut message);
         message.bytes()
     }
 
-    /// Lays the sections out one after the other, each at its alignment.
+    /// Lays out the sections, each at its alignment.
     fn message(&self, edit: impl FnOnce(&mut [SectionRow])) -> Message {
         let (mut rows, mut blob) = (Vec::new(), Vec::new());
         for &Content { kind, part, element, flags, reserved, ref bytes } in &self.sections {

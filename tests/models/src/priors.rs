@@ -1,4 +1,4 @@
-//! Priors in plain lists, each field free to be wrong.
+//! Priors as plain lists, whose fields may be invalid.
 
 use crate::bytes::{floats, halves, names, words};
 use crate::pieces::{Content, Pieces};
@@ -6,29 +6,30 @@ use crate::rng::Rng;
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::prior::PRIOR_SECTIONS;
 
-/// A prior in plain lists.
+/// A prior as plain lists.
 #[derive(Clone)]
 pub struct PriorContent {
     /// Name of the part.
     pub name: String,
-    /// Its skin's part.
+    /// Part of its skin.
     pub skin: u32,
-    /// S.
+    /// S means.
     pub mean: Vec<f32>,
-    /// Rows of the factor's upper triangle, the diagonal first in each.
+    /// Rows of the factor's upper triangle, each starting at the diagonal.
     pub factor: Vec<Vec<f32>>,
-    /// S: least and greatest.
+    /// S bounds: minimum and maximum.
     pub bounds: Vec<[f32; 2]>,
-    /// Pairs that mirror, and their stiffness.
+    /// Mirrored pairs, and their stiffness.
     pub symmetry: Vec<([u16; 2], f32)>,
-    /// Pairs that cancel.
+    /// Cancelling pairs.
     pub cancel: Vec<[u16; 2]>,
-    /// β, frames, error, slider error.
+    /// β, number of frames, error, slider error.
     pub fit: [f32; 4],
 }
 
 impl PriorContent {
-    /// Makes a prior of S shapes of a skin, each of which knows of all others; with a pair each of four shapes.
+    /// Makes a prior of S shapes of a skin. Every shape correlates with all others. With at least
+    /// four shapes, one pair is mirrored and one pair cancels.
     pub fn sample(skin: u32, shape_len: usize) -> Self {
         let mut rng = Rng(40);
         let row = |row: usize, rng: &mut Rng| {
@@ -52,7 +53,7 @@ impl PriorContent {
     /// Writes the sections.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     fn sections(&self) -> [(SectionKind, Vec<u8>); 8] {
         let lens = [self.mean.len(), self.symmetry.len(), self.cancel.len()].map(|len| len as u32);
         let [s, y, c] = lens;
@@ -73,14 +74,14 @@ impl PriorContent {
     }
 }
 
-/// The golden file of a face, as [`Pieces::face`] makes it.
+/// Name of the golden file of a face, which [`Pieces::face`] makes.
 pub const FACE_NAME: &str = "prior-8.snw";
 
 impl Pieces {
     /// Appends a prior.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn add_prior(&mut self, content: &PriorContent) {
         let part = self.parts.len() as u16;
         self.parts.push(PartRow { kind: PartKind::Prior.number(), flags: 1 });
@@ -88,10 +89,11 @@ impl Pieces {
         self.sections.extend(own.map(|(kind, bytes)| Content::new(kind, part, bytes)));
     }
 
-    /// Makes a face: a skin that follows no envelope, of 9 vertices and 8 shapes, and a prior of these.
+    /// Makes a face: a skin of 9 vertices and 8 shapes that follows no envelope, and a prior over
+    /// the shapes.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn face() -> Self {
         let [.., mut pieces] = Self::shaped();
         pieces.add_prior(&PriorContent::sample(0, 8));

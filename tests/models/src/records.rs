@@ -1,26 +1,26 @@
-//! Records in plain lists, each field free to be wrong.
+//! Records as plain lists, whose fields may be invalid.
 
 use crate::bytes::{floats, names, words};
-use crate::head;
+use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::record::RECORD_SECTIONS;
 
-/// A record in plain lists.
+/// A record as plain lists.
 #[derive(Clone)]
 pub struct RecordContent {
-    /// Name of the part, which is its envelope's.
+    /// Name of the part: the name of its envelope.
     pub name: String,
-    /// J.
+    /// Number of joints J.
     pub joint_len: u32,
-    /// Marks of F frames, 4 F.
+    /// 4 F marks of F frames.
     pub marks: Vec<f32>,
-    /// K, and V K joints with V K weights in 65,535ths, if the file has any.
+    /// K, V K joints, and V K weights in units of 1/65,535, if the file has them.
     pub lbs: Option<(u32, Vec<u16>, Vec<u16>)>,
 }
 
 impl RecordContent {
-    /// Makes one of three frames, and of two vertices on three joints.
+    /// Makes a record of three frames, and of two vertices on three joints.
     pub fn sample() -> Self {
         Self {
             name: "envelope".to_owned(),
@@ -33,7 +33,7 @@ impl RecordContent {
     /// Writes the sections.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     fn sections(&self) -> Vec<(SectionKind, Vec<u8>)> {
         let frames = self.marks.len() as u32 / 4;
         let (most, joints, weights) = self.lbs.clone().unwrap_or_default();
@@ -59,17 +59,17 @@ impl Pieces {
     /// Makes a file of one record.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn record(content: &RecordContent) -> Self {
         let mut pieces = Self { head: head::SOUND, parts: Vec::new(), sections: Vec::new() };
         pieces.add_record(content);
         pieces
     }
 
-    /// Appends a record, which no reader need know.
+    /// Appends a record, which readers may ignore.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn add_record(&mut self, content: &RecordContent) {
         let part = self.parts.len() as u16;
         self.parts.push(PartRow { kind: PartKind::Record.number(), flags: 0 });

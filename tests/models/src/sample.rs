@@ -1,23 +1,47 @@
-//! Sound samples: an envelope and its skin, of any predictor and shape.
+//! Valid samples: an envelope and its skin, of any predictor and shape.
 
 use crate::bytes::{blocks, floats, halves, names, words};
 use crate::groups::sample_groups;
-use crate::head;
+use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
-use crate::shape::{SMALL, Shape};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, NO_JOINT, Predictor};
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::skin::SKIN_SECTIONS;
 use std::sync::LazyLock;
 
+/// Shape of a sample model. Joints are 0 -> 2 -> 1 (root), then a chain below joint 0.
+#[derive(Clone, Copy)]
+pub struct Shape {
+    /// Number of vertices V.
+    pub vertices: usize,
+    /// Number of joints J.
+    pub joints: usize,
+    /// Number of proxies P.
+    pub proxies: usize,
+    /// Influences per vertex K.
+    pub influences: usize,
+    /// Whether the skin has tangents.
+    pub tangents: bool,
+    /// Whether the skin has tangent coefficients and errors of normals.
+    pub coefficients: bool,
+}
+
+/// The smallest shape with every section: small enough to damage every bit.
+pub const TINY: Shape =
+    Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true, coefficients: true };
+
+/// A small shape with a few of everything.
+pub const SMALL: Shape =
+    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true, coefficients: true };
+
 impl Pieces {
     /// Makes a model of an envelope, part 0, and its skin, part 1, whose rest pose is exact: every
-    /// coefficient is a multiple of 1/64, and the rows of c1 and c2 together give [I | 0] for d = I,
-    /// q = rest. Kernel maps are those of [`sample_groups`].
+    /// coefficient is a multiple of 1/64, and the rows of c1 and c2 together give [I | 0] for d =
+    /// I, q = rest. Kernel maps are those of [`sample_groups`].
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn sample(predictor: Predictor, shape: Shape) -> Self {
         let mut rng = Rng(7);
         let reconstructs = predictor != Predictor::Kernel;
@@ -25,7 +49,7 @@ impl Pieces {
         let skin = skin(shape, palette_len, &mut rng);
         let envelope = envelope(predictor, shape, &mut rng);
         let written = envelope.iter().chain(&skin).map(|(kind, _)| *kind);
-        // Those of shapes come last: see [`Pieces::set_shapes`].
+        // Sections of shapes come last: see [`Pieces::set_shapes`].
         let of_skin = SKIN_SECTIONS.into_iter().take(skin.len());
         assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(of_skin)));
         let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, *kind));
@@ -36,7 +60,7 @@ impl Pieces {
             _ => true,
         });
         let content = |part, kind, bytes| {
-            // A skin may lack these, so that a reader may.
+            // These sections are optional, so readers may ignore them.
             let may_lack = [
                 SectionKind::RestTangents,
                 SectionKind::TangentCoefficients,
@@ -57,7 +81,8 @@ impl Pieces {
         pieces
     }
 
-    /// Returns the model of the shape [`SMALL`], which is made once: under Miri that takes seconds.
+    /// Returns the model of the shape [`SMALL`]. The model is made once, because that takes seconds
+    /// under Miri.
     ///
     /// # Panics
     /// As [`Pieces::sample`] does.
@@ -68,7 +93,7 @@ impl Pieces {
         found.next().expect("every predictor has a sample").1.clone()
     }
 
-    /// Makes a skin that follows no envelope, alone in its file.
+    /// Makes a file of one skin that follows no envelope.
     ///
     /// # Panics
     /// As [`Pieces::sample`] does.
@@ -79,8 +104,8 @@ impl Pieces {
         pieces
     }
 
-    /// Makes two envelopes and three skins, one of which follows none: parts arm and sleeve, arm and
-    /// sleeve of the kernel predictor, eye.
+    /// Makes two envelopes and three skins: arm and sleeve, arm and sleeve of the kernel predictor,
+    /// and an eye that follows no envelope.
     ///
     /// # Panics
     /// As [`Pieces::sample`] does.
@@ -92,7 +117,7 @@ impl Pieces {
     }
 }
 
-/// A direction, mostly up.
+/// Draws a direction that mostly points up.
 pub fn direction(rng: &mut Rng) -> [f32; 3] {
     unit([rng.unit(), rng.unit(), rng.unit() + 1.5])
 }
@@ -102,20 +127,20 @@ fn unit(v: [f32; 3]) -> [f32; 3] {
     v.map(|x| x / length)
 }
 
-/// Turns a direction to lie across a normal.
+/// Makes a vector perpendicular to a normal, of length 1.
 fn across(v: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
     let along = v.iter().zip(normal).map(|(x, n)| x * n).sum::<f32>();
     unit([0, 1, 2].map(|c| v[c] - along * normal[c]))
 }
 
-/// A section's kind and its bytes.
+/// Kind and bytes of a section.
 type Written = (SectionKind, Vec<u8>);
 
 fn required(kind: PartKind) -> PartRow {
     PartRow { kind: kind.number(), flags: 1 }
 }
 
-/// Whether an envelope of a predictor has a section, by FORMAT.md's table.
+/// Returns whether envelopes of a predictor have a section, by FORMAT.md's table.
 fn has(predictor: Predictor, kind: SectionKind) -> bool {
     match kind {
         SectionKind::Keys | SectionKind::C1 | SectionKind::C2 => predictor != Predictor::Kernel,
@@ -126,13 +151,13 @@ fn has(predictor: Predictor, kind: SectionKind) -> bool {
     }
 }
 
-/// A multiple of 1/64.
+/// Draws a multiple of 1/64.
 fn dyadic(rng: &mut Rng, scale: f32) -> f32 {
     (rng.unit() * scale * 64.0).round() / 64.0
 }
 
-/// Makes the sections of a skin that follows part 0, with two ranges: the second empty where there are
-/// few vertices, and a gap between.
+/// Makes the sections of a skin that follows part 0. The skin has two ranges with a gap between;
+/// the second is empty if there are few vertices.
 fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
     let Shape { vertices: v, influences: k, .. } = shape;
     let positions = (0..3 * v).map(|_| dyadic(rng, 2.0)).collect::<Vec<_>>();
@@ -176,15 +201,15 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::RestBoxes, floats(boxes.as_flattened())),
         (SectionKind::Ranges, words(&[0, cut, end.min(cut + 1), end])),
         (SectionKind::TangentCoefficients, halves(&tangent_coefficients(v * k.saturating_sub(1)))),
-        // Of the model, of linear blend skinning.
+        // Errors of the model and of linear blend skinning.
         (SectionKind::NormalErrors, floats(&[0.03125, 0.125])),
     ]
 }
 
-/// Makes so many pairs of tangent coefficients, in half precision: of magnitudes from 2^-5 to 4, and here and
-/// there 0.
+/// Makes `pair_len` pairs of tangent coefficients in f16, with magnitudes from 2^-5 to 4, and a few
+/// zeros.
 fn tangent_coefficients(pair_len: usize) -> Vec<u16> {
-    // A generator of its own: the rest of a sample does not depend on them.
+    // A separate generator, so that the rest of a sample does not depend on these draws.
     let mut rng = Rng(11);
     let half = |rng: &mut Rng| {
         let x = rng.unit();
@@ -194,7 +219,7 @@ fn tangent_coefficients(pair_len: usize) -> Vec<u16> {
     (0..2 * pair_len).map(|_| half(&mut rng)).collect()
 }
 
-/// Makes every section that an envelope may have; groups are left empty.
+/// Makes every section that an envelope may have; the sections of groups stay empty.
 fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     let Shape { joints: j, proxies: p, .. } = shape;
     let root = 1.min(j - 1);
@@ -208,7 +233,7 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
         }
     }
     let order = order.iter().map(|&joint| joint as u16).collect::<Vec<_>>();
-    // Joints stand along x, one unit apart, their frames not turned.
+    // Joints lie along x, one unit apart, without rotation.
     let inverse_binds = ranks.iter().flat_map(|&rank| {
         [[1.0, 0.0, 0.0, -f32::from(rank)], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     });
@@ -217,9 +242,10 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     let joint_names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
     let keys = keys(shape, rng);
     let [c1, c2] = coefficients(shape, root, rng);
-    // Predictor, J, P, the root, G, floats of scratch.
+    // Predictor, J, P, root, G, floats of scratch.
     let counts = [predictor.number().into(), j as u32, p as u32, root as u32, 0, 0];
-    // Diagonal, RMS errors of training, of cross-validation, of linear blend skinning, of rounding, of the base.
+    // Diagonal; RMS errors of training, of cross-validation, of linear blend skinning, of rounding,
+    // of the base.
     let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03, 0.05];
     vec![
         (SectionKind::EnvelopeCounts, words(&counts)),
@@ -237,7 +263,7 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     ]
 }
 
-/// Joints in evaluation order: the root is 1, its child 2, then 0, then the rest in order.
+/// Lists joints in evaluation order: root 1, its child 2, then 0, then the rest in order.
 fn evaluation_order(joint_len: usize) -> Vec<usize> {
     match joint_len {
         1 => vec![0],
@@ -246,7 +272,7 @@ fn evaluation_order(joint_len: usize) -> Vec<usize> {
     }
 }
 
-/// Makes a key a proxy; every second has a residual joint.
+/// Makes a key for each proxy; every second key has a residual joint.
 fn keys(shape: Shape, rng: &mut Rng) -> Vec<u8> {
     let Shape { joints: j, proxies: p, .. } = shape;
     let mut keys = Vec::new();
@@ -261,7 +287,7 @@ fn keys(shape: Shape, rng: &mut Rng) -> Vec<u8> {
     keys
 }
 
-/// Makes c1 and c2, in which the root's block takes up what the others add to rest.
+/// Makes c1 and c2. The root's block compensates for the other blocks, so that rest stays rest.
 fn coefficients(shape: Shape, root: usize, rng: &mut Rng) -> [Vec<Vec<f32>>; 2] {
     let Shape { joints: j, proxies: p, .. } = shape;
     let mut c1 = vec![vec![0.0; 3 * p]; 4 * p];

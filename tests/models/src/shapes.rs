@@ -1,30 +1,30 @@
-//! Shapes of a skin, in plain lists and in a file's blocks.
+//! Shapes of a skin, as plain lists and in a file's blocks.
 
 use crate::bytes::{floats, words};
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
-use crate::shape::Shape;
+use crate::sample::Shape;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 
-/// Vertices of a block.
+/// Vertices per block.
 const BLOCK: usize = 64;
 
-/// Shapes in plain lists.
+/// Shapes as plain lists.
 #[derive(Clone)]
 pub struct ShapeContent {
-    /// What deltas and slopes are.
+    /// Element type of deltas and slopes.
     pub element: Element,
-    /// By shape: what its deltas and what its slopes are multiplied by.
+    /// By shape: the scales of its deltas and of its slopes.
     pub steps: Vec<[f32; 2]>,
-    /// By shape and vertex: the numbers of the delta, then of the slopes, whole for i8; `None` where it does not move
-    /// the vertex.
+    /// By shape and vertex: three numbers of the delta and two of the slopes, whole for i8; `None`
+    /// if the shape does not move the vertex.
     pub moved: Vec<Vec<Option<[f32; 5]>>>,
 }
 
 impl ShapeContent {
-    /// Makes shapes of all sorts of masks: a shape moves all vertices, none, every third, runs of eleven, one alone, each
-    /// with a chance of a half, and from there on again.
+    /// Makes shapes with different masks: all vertices, none, every third, runs of eleven, one
+    /// vertex, random halves; then the masks repeat.
     pub fn sample(element: Element, shape_len: usize, vertex_len: usize) -> Self {
         let mut rng = Rng(34);
         let moves = |shape: usize, vertex: usize, rng: &mut Rng| match shape % 6 {
@@ -37,7 +37,7 @@ impl ShapeContent {
         };
         let number = |scale: f32, rng: &mut Rng| match element {
             Element::I8 => (rng.unit() * 127.0).round(),
-            // A multiple of 1/64 of at most 1: half precision holds it.
+            // A multiple of 1/64 of at most 1: exact in f16.
             _ => (rng.unit() * 64.0).round() / 64.0 * scale,
         };
         let steps = (0..shape_len).map(|shape| match element {
@@ -56,29 +56,29 @@ impl ShapeContent {
         Self { element, steps: steps.collect(), moved: moved.collect() }
     }
 
-    /// Counts the shapes.
+    /// Returns the number of shapes.
     pub fn len(&self) -> usize {
         self.steps.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no shapes.
     pub fn is_empty(&self) -> bool {
         self.steps.is_empty()
     }
 
-    /// Returns how far a shape moves a vertex at a weight of 1.
+    /// Returns the delta of a vertex at weight 1.
     pub fn delta(&self, shape: usize, vertex: usize) -> [f32; 3] {
         let [x, y, z, ..] = self.moved[shape][vertex].unwrap_or_default();
         [x, y, z].map(|x| self.steps[shape][0] * x)
     }
 
-    /// Returns how a shape tilts a vertex at a weight of 1.
+    /// Returns the slopes of a vertex at weight 1.
     pub fn slopes(&self, shape: usize, vertex: usize) -> [f32; 2] {
         let [.., a, c] = self.moved[shape][vertex].unwrap_or_default();
         [a, c].map(|x| self.steps[shape][1] * x)
     }
 
-    /// Returns the least and the greatest of how far a shape moves any vertex, 0 among it.
+    /// Returns the minimum and the maximum of a shape's deltas, including 0.
     fn corners(&self, shape: usize) -> [f32; 6] {
         let mut out = [0.0_f32; 6];
         for vertex in 0..self.moved[shape].len() {
@@ -89,7 +89,7 @@ impl ShapeContent {
         out
     }
 
-    /// Writes a number of the file's.
+    /// Encodes a number in the file's element type.
     fn number(&self, x: f32) -> Vec<u8> {
         match self.element {
             Element::I8 => vec![x as i8 as u8],
@@ -99,7 +99,7 @@ impl ShapeContent {
     }
 }
 
-/// Writes a multiple of 1/256 of less than 2 in half precision.
+/// Encodes a multiple of 1/256 of less than 2 as f16.
 fn half(x: f32) -> u16 {
     let sign = u16::from(x.is_sign_negative()) << 15;
     let bits = x.abs().to_bits();
@@ -107,10 +107,10 @@ fn half(x: f32) -> u16 {
 }
 
 impl Pieces {
-    /// Gives the first skin shapes, called "shape 0" and so on.
+    /// Adds shapes named "shape 0" and so on to the first skin.
     ///
     /// # Panics
-    /// If there is no skin, or one of shapes.
+    /// If there is no skin, or the skin already has shapes.
     pub fn set_shapes(&mut self, content: &ShapeContent) {
         let count = |pieces: &mut Self, at| {
             u32::from_le_bytes(*pieces.word(SectionKind::SkinCounts, at).expect("a skin"))
@@ -152,7 +152,7 @@ impl Pieces {
         add(SectionKind::ShapeEntries, Element::U32, words(&entries));
         add(SectionKind::ShapeDeltas, content.element, deltas);
         add(SectionKind::ShapeSlopes, content.element, slopes);
-        // The largest, RMS.
+        // Largest error and RMS error.
         add(SectionKind::ShapeErrors, Element::F32, floats(&[0.0625, 0.015625]));
         self.set_word(SectionKind::SkinCounts, 4, content.len() as u32);
         self.set_word(SectionKind::SkinCounts, 5, entries.len() as u32 / 4);
@@ -160,7 +160,7 @@ impl Pieces {
         self.name_shapes(part, 1 + range_len, content.len());
     }
 
-    /// Writes the names of shapes behind those that there are.
+    /// Appends the names of shapes to the existing names.
     fn name_shapes(&mut self, part: u16, name_len: usize, shape_len: usize) {
         let section = self.section_of(part, SectionKind::Names);
         let (ends, text) = section.split_at(4 * name_len);
@@ -172,8 +172,9 @@ impl Pieces {
         *section = [ends, text].concat();
     }
 
-    /// Makes the golden files of skins with shapes: f32 on an envelope with tangents and their coefficients, f16 on one
-    /// with neither, i8 on one with tangents alone, and f32 on none, of less than a block.
+    /// Makes the golden files of skins with shapes: f32 on an envelope with tangents and their
+    /// coefficients, f16 on an envelope with neither, i8 on an envelope with tangents only, and f32
+    /// without an envelope, of less than one block.
     ///
     /// # Panics
     /// As [`Pieces::sample`] does.
@@ -202,6 +203,6 @@ impl Pieces {
     }
 }
 
-/// The golden files of skins with shapes, as [`Pieces::shaped`] makes them.
+/// Names of the golden skins with shapes, which [`Pieces::shaped`] makes.
 pub const SHAPED_NAMES: [&str; 4] =
     ["shapes-8-f32.snw", "shapes-8-f16.snw", "shapes-8-i8.snw", "shapes-8-few.snw"];

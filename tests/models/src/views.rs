@@ -1,4 +1,4 @@
-//! Objects of key views in plain lists, each field free to be wrong.
+//! Objects of key views as plain lists, whose fields may be invalid.
 
 use crate::bytes::{floats, halves, names, words};
 use crate::kernels::KernelContent;
@@ -8,76 +8,76 @@ use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
 use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS};
 
-/// An object of key views in plain lists.
+/// An object of key views as plain lists.
 #[derive(Clone)]
 pub struct ViewsContent {
     /// Name of the part.
     pub name: String,
-    /// M: parts that are its maps.
+    /// Parts of its M maps.
     pub maps: Vec<u32>,
-    /// K.
+    /// Number of points K.
     pub point_len: usize,
-    /// Width and height of the screen.
+    /// Width and height of the screen, in pixels.
     pub size: [u32; 2],
-    /// V: places of their own, and points with their weights.
+    /// V vertices.
     pub vertices: Vec<VertexContent>,
-    /// L.
+    /// L layers.
     pub layers: Vec<LayerContent>,
-    /// N.
+    /// N key views.
     pub views: Vec<ViewContent>,
-    /// T.
+    /// T textures.
     pub textures: Vec<TextureContent>,
-    /// RMS error, the same left out, visibility.
+    /// RMS error, RMS error of left-out views, share of points with the visibility of the examples.
     pub fit: [f32; 3],
 }
 
-/// A place, and points by number, each with its weight.
+/// A vertex: its fixed place, and its points by number with a weight each.
 pub type VertexContent = ([f32; 2], Vec<(u32, [f32; 2])>);
 
-/// A layer in plain lists.
+/// A layer as plain lists.
 #[derive(Clone)]
 pub struct LayerContent {
-    /// Its name.
+    /// Name of the layer.
     pub name: String,
-    /// Its elements: vertices, of a triangle [`NO_VERTEX`] last.
+    /// Elements: vertices; triangles have [`NO_VERTEX`] last.
     pub elements: Vec<[u16; 4]>,
-    /// Of each element the elements across its edges.
+    /// For each element, the elements across its edges.
     pub neighbours: Vec<[u16; 4]>,
-    /// The layer that clips it; [`NOTHING`] for none.
+    /// The layer that clips this layer; [`NOTHING`] if none does.
     pub clip: u32,
     /// [`sinew_runtime::views::Layer::DEPTH`], or 0.
     pub flags: u32,
 }
 
-/// A key view in plain lists.
+/// A key view as plain lists.
 #[derive(Clone)]
 pub struct ViewContent {
-    /// Its name.
+    /// Name of the key view.
     pub name: String,
-    /// L textures; [`NOTHING`] for none.
+    /// L textures; [`NOTHING`] for a missing layer.
     pub textures: Vec<u32>,
     /// V places in the textures.
     pub texels: Vec<[f32; 2]>,
     /// K places on the screen.
     pub references: Vec<[f32; 2]>,
-    /// K.
+    /// K visibilities.
     pub visible: Vec<bool>,
-    /// s, and K offsets; of an object that is not transferred none.
+    /// s and K offsets; `None` unless the object is transferred.
     pub deformation: Option<(f32, Vec<[f32; 2]>)>,
 }
 
-/// A texture in plain lists.
+/// A texture as plain lists.
 #[derive(Clone)]
 pub struct TextureContent {
-    /// Texels of a row.
+    /// Width in texels.
     pub width: u32,
-    /// Rows.
+    /// Height in texels.
     pub height: u32,
-    /// Row by row from the top.
+    /// Texels, row by row from the top.
     pub texels: Vec<[u8; 4]>,
 }
 
-/// Points of a side of the sample's grid.
+/// Points per side of the sample's grid.
 const SIDE: usize = 3;
 /// Points of the sample.
 const POINTS: usize = SIDE * SIDE;
@@ -87,9 +87,10 @@ const VIEWS: usize = 3;
 const LAYERS: usize = 2;
 
 impl ViewsContent {
-    /// Makes an object of a grid of 3 x 3 points about a screen of 48 x 40 pixels: a layer of two quads and four triangles,
-    /// over it one of a triangle whose third vertex stands by three points and which the first clips; three key views, of
-    /// which the second lacks the second layer; two textures.
+    /// Makes an object of a grid of 3 x 3 points on a screen of 48 x 40 pixels. The first layer has
+    /// two quads and four triangles. The second layer, clipped by the first, is a triangle whose
+    /// third vertex depends on three points. Of three key views, the second lacks the second layer.
+    /// There are two textures.
     pub fn sample(maps: Vec<u32>, is_transferred: bool) -> Self {
         let mut rng = Rng(50);
         let sizes = [[12, 10], [7, 9]];
@@ -155,7 +156,8 @@ impl ViewsContent {
         out
     }
 
-    /// Makes an object of its points alone, in one layer, as a key view each shows it.
+    /// Makes an object of one layer, whose vertices are its points. Every key view shows the points
+    /// as given.
     pub fn plain(
         elements: Vec<[u16; 4]>,
         views: Vec<ViewContent>,
@@ -207,10 +209,10 @@ impl ViewsContent {
         }
     }
 
-    /// Writes the sections, those that there are.
+    /// Writes the sections that the object needs.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     fn sections(&self) -> Vec<(SectionKind, Vec<u8>)> {
         let views = &self.views;
         let elements: Vec<_> = self.layers.iter().flat_map(|layer| &layer.elements).collect();
@@ -304,13 +306,13 @@ impl TextureContent {
 }
 
 impl KernelContent {
-    /// Makes a map of [`ViewsContent::sample`]: two numbers to 9 places with depths, 9 visibilities, 3 scores, 2 opacities and
-    /// 2 orders.
+    /// Makes a map of [`ViewsContent::sample`] from two numbers to 9 places with depths, 9
+    /// visibilities, 3 scores, 2 opacities and 2 orders.
     pub fn map(name: &str, seed: u64) -> Self {
         let mut rng = Rng(seed);
         let m = 4 * POINTS + VIEWS + 2 * LAYERS;
         let plain = Self::plain(Kernel::Gaussian, [2, 6, m]);
-        // What a value is about, what turns it with either number, and by how much centres move it.
+        // Mean of a value, its slope by each number, and the size of the kernels' contribution.
         let grid: Vec<_> = grid().collect();
         let row = |value: usize| match (value / 3, value % 3) {
             (point, 0) if point < POINTS => (8.0 + 16.0 * grid[point][0], [2.0, 0.5], 2.0),
@@ -349,7 +351,7 @@ impl Pieces {
     /// Appends an object of key views.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn add_views(&mut self, content: &ViewsContent) {
         let part = self.parts.len() as u16;
         self.parts.push(PartRow { kind: PartKind::Views.number(), flags: 1 });
@@ -357,10 +359,11 @@ impl Pieces {
         self.sections.extend(own.map(|(kind, bytes)| Content::new(kind, part, bytes)));
     }
 
-    /// Makes a file of an object with two maps, which stands alone, and of one with a map that is transferred.
+    /// Makes two files: an object with two maps that is not transferred, and a transferred object
+    /// with one map.
     ///
     /// # Panics
-    /// If the order of sections is no longer FORMAT.md's.
+    /// If the order of sections differs from FORMAT.md.
     pub fn viewed() -> [Self; 2] {
         [false, true].map(|is_transferred| {
             let maps = if is_transferred { &["walk"][..] } else { &["walk", "jump"] };
@@ -378,10 +381,10 @@ impl Pieces {
     }
 }
 
-/// The golden files of objects, as [`Pieces::viewed`] makes them.
+/// Names of the golden objects, which [`Pieces::viewed`] makes.
 pub const VIEWED_NAMES: [&str; 2] = ["views-8.snw", "views-8-transferred.snw"];
 
-/// Lists the edges of an element, by their ends.
+/// Lists the edges of an element by their vertices.
 fn edges(element: &[u16; 4]) -> Vec<[u16; 2]> {
     let own: Vec<u16> = element.iter().copied().filter(|vertex| *vertex != NO_VERTEX).collect();
     let ends = own.iter().cycle().skip(1);
@@ -393,7 +396,7 @@ fn grid() -> impl Iterator<Item = [f32; 2]> {
     (0..POINTS).map(|point| [(point % SIDE) as f32, (point / SIDE) as f32])
 }
 
-/// Writes bits in words.
+/// Packs bits into words.
 fn mask(bits: &[bool]) -> Vec<u32> {
     let word = |bits: &[bool]| bits.iter().rev().fold(0, |word, bit| word << 1 | u32::from(*bit));
     bits.chunks(32).map(word).collect()

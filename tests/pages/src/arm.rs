@@ -1,4 +1,4 @@
-//! The demo's arm, as a file and as poses.
+//! The demo's arm: examples, model file and poses.
 
 use sinew_runtime::Matrix3x4;
 use sinew_runtime::envelope::Predictor;
@@ -10,19 +10,19 @@ use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::progress::Silent;
 use std::sync::LazyLock;
 
-/// An arm of some 500 vertices, in glTF's axes and metres.
+/// Examples of an arm of about 500 vertices, in glTF's axes and metres.
 pub static EXAMPLES: LazyLock<Examples> = LazyLock::new(|| {
     let options = DemoOptions { vertices: 500, poses: 30, held_out: 10, seed: 4 };
     Examples { space: Space::GLTF, ..demo(&options) }
 });
 
-/// What a training makes of it.
+/// Model trained on the examples.
 pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| file(&EXAMPLES, Predictor::Kernel));
 
-/// Trains a model of examples, as the demo's are, in a second or two.
+/// Trains a model on examples of the demo's size, in a second or two.
 ///
 /// # Panics
-/// If they do not train.
+/// If the training fails.
 pub fn file(examples: &Examples, predictor: Predictor) -> Vec<u8> {
     let options = Options {
         predictor: Predict::Only(predictor),

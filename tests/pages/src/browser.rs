@@ -1,14 +1,14 @@
-//! A browser that opens a page and says what it found.
+//! Runs a browser that opens a page and reports the page's result.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A file that a page may ask for: its path, its type, its bytes.
+/// A file that a page may request: path, type, bytes.
 pub type Served<'a> = (&'a str, &'a str, &'a [u8]);
 
-/// Finds the browser; `None`, said aloud, where there is none.
+/// Finds the browser; prints a notice and returns `None` if there is none.
 ///
 /// # Panics
 /// If there is none, and `CI` is set.
@@ -24,13 +24,13 @@ pub fn browser() -> Option<&'static str> {
     found
 }
 
-/// Opens the file `/` of those that are served; returns what its script sends to `/said`.
+/// Opens the served file `/`; returns the text that its script sends to `/said`.
 ///
 /// # Panics
 /// If the browser does not start, or does not answer within a minute.
 pub fn said(browser: &str, arguments: &[&str], files: &[Served<'_>]) -> String {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port is free");
-    let port = server.local_addr().expect("it has an address").port();
+    let port = server.local_addr().expect("the server has an address").port();
     let profile = std::env::temp_dir().join(format!("sinew-browser-{}-{port}", std::process::id()));
     let mut running = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-background-networking", "--no-first-run"])
@@ -41,8 +41,8 @@ pub fn said(browser: &str, arguments: &[&str], files: &[Served<'_>]) -> String {
         .stderr(Stdio::null())
         .spawn()
         .expect("the browser starts");
-    server.set_nonblocking(true).expect("it need not wait");
-    // A browser that does not answer must not hold the tests up.
+    server.set_nonblocking(true).expect("the server can be non-blocking");
+    // A browser that does not answer must not block the tests.
     let start = Instant::now();
     let mut said = None;
     while said.is_none() && start.elapsed() < Duration::from_secs(60) {
@@ -57,7 +57,7 @@ pub fn said(browser: &str, arguments: &[&str], files: &[Served<'_>]) -> String {
     said.expect("the browser answers within a minute")
 }
 
-/// Answers a request with a file; returns the body of the one that says something.
+/// Answers a request with a file; returns the body of a request to `/said`.
 fn answer(mut stream: TcpStream, files: &[Served<'_>]) -> Option<String> {
     stream.set_nonblocking(false).ok()?;
     stream.set_read_timeout(Some(Duration::from_secs(30))).ok()?;

@@ -1,10 +1,10 @@
-//! Builds of other programs than this one, in folders of their own.
+//! Builds other programs, in separate folders.
 
-use crate::text::repository;
+use crate::repository;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Makes an empty folder in another.
+/// Makes an empty folder `name` in `place`.
 ///
 /// # Panics
 /// If the disk refuses it.
@@ -15,7 +15,7 @@ pub fn emptied(place: &Path, name: &str) -> PathBuf {
     folder
 }
 
-/// Writes a file, and the folders that it stands in.
+/// Writes a file and makes its parent folders.
 ///
 /// # Panics
 /// If the disk refuses it.
@@ -24,10 +24,10 @@ pub fn write(path: &Path, content: &str) {
     std::fs::write(path, content).expect("a file can be written");
 }
 
-/// Copies files of the repository into a folder, where they keep their names.
+/// Copies files of the repository into a folder, under their names.
 ///
 /// # Panics
-/// If one is not there.
+/// If a file is missing.
 pub fn copy(paths: &[&str], to: &Path) {
     for path in paths {
         let from = repository().join(path);
@@ -45,10 +45,10 @@ pub fn copy(paths: &[&str], to: &Path) {
     }
 }
 
-/// Runs a command to its end and returns what it prints.
+/// Runs a command to its end and returns its output.
 ///
 /// # Panics
-/// If it does not start, or fails.
+/// If the command does not start, or fails.
 pub fn output(command: &mut Command) -> String {
     let done = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let (out, err) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
@@ -56,9 +56,9 @@ pub fn output(command: &mut Command) -> String {
     out.into_owned()
 }
 
-/// Calls cargo in a folder, with the versions that this build has and without a network.
+/// Calls cargo in a folder, with the crate versions of this build and without a network.
 ///
-/// The target folder is kept from run to run: what other crates come to is built once.
+/// The target folder is kept between runs, so that dependencies are built once.
 ///
 /// # Panics
 /// As [`output`] does.

@@ -1,4 +1,4 @@
-//! From the GLSL in `shaders/` to the SPIR-V beside it.
+//! Compiles the GLSL in `shaders/` to the SPIR-V next to it.
 #![forbid(unsafe_code)]
 
 use anyhow::{Context, Result, anyhow};
@@ -15,8 +15,8 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders")
 }
 
-/// Lists the GLSL files of a folder that are shaders (the others are included), and where the SPIR-V
-/// of each lies.
+/// Lists the GLSL shaders of a folder (the other files are included), each with the path of its
+/// SPIR-V.
 ///
 /// # Errors
 /// If the folder cannot be read.
@@ -34,10 +34,10 @@ pub fn sources(folder: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     Ok(found)
 }
 
-/// Compiles a compute shader to SPIR-V 1.0 for Vulkan 1.0: little-endian words.
+/// Compiles a compute shader to SPIR-V 1.0 for Vulkan 1.0, as little-endian words.
 ///
 /// # Errors
-/// If a file cannot be read, or is not GLSL; the message is glslang's.
+/// If a file cannot be read, or is not valid GLSL; the message is glslang's.
 pub fn compile(source: &Path) -> Result<Vec<u8>> {
     let name = || source.display().to_string();
     let text = fs::read_to_string(source).with_context(name)?;
@@ -60,7 +60,7 @@ pub fn compile(source: &Path) -> Result<Vec<u8>> {
     Ok(words.with_context(name)?.into_iter().flat_map(u32::to_le_bytes).collect())
 }
 
-/// Finds what is included in one folder.
+/// Include handler that finds files in one folder.
 struct Beside<'a>(&'a Path);
 
 impl IncludeHandler for Beside<'_> {

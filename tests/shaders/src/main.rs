@@ -1,11 +1,11 @@
-//! Makes the SPIR-V of every GLSL shader, and says which files changed.
+//! Makes the SPIR-V of every GLSL shader, and prints which files changed.
 #![forbid(unsafe_code)]
 
 use anyhow::{Context, Result};
 use std::fs;
 
 fn main() -> Result<()> {
-    // Nothing is written before all of it compiles.
+    // Writes nothing before every shader compiles.
     let sources = shaders::sources(&shaders::folder())?;
     let compiled: Result<Vec<_>> = sources.iter().map(|(glsl, _)| shaders::compile(glsl)).collect();
     for ((_, path), spirv) in sources.iter().zip(compiled?) {

@@ -1,9 +1,9 @@
-//! The WGSL in a browser: another compiler than wgpu's, where one is installed.
+//! Compiles the WGSL in a browser, if one is installed: a different compiler from wgpu's.
 
 use pages::browser;
 use sinew_gpu::layout::Stage;
 
-/// Makes a pipeline of every stage and sends back what the browser says of each, a line a stage.
+/// Makes a pipeline of every stage and sends back the browser's result, one line per stage.
 const PAGE: &str = "<!doctype html><script>
 (async () => {
   const said = [];
@@ -36,12 +36,12 @@ fn a_browser_takes_every_stage() {
     let said = in_browser(browser, |_, code| code.to_owned());
     assert_eq!(said.lines().count(), Stage::ALL.len(), "{said}");
     assert!(said.lines().all(|line| line.ends_with(" ok")), "{said}");
-    // wgpu's own compiler rounds this number, others refuse it.
+    // wgpu's compiler rounds this number; other compilers refuse it.
     let said = in_browser(browser, spoilt);
     assert_eq!(said.lines().filter(|line| line.contains(" ok")).count(), Stage::ALL.len() - 1);
 }
 
-/// Opens a page with the stages' sources; returns what it has to say.
+/// Opens a page with the stages' sources; returns its report.
 fn in_browser(browser: &str, source: impl Fn(Stage, &str) -> String) -> String {
     let stages = Stage::ALL.map(|stage| {
         let code = source(stage, stage.wgsl());

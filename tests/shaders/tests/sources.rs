@@ -1,4 +1,4 @@
-//! What is committed is what the sources give, valid, and bound as the layout says.
+//! The committed SPIR-V equals the compiled sources, is valid, and has the bindings of the layout.
 
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 
-/// Every stage's WGSL, parsed.
+/// Parses the WGSL of every stage.
 fn modules() -> impl Iterator<Item = (Stage, Module)> {
     Stage::ALL.into_iter().map(|stage| {
         let module = wgsl::parse_str(stage.wgsl());
@@ -22,7 +22,7 @@ fn modules() -> impl Iterator<Item = (Stage, Module)> {
 }
 
 #[test]
-fn the_committed_spirv_is_what_the_glsl_gives() {
+fn the_committed_spirv_equals_the_compiled_glsl() {
     let found = sources(&folder()).unwrap();
     let stems = |stems: &mut dyn Iterator<Item = String>| stems.collect::<BTreeSet<_>>();
     let of_files = found.iter().map(|(glsl, _)| glsl.file_stem().unwrap().to_str().unwrap().into());
@@ -76,7 +76,7 @@ fn the_wgsl_is_valid_and_needs_nothing_optional() {
 }
 
 #[test]
-fn bindings_are_those_that_the_layout_lists() {
+fn bindings_match_the_layout() {
     for (stage, module) in modules() {
         let mut found = vec![None; stage.bindings().len()];
         for (_, global) in module.global_variables.iter() {
@@ -99,25 +99,25 @@ fn bindings_are_those_that_the_layout_lists() {
     }
 }
 
-/// Names of the members of the uniform block, in their order.
+/// Returns the names of the uniform block's members, in order.
 fn members_of(module: &Module) -> Vec<String> {
     let (_, block) = module
         .types
         .iter()
         .find(|(_, t)| t.name.as_deref() == Some("Params"))
-        .expect("there is a block");
-    let TypeInner::Struct { members, .. } = &block.inner else { panic!("it is a struct") };
-    members.iter().map(|member| member.name.clone().expect("they have names")).collect()
+        .expect("the module has a uniform block");
+    let TypeInner::Struct { members, .. } = &block.inner else { panic!("the block is no struct") };
+    members.iter().map(|member| member.name.clone().expect("members have names")).collect()
 }
 
-/// A golden model.
+/// Loads a golden model.
 fn golden(name: &str) -> Model<Vec<u8>> {
-    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("it is there");
-    Model::from_bytes(bytes).expect("it loads")
+    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("the golden exists");
+    Model::from_bytes(bytes).expect("the golden loads")
 }
 
 #[test]
-fn the_uniform_block_is_what_the_layout_writes() {
+fn the_uniform_block_matches_the_layout() {
     const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
     let [of_envelope, of_kernel] = ["envelope-8-kernel.snw", "kernel-8.snw"].map(golden);
     let (envelope, skin) = (of_envelope.envelope().unwrap(), of_envelope.skin().unwrap());
@@ -140,7 +140,7 @@ fn the_uniform_block_is_what_the_layout_writes() {
         (filter, "filter_params.glsl"),
     ];
     for (plan, file) in plans {
-        // A kernel, shapes, and a filter have a block of their own.
+        // Kernels, shapes and filters have their own uniform blocks.
         const ALONE: [Stage; 3] = [Stage::Kernel, Stage::Shapes, Stage::Filter];
         let alone = ALONE.map(|stage| plan.stages().eq([stage]));
         let is_own = |stage: Stage| ALONE.map(|own| own == stage) == alone;

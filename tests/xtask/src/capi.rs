@@ -1,4 +1,4 @@
-//! Compilers and the emulator that the tests of the C ABI run, and its header.
+//! Compilers and the emulator for the tests of the C ABI, and its header.
 
 use super::call::cargo;
 use super::components::{self, Component, starts};
@@ -19,7 +19,7 @@ const COMPONENTS: [Component; 7] = [
         what: "newlib for ARM",
         package: "libnewlib-arm-none-eabi",
         found: || {
-            // The compiler answers with a path where it finds the file, else with the bare name.
+            // The compiler prints a path if it finds the file, else only the name.
             let mut gcc = Command::new("arm-none-eabi-gcc");
             let answer = gcc.arg("-print-file-name=rdimon.specs").output();
             answer.is_ok_and(|out| Path::new(&*String::from_utf8_lossy(&out.stdout)).is_absolute())
@@ -32,12 +32,12 @@ const COMPONENTS: [Component; 7] = [
     },
 ];
 
-/// Installs what is missing, or says what to install.
+/// Installs missing programs, or says how to install them.
 pub(super) fn prepare() -> Result<(), String> {
     components::install(&COMPONENTS)
 }
 
-/// Writes the C header that the sources give.
+/// Writes the C header generated from the sources.
 pub(super) fn header() -> Result<(), String> {
     cargo(
         "test --locked -p sinew-capi --test header the_header_is",
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_tests_need_is_found_where_it_is_installed() {
+    fn installed_components_are_found() {
         let missing = components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");

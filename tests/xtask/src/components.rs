@@ -1,25 +1,25 @@
-//! What the tests need beyond Rust, as packages of the system.
+//! System packages that the tests need in addition to Rust.
 
 use crate::call::run;
 use std::process::{Command, Stdio};
 
-/// Something that the tests need.
+/// A program or library that the tests need.
 pub(crate) struct Component {
-    /// What it is.
+    /// Name for messages.
     pub(crate) what: &'static str,
-    /// Debian's package.
+    /// Debian package.
     pub(crate) package: &'static str,
-    /// Whether it is there.
+    /// Returns whether the component is installed.
     pub(crate) found: fn() -> bool,
 }
 
-/// Lists what is not there.
+/// Lists the missing components.
 pub(crate) fn missing(components: &[Component]) -> Vec<&Component> {
     components.iter().filter(|component| !(component.found)()).collect()
 }
 
-/// Installs what is missing with apt-get, where that is there and allowed; else says what to
-/// install.
+/// Installs missing components with apt-get, if apt-get is available and permitted; else returns
+/// the command to run.
 pub(crate) fn install(components: &[Component]) -> Result<(), String> {
     let missing = missing(components);
     if missing.is_empty() {
@@ -46,7 +46,7 @@ pub(crate) fn install(components: &[Component]) -> Result<(), String> {
         run(command.args(arguments.split_whitespace()))
     };
     let install = format!("install -y --no-install-recommends {packages}");
-    // The list of packages may be there already, and then there may be no network.
+    // The package list may be present while the network is not.
     let installed =
         apt_get(&install).or_else(|_| apt_get("update").and_then(|()| apt_get(&install)));
     installed.map_err(|error| format!("{error}; {advice}"))?;
@@ -58,12 +58,12 @@ pub(crate) fn install(components: &[Component]) -> Result<(), String> {
     }
 }
 
-/// Whether a program is there: it tells its version.
+/// Returns whether a program starts: it prints its version.
 pub(crate) fn starts(program: &str) -> bool {
     succeeds(Command::new(program).arg("--version"))
 }
 
-/// Whether a program runs and is content, its output unseen.
+/// Runs a program without output and returns whether it succeeds.
 pub(crate) fn succeeds(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())

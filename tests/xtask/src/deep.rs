@@ -1,19 +1,20 @@
-//! What needs nightly or long: miri, a million mutated files, and every fuzz target for a while.
+//! Checks that need nightly or much time: Miri, a million mutated files, and every fuzz target for
+//! a while.
 
 use crate::call::{cargo, run};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Seconds a fuzz target runs.
+/// Seconds per fuzz target.
 const SECONDS: u32 = 300;
 
 /// Seconds after which one input counts as a hang.
 const HANG_SECONDS: u32 = 10;
 
-/// Where the fuzzers' builds, corpora and findings go.
+/// Folder of the fuzzers' builds, corpora and findings.
 const FOLDER: &str = "target/fuzz";
 
-/// Runs all of it; `seconds` says how long a fuzz target runs.
+/// Runs every deep check; `seconds` is the time per fuzz target.
 pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {
     let seconds = seconds.map_or(Ok(SECONDS), str::parse);
     let seconds = seconds.map_err(|_| "expected the seconds of a fuzz target".to_owned())?;
@@ -27,7 +28,7 @@ pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {
     Ok(())
 }
 
-/// Fuzzes from the committed corpus and the goldens; what is new stays in the build folder.
+/// Fuzzes from the committed corpus and the goldens; new inputs stay in the build folder.
 fn fuzz(target: &str, seconds: u32) -> Result<(), String> {
     let corpus = format!("{FOLDER}/corpus/{target}");
     let findings = format!("{FOLDER}/findings/{target}/");
@@ -40,11 +41,11 @@ fn fuzz(target: &str, seconds: u32) -> Result<(), String> {
          -timeout={HANG_SECONDS} -max_len=16384 -print_final_stats=1 -artifact_prefix={findings}"
     );
     run(&mut nightly(&arguments)).map_err(|error| {
-        format!("{error}; move what is in {findings} to tests/fuzz/regressions/{target}")
+        format!("{error}; move the files of {findings} to tests/fuzz/regressions/{target}")
     })
 }
 
-/// Lists the fuzz targets by their files.
+/// Lists the fuzz targets by their file names.
 fn targets() -> Result<Vec<String>, String> {
     let folder = Path::new("tests/fuzz/fuzz_targets");
     let said = |error| format!("{}: {error}", folder.display());
@@ -57,7 +58,7 @@ fn targets() -> Result<Vec<String>, String> {
     Ok(targets)
 }
 
-/// Says what to run where nightly, miri or cargo-fuzz is missing.
+/// Returns the command to run if nightly, Miri or cargo-fuzz is missing.
 fn prepare() -> Result<(), String> {
     for (arguments, advice) in [
         ("--version", "rustup toolchain install nightly --component miri,rust-src"),
@@ -72,7 +73,7 @@ fn prepare() -> Result<(), String> {
     Ok(())
 }
 
-/// Calls nightly's cargo; the one that runs this program is stable's.
+/// Makes a command for nightly's cargo; the cargo that runs this program is stable's.
 fn nightly(arguments: &str) -> Command {
     let mut command = Command::new("rustup");
     command.args(["run", "nightly", "cargo"]).args(arguments.split_whitespace());

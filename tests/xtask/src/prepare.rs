@@ -6,10 +6,10 @@ use std::process::Command;
 /// Blender as a Python module.
 const BPY: &str = "bpy==5.0.1";
 
-/// Installs the targets and finds the programs that the tests need, or says what to install.
+/// Installs the targets and finds the programs that the tests need, or says how to install them.
 pub(super) fn programs() -> Result<(), String> {
     for program in ["node", "npm"] {
-        // The tests of exported files fetch the glTF validator with the one and run it with the other.
+        // The tests of exported files fetch the glTF validator with npm and run it with Node.js.
         Command::new(program).arg("--version").output().map_err(|_| {
             format!("{program} was not found: install Node.js 18 or newer with npm, see nodejs.org")
         })?;
@@ -17,7 +17,7 @@ pub(super) fn programs() -> Result<(), String> {
     targets(&TARGETS)
 }
 
-/// Says what is left untested on this machine; where `CI` is set that is an error.
+/// Reports a test that this machine cannot run; an error if `CI` is set.
 pub(super) fn untested_unless_ci(what: String) -> Result<(), String> {
     if std::env::var_os("CI").is_some() {
         return Err(format!("CI is set, but {what}"));
@@ -26,7 +26,7 @@ pub(super) fn untested_unless_ci(what: String) -> Result<(), String> {
     Ok(())
 }
 
-/// Installs targets of the compiler.
+/// Installs compiler targets.
 pub(super) fn targets(targets: &[&str]) -> Result<(), String> {
     let missing = "rustup, with which the bare targets are installed, was not found: see rustup.rs";
     let listed = Command::new("rustup")
@@ -44,8 +44,8 @@ pub(super) fn targets(targets: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// Gives the Python that the test of the Blender script runs in, with Blender as a module; the empty
-/// text, said aloud, where there is no such package for this machine, unless `CI` is set.
+/// Returns the Python for the test of the Blender script, with Blender as a module. If this machine
+/// has no such package, prints a notice and returns an empty string, or an error if `CI` is set.
 pub(super) fn blender() -> Result<String, String> {
     let folder = target_folder()?.join("bpy");
     let python = folder.join("bin/python").display().to_string();

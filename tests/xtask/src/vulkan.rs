@@ -1,5 +1,5 @@
-//! What the tests on GPUs need of a machine without one: lavapipe, SwiftShader, the validation layers and
-//! spirv-val.
+//! Components that tests on GPUs need on a machine without a GPU: lavapipe, SwiftShader, the
+//! validation layers and spirv-val.
 
 use crate::components::{Component, install, succeeds};
 use std::ffi::OsString;
@@ -18,7 +18,7 @@ const BROWSERS: [&str; 8] = [
     "/Applications/Chromium.app/Contents/MacOS",
 ];
 
-/// Folders under which the Vulkan loader looks for drivers and layers.
+/// Folders in which the Vulkan loader looks for drivers and layers.
 const LOADER: [&str; 6] = [
     "/etc/vulkan",
     "/usr/share/vulkan",
@@ -51,7 +51,7 @@ const COMPONENTS: [Component; 4] = [
     },
 ];
 
-/// Installs what is missing, or says what to install.
+/// Installs missing components, or says how to install them.
 pub(super) fn prepare() -> Result<(), String> {
     install(&COMPONENTS)
 }
@@ -62,8 +62,8 @@ fn swiftshader() -> Option<PathBuf> {
     all.find(|path| path.is_file())
 }
 
-/// Returns the variable that adds SwiftShader to the drivers that the Vulkan loader finds by itself;
-/// nothing where no browser has brought it.
+/// Returns the environment variable that adds SwiftShader to the loader's drivers; `None` if no
+/// browser has installed SwiftShader.
 pub(super) fn drivers() -> Option<(&'static str, OsString)> {
     const NAME: &str = "VK_ADD_DRIVER_FILES";
     let swiftshader = swiftshader()?;
@@ -76,8 +76,8 @@ pub(super) fn drivers() -> Option<(&'static str, OsString)> {
     Some((NAME, std::env::join_paths(paths).ok()?))
 }
 
-/// Whether a variable of the loader's, or one of its folders, has a description whose name starts
-/// so.
+/// Returns whether a variable of the loader, or one of its folders, contains a description whose
+/// name starts with `start`.
 fn described(variables: &[&str], folder: &str, start: &str) -> bool {
     let named = |path: &Path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_tests_need_is_found_where_it_is_installed() {
+    fn installed_components_are_found() {
         let missing = crate::components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");

@@ -1,5 +1,5 @@
-//! The envelope without reduction: one predictor a triangle, every vertex reconstructed (S3 §1, §2;
-//! METHOD §1.4 to §1.6). Too slow for run time; it is what the reduction is measured against.
+//! The envelope without reduction: one predictor per triangle, and every vertex reconstructed (S3
+//! §1, §2; METHOD §1.4 to §1.6). Too slow at run time; the reduction is compared with it.
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -23,8 +23,8 @@ pub(crate) struct Full<'a> {
 }
 
 impl<'a> Full<'a> {
-    /// Fits the training frames with the given fraction of near-rigid vertices; of each part of the
-    /// mesh that has none, one vertex is added to them.
+    /// Fits the training frames with the given fraction of near-rigid vertices. One vertex is added
+    /// for each part of the mesh that has none.
     ///
     /// # Errors
     /// [`PoissonError::Factorisation`].
@@ -59,7 +59,7 @@ impl<'a> Full<'a> {
         Ok(Self { examples, predictors, poisson, joints })
     }
 
-    /// Reconstructs V positions of a frame from its pose alone.
+    /// Reconstructs the V positions of a frame from its pose.
     pub(crate) fn reconstruct(&self, frame: usize) -> Vec<Vector3<f64>> {
         let poses = Poses::new(self.examples, &[frame]);
         let pose = self.examples.pose(frame);
@@ -69,7 +69,7 @@ impl<'a> Full<'a> {
         self.poisson.reconstruct(&gradients, &self.skinned(frame))
     }
 
-    /// Skins the same by LBS.
+    /// Skins the V positions of a frame by LBS.
     pub(crate) fn skinned(&self, frame: usize) -> Vec<Vector3<f64>> {
         let Examples { rest, .. } = self.examples;
         let pose = self.examples.pose(frame);
@@ -77,7 +77,7 @@ impl<'a> Full<'a> {
         (0..rest.len()).map(skin).collect()
     }
 
-    /// RMS error of one of these over the held-out frames.
+    /// Returns the RMS error of one of these functions over the held-out frames.
     pub(crate) fn rms(&self, skin: impl Fn(&Self, usize) -> Vec<Vector3<f64>>) -> f64 {
         let held_out = self.examples.frames_of(Split::HeldOut);
         let squared = |&frame: &usize| -> f64 {

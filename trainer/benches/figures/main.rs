@@ -1,8 +1,8 @@
 //! Prints the figures of FIGURES.md: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or `scaling`. Sets that are not
-//! in `../shared/data` are named and left out.
+//! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or
+//! `scaling`. Sets that are missing in `../shared/data` are named and left out.
 
 mod full;
 mod painted;
@@ -66,7 +66,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// LBS as reports fit it, K = 4, and dense weights on all frames, by their error alone.
+/// Prints the error of LBS as in reports, K = 4, and of dense weights fitted to all frames for
+/// their error only.
 fn lbs() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()? {
         let percent = |rms: f64| 100.0 * rms / examples.diagonal();
@@ -99,7 +100,7 @@ fn lbs() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// One predictor, with so many helpers.
+/// Returns options for one predictor and a number of helpers.
 fn fixed(predictor: Predictor, proxies: usize) -> Options {
     Options {
         predictor: Predict::Only(predictor),
@@ -108,7 +109,7 @@ fn fixed(predictor: Predictor, proxies: usize) -> Options {
     }
 }
 
-/// The proxies' own error on the training frames of dem-bones, no prediction.
+/// Prints the error of the proxies on the training frames of dem-bones, without prediction.
 fn proxies_alone() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
         let Training { unit, rest, triangles, trajectories, .. } =
@@ -126,7 +127,8 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The published method without reduction: a predictor a triangle, all vertices reconstructed.
+/// Prints errors of the published method without reduction: one predictor per triangle, all
+/// vertices reconstructed.
 fn full() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 != "mpfb-body") {
         for fraction in [0.05, 0.25, 0.5, 0.75] {
@@ -138,7 +140,8 @@ fn full() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Errors of the baked models by the f32 runtime, of each predictor and of the choice among them.
+/// Prints errors of the baked models in the f32 runtime, of each predictor and of the automatic
+/// choice.
 fn errors() -> Result<(), Box<dyn Error>> {
     println!(
         "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>10}{:>7}{:>11}{:>9}{:>9}",
@@ -219,8 +222,8 @@ fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation, valida
     );
 }
 
-/// Poses beyond the trained range of mpfb-arm: those of other joints than the one that its first frames turn, then of each
-/// joint in turn its top quartile of angles.
+/// Prints errors on poses outside the trained range of mpfb-arm. First the poses of joints other
+/// than the joint that the first frames rotate; then, for each joint, its top quartile of angles.
 fn ranges() -> Result<(), Box<dyn Error>> {
     for (_, mut examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
@@ -255,8 +258,8 @@ fn ranges() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What `check` says of mpfb-arm's training poses, held to account: the held-out error without the
-/// redundant ones, without the isolated ones, and without as many at random.
+/// Tests the advice of `check` on mpfb-arm's training poses: prints the held-out error without the
+/// redundant poses, without the isolated poses, and without as many random poses.
 fn poses() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
         let clips = [];
@@ -283,8 +286,8 @@ fn poses() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Trains with a third and with three times of each setting, and prints the held-out error over that as it is set: kernel,
-/// 40 helpers.
+/// Trains with a third and with three times of each setting, and prints the held-out error relative
+/// to that of the default: kernel, 40 helpers.
 fn settings() -> Result<(), Box<dyn Error>> {
     let mut sets = sets()?;
     for seed in 1..4 {
@@ -319,7 +322,7 @@ fn settings() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Reading the body's examples from the files that they may come in.
+/// Times reading the body's examples from every file format.
 fn import() -> Result<(), Box<dyn Error>> {
     let Some((name, examples)) = sets()?.pop() else { return Ok(()) };
     let (examples, clips) = by_use(examples);
@@ -356,7 +359,7 @@ fn import() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Training as a whole process: load, fit, bake, write.
+/// Times training as a whole process: load, fit, bake, write.
 fn time() -> Result<(), Box<dyn Error>> {
     for (name, file) in SETS {
         let Some(path) = found(file) else { continue };
@@ -378,7 +381,8 @@ fn time() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The demo arm in several sizes: time and peak memory against the vertex array in f64.
+/// Prints time and peak memory relative to the vertex array in f64, for the demo's arm in several
+/// sizes.
 fn scaling() -> Result<(), Box<dyn Error>> {
     println!("{:>9}{:>7}{:>9}{:>9}{:>16}", "vertices", "poses", "s", "MB", "x vertex array");
     let mut times = Vec::new();
@@ -421,11 +425,11 @@ fn scaling() -> Result<(), Box<dyn Error>> {
 
 struct Run {
     seconds: f64,
-    /// Peak resident bytes.
+    /// Peak resident memory in bytes.
     peak: usize,
 }
 
-/// Runs `sinew` quietly and watches its peak memory.
+/// Runs `sinew` quietly and measures its peak memory.
 fn measure(arguments: &[String]) -> Result<Run, Box<dyn Error>> {
     let start = Instant::now();
     let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
@@ -457,7 +461,7 @@ fn high_water_mark(status: &Path) -> usize {
     kilobytes.unwrap_or(0) * 1024
 }
 
-/// The same, only so many of the first training frames left to train.
+/// Returns the examples with only the first `count` training frames.
 fn trained_on_first(examples: &Examples, count: usize) -> Examples {
     examples.without(&examples.frames_of(Split::Train)[count..])
 }

@@ -1,4 +1,4 @@
-//! Joint weights as an artist painted them: what they make of a fit.
+//! Joint weights painted by an artist: their effect on a fit.
 
 use super::{SETS, found, trained_on_first};
 use sinew_trainer::envelope::{Options, train};
@@ -8,8 +8,8 @@ use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::fs::File;
 
-/// What painted joint weights make of LBS and of a model, held out, in range and beyond
-/// the clip, or the first frames, that train.
+/// Prints the effect of painted joint weights on the errors of LBS and of a model: held out, in
+/// range, and outside the clip or the first frames of the training.
 pub(crate) fn painted() -> Result<(), Box<dyn Error>> {
     let errors = |examples: &Examples| -> Result<[f64; 2], Box<dyn Error>> {
         let model = train(examples, &Options::default(), &Silent)?.model;
@@ -25,7 +25,7 @@ pub(crate) fn painted() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Sets with the weights that an artist painted, and scenes with those of their skin.
+/// Loads sets with an artist's painted weights, and scenes with the weights of their skin.
 fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut scenes = Vec::new();
     for (name, file) in SETS {

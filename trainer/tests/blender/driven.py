@@ -1,13 +1,13 @@
-"""Makes driven.blend in the folder that its argument names: a square on one bone whose shape keys are driven and keyed.
+"""Makes driven.blend in the folder of the first argument: a square on one bone, with driven and animated shape keys.
 
-- Grin: by a custom property of the bone, keyed 0, 1, 1.
-- Tilt: by the bone's rotation, keyed too.
-- Puff: by a custom property of the armature's object, whose default is 0.5 and which is keyed 1, 1, 0.
-- Wink: keyed itself, 1, 0, 1.
-- Style: 0.5 for good, with no key and no driver.
-- Calm: by a custom property of the armature's data that no key moves, 0.25.
+- Grin: driven by a custom property of the bone, keyed 0, 1, 1.
+- Tilt: driven by the bone's rotation, which is keyed too.
+- Puff: driven by a custom property of the armature's object, with the default 0.5, keyed 1, 1, 0.
+- Wink: keyed directly, 1, 0, 1.
+- Style: always 0.5, without keys and without a driver.
+- Calm: driven by a custom property of the armature's data, without keys, 0.25.
 
-The scene is saved in its last frame.
+The scene is saved at its last frame.
 """
 
 import math

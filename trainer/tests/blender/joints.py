@@ -1,5 +1,7 @@
-"""Writes the armature of a scene, which its first argument names, without any mesh: as joints.fbx and joints.glb in the
-folder that its second one names."""
+"""Writes the armature of a scene without its meshes, as joints.fbx and joints.glb.
+
+Arguments: the scene, and the folder of the files.
+"""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-//! The Blender script, run in the `bpy` package: what it exports is what the scene was made of.
+//! Runs the Blender script in the `bpy` package: the exported examples must match the scene.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
@@ -10,7 +10,7 @@ use sinew_trainer::examples::{Clip, Examples, Loaded, Source, Warning, load, loa
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Gives the Python that has `bpy`; none where `cargo xtask test` found that it does not install.
+/// Returns the Python that has `bpy`; `None` if `cargo xtask test` could not install `bpy`.
 fn python() -> Option<PathBuf> {
     let python = std::env::var_os("SINEW_BPY").expect(
         "SINEW_BPY must name a Python with bpy (`pip install bpy==5.0.1`), as `cargo xtask test` \
@@ -29,7 +29,7 @@ fn run(python: &Path, script: &str, arguments: &[&str]) -> Output {
     Command::new(python).arg(script).args(arguments).output().unwrap()
 }
 
-/// Makes the scenes and exports one; gives the script's output and where the examples should be.
+/// Makes the scenes and exports one; returns the script's output and the path of the examples.
 fn export(test: &str, scene: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
     let python = python()?;
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("blender-{test}"));
@@ -48,7 +48,7 @@ fn of(python: &Path, scene: &Path, examples: &Path, more: &[&str]) -> Output {
     run(python, "blender_export.py", &arguments)
 }
 
-/// Gives what the script says, and what it notes.
+/// Returns the script's standard output and its notes.
 #[track_caller]
 fn done(output: &Output) -> [String; 2] {
     let [said, noted] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
@@ -73,7 +73,7 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     assert_eq!(clips, [clip("RigAction", 0, 24.0, &[1, 2, 3])]);
     let space = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..Space::GLTF };
     assert_eq!(examples.space, space);
-    // A quad, a triangle, and three triangles for the face of five corners.
+    // A quad, a triangle, and three triangles for the pentagon.
     assert_eq!((examples.vertex_len(), examples.triangles.len()), (6, 2 + 1 + 3));
     assert_eq!(examples.skeleton.names, ["upper", "lower"]);
     assert_eq!(examples.skeleton.parents, [None, Some(0)]);
@@ -81,7 +81,8 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     near(&examples.rest[5], &[0.3, 0.3, 1.5]);
     let weights = [[1.0, 0.0], [0.75, 0.25], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0]];
     near(examples.joint_weights.as_ref().unwrap(), weights.as_flattened());
-    // A bone's own x stays x: by 90 degrees about it at (0, 0, 1), y becomes z and z becomes -y.
+    // The bone's x axis stays x: rotated by 90 degrees about it at (0, 0, 1), y becomes z and z
+    // becomes -y.
     let bent = examples.pose(2)[1];
     near(&bent[0], &[1.0, 0.0, 0.0, 0.0]);
     near(&bent[1], &[0.0, 0.0, -1.0, 1.0]);
@@ -89,12 +90,12 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
     near(&examples.frame(2)[0], &[0.2, 0.0, 0.5]);
     near(&examples.frame(1)[0], &[0.15, 0.0, 0.5]);
-    // Vertices 2, 3 and 4 have two places in the texture each.
+    // Vertices 2, 3 and 4 have two texture coordinates each.
     let surface = examples.surface();
     let uv = surface.uv().unwrap().iter().enumerate();
     let mut found: Vec<_> = uv.map(|(copy, uv)| (surface.copy_of(copy), *uv)).collect();
     found.sort_by(|a, b| a.partial_cmp(b).unwrap());
-    // Copies that differ in their tangents alone.
+    // Drops copies that differ only in their tangents.
     found.dedup();
     let expected = [
         (0, [0.0, 0.0]),
@@ -110,7 +111,7 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     assert_eq!(found, expected);
 }
 
-/// Blender's own exporter writes other axes and units, and every bone.
+/// Blender's FBX exporter writes other axes and units, and every bone.
 #[test]
 fn the_same_scene_as_fbx_moves_the_same_joints() {
     let Some((output, path)) = export("fbx", "limb.blend", &[]) else { return };
@@ -132,7 +133,8 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
             near(found.as_flattened(), expected.as_flattened());
         }
     }
-    // Alone the scene shows what the script saw, in its own space: skin and shape key.
+    // Without other files, the scene gives the script's examples in the scene's space: skin and
+    // shape key.
     let alone = load(&Source::file(&scene)).unwrap().examples;
     let moved = |&[x, y, z]: &[f64; 3]| [0.01 * x, -0.01 * z, 0.01 * y];
     for frame in 0..3 {
@@ -141,7 +143,8 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
     }
 }
 
-/// At rest are keys, and the drivers that follow them, and not what the scene's current frame makes of both.
+/// The rest mesh has animated shape keys and their drivers at rest, whatever the scene's current
+/// frame.
 #[test]
 fn drivers_and_shapes_are_at_rest_in_the_rest_mesh() {
     let Some(python) = python() else { return };
@@ -160,14 +163,14 @@ fn drivers_and_shapes_are_at_rest_in_the_rest_mesh() {
     let on = "shape keys that are on at rest, as no key moves them: Face Puff (0.50), Face Style (0.50), Face Calm (0.25)";
     assert!(noted.contains(on), "{noted}");
     let examples = npz::load(&path).unwrap().examples;
-    // Puff by its default, and what no key moves.
+    // Puff at its default, and the shape keys without animation.
     let rest = [[0.0, 0.0, 0.0], [1.05, 0.0, 0.0], [1.05, 0.025, 1.0], [0.0, 0.0, 1.0]];
     near(examples.rest.as_flattened(), rest.as_flattened());
-    // What is played is played: Grin and Puff in frame 2, where the head is upright.
+    // Animated shape keys play: Grin and Puff in frame 2, where the head is upright.
     near(&examples.frame(0)[0], &[0.1, 0.0, 0.0]);
     near(&examples.frame(0)[1], &[1.1, 0.0, 0.0]);
     near(&examples.frame(0)[2], &[1.05, 0.025, 1.0]);
-    // In frame 3 it nods: Tilt is on, and Wink.
+    // In frame 3 the head nods: Tilt and Wink are on.
     let (sine, cosine) = (45.0_f64.to_radians().sin(), 45.0_f64.to_radians().cos());
     let tilt = 0.1 * 45.0_f64.to_radians();
     near(&examples.frame(1)[0], &[0.1, cosine * tilt, sine * tilt]);
@@ -216,14 +219,15 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     let ratios: Vec<f64> = importance.iter().map(|number| number / importance[0]).collect();
     near(&ratios, &[1.0, 0.0, 0.0, 0.25, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
     near(&examples.joint_weights.as_ref().unwrap()[2 * 6..], &[1.0, 0.0].repeat(4));
-    // The sleeve is mirrored, its faces are turned over; it has no texture, and no seam.
+    // The sleeve is mirrored and its faces are flipped; it has no texture and no seam.
     near(&examples.rest[7], &[-0.2, 0.0, 0.0]);
     assert_eq!(examples.triangles[6..], [[6, 8, 7], [6, 9, 8]]);
     let surface = examples.surface();
     let uv = surface.uv().unwrap();
     let own: Vec<_> = (0..uv.len()).filter(|&copy| surface.copy_of(copy) >= 6).collect();
     assert!(own.len() == 4 && own.iter().all(|&copy| uv[copy] == [0.0; 2]));
-    // Each strip plays its own: by 90 degrees about the bone's y, which is z, x becomes y.
+    // Each strip plays its action: rotated by 90 degrees about the bone's y axis, which is z, x
+    // becomes y.
     near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
     near(&examples.frame(3)[5], &[0.3, 0.3, 1.5]);
     near(&examples.frame(4)[5], &[-0.3, 0.3, 1.5]);
@@ -231,7 +235,7 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     near(&examples.frame(5)[5], &[0.3, 0.3, 1.5]);
     near(&examples.frame(7)[5], &[0.3, -0.5, 1.3]);
 
-    // One clip of it, held out or alone.
+    // One clip, held out or alone.
     let clip = Source { clips: &["Twist".to_owned()], ..Source::file(&path) };
     let Loaded { examples: alone, clips, .. } = load(&clip).unwrap();
     assert_eq!((alone.frame_len(), clips.len(), clips[0].number(0)), (2, 1, Some(5)));
@@ -239,7 +243,7 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
 }
 
 #[test]
-fn strips_that_overlap_are_one_clip_and_what_grows_is_named() {
+fn overlapping_strips_are_one_clip_and_growing_modifiers_are_named() {
     let Some(python) = python() else { return };
     let arguments = ["--mesh", "Sleeve", "--mesh", "Limb"];
     let Some((output, path)) = export("muddled", "muddled.blend", &arguments) else { return };
@@ -273,13 +277,14 @@ fn strips_that_overlap_are_one_clip_and_what_grows_is_named() {
         assert!(!output.status.success() && error.contains(words), "{error}");
         assert!(!none.exists());
     }
-    // What cannot be mended here is told where it is read.
+    // The loader reports faults that the script cannot fix.
     done(&of(&python, &path.with_file_name("mirrored.blend"), &none, &["--mesh", "Limb"]));
     let error = npz::load(&none).unwrap_err().to_string();
     assert!(error.contains("in the rest pose, joint upper is mirrored"), "{error}");
 }
 
-/// A rig as a studio hands it over: as it was exported when the set was made, and what is told since.
+/// A studio's rig: the export must equal the export from the time when the set was made, plus newer
+/// fields.
 #[test]
 fn the_leg_is_exported_anew_as_it_was() {
     let Some(python) = python() else { return };
@@ -302,7 +307,8 @@ fn the_leg_is_exported_anew_as_it_was() {
     assert_eq!(examples.surface().engine_len(), 4164, "with its seams");
 }
 
-/// Animators hand over the armature alone; Blender's FBX then holds no rest pose, but the frame that is shown.
+/// Animators exchange the armature alone. Blender's FBX then contains no rest pose, but the current
+/// frame.
 #[test]
 fn an_armature_alone_plays_on_its_character() {
     let Some(python) = python() else { return };
@@ -338,7 +344,7 @@ fn an_armature_alone_plays_on_its_character() {
 }
 
 #[test]
-fn what_the_scene_lacks_is_named_and_nothing_is_written() {
+fn missing_parts_of_a_scene_are_named_and_nothing_is_written() {
     for (test, arguments, words) in [
         ("mesh", ["--mesh", "Arm"], "there is no mesh Arm, only: Limb"),
         ("armature", ["--armature", "Limb"], "there is no armature Limb, only: Rig"),

@@ -1,12 +1,12 @@
-"""Makes the scenes of the test in the folder that its argument names.
+"""Makes the scenes of the test in the folder of the first argument.
 
-- limb.blend, and the same as limb.fbx: a limb of two deforming bones with one between them that
-  deforms nothing, in centimetres under a node that makes metres of them.
-- strips.blend: the same with a sleeve, mirrored and without a texture, with two hidden meshes, a vertex
-  group of what matters, three strips of the NLA, and another unit.
-- muddled.blend: the same with strips that overlap, and the hidden meshes shown, of which one grows
-  and the faces of the other change.
-- mirrored.blend: the same with the whole rig mirrored.
+- limb.blend, and the same scene as limb.fbx: a limb of two deforming bones with a bone between them that
+  deforms nothing, in centimetres under a node that scales them to metres.
+- strips.blend: the limb with a sleeve (mirrored, without a texture), two hidden meshes, a vertex group for
+  importance, three strips of the NLA, and another unit.
+- muddled.blend: strips.blend with overlapping strips and visible meshes. The number of vertices of one mesh
+  grows, and the faces of the other change.
+- mirrored.blend: strips.blend with the whole rig mirrored.
 """
 
 import math
@@ -43,7 +43,7 @@ bpy.ops.object.mode_set(mode="OBJECT")
 shape = bpy.data.meshes.new("Limb")
 corners = [(10, 0, 50), (-10, 0, 50), (-10, 0, 150), (10, 0, 150), (0, 30, 180), (30, 30, 150)]
 shape.from_pydata(corners, [], [(0, 1, 2, 3), (3, 2, 4), (0, 3, 4, 5, 1)])
-# A seam: the edge from vertex 2 to 3 lies elsewhere in the triangle's texture than in the quad's.
+# A seam: the edge from vertex 2 to 3 has other texture coordinates in the triangle than in the quad.
 texture = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 2), (1, 2), (2, 3), (0, 0), (0, 1), (3, 1), (3, 0), (1, 0)]
 for corner, uv in zip(shape.uv_layers.new(name="Texture").data, texture, strict=True):
     corner.uv = uv
@@ -67,7 +67,7 @@ def follow(name, corners, faces):
     return mesh
 
 
-# What no skin can do: the first vertex moves by a shape key.
+# No skin can do this: the first vertex moves by a shape key.
 limb.shape_key_add(name="Basis")
 swell = limb.shape_key_add(name="Swell")
 swell.data[0].co.x += 10
@@ -118,7 +118,7 @@ for frame, degrees in ((5, 0), (6, 90), (7, 90)):
     lower.keyframe_insert("rotation_euler", frame=frame)
 twist, animation.action = animation.action, None
 scene.frame_end = 10
-# The last two meet in frame 7.
+# The last two strips meet in frame 7.
 for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5), ("Again", bend, 7)):
     animation.nla_tracks.new().strips.new(name, first, action).extrapolation = "NOTHING"
 save("strips.blend")

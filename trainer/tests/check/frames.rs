@@ -1,4 +1,4 @@
-//! Frames against each other.
+//! Checks of frames against each other.
 
 use super::made::{arm, chain, check, frames, kinds, only, swelling};
 use sinew_trainer::check::finding::{Finding, Kind, Severity};
@@ -41,7 +41,7 @@ fn one_pose_with_two_meshes_is_warned_of() {
     assert_eq!((broken.severity, frames(broken)), (Severity::Warning, vec![30]));
 }
 
-/// The meshes of every frame, those of the frame before or after.
+/// Gives each frame the mesh of a neighbouring frame.
 fn out_of_step(shift: isize) -> Examples {
     let right = arm();
     let mut examples = right.clone();
@@ -53,7 +53,7 @@ fn out_of_step(shift: isize) -> Examples {
 }
 
 #[test]
-fn meshes_of_the_frame_before_or_after_are_told() {
+fn meshes_of_the_frame_before_or_after_are_reported() {
     let of = |shift| check(&out_of_step(shift)).find(Kind::OutOfStep).cloned();
     assert!(of(0).is_none());
     for (shift, word) in [(-1, "one frame late"), (1, "one frame early")] {
@@ -63,14 +63,14 @@ fn meshes_of_the_frame_before_or_after_are_told() {
     }
 }
 
-/// A bar that bends both hinges slowly, or fast, over 60 frames.
+/// Makes a bar that bends both hinges over 60 frames, slowly or fast.
 fn bending(speed: f64, swell: f64) -> Examples {
     let of =
         |k: usize| [60.0 * (0.15 * speed * k as f64).sin(), 50.0 * (0.12 * speed * k as f64).cos()];
     swelling(&(0..60).map(|k| (of(k), Split::Train)).collect::<Vec<_>>(), swell)
 }
 
-/// Gives frames the meshes of so many frames before.
+/// Delays the meshes of some frames by `by` frames.
 fn late(examples: &mut Examples, frames: std::ops::Range<usize>, by: isize) {
     let right = examples.clone();
     let len = right.vertex_len();
@@ -80,7 +80,7 @@ fn late(examples: &mut Examples, frames: std::ops::Range<usize>, by: isize) {
     }
 }
 
-/// Insists on one warning, of a kind.
+/// Asserts a single warning of this kind.
 #[track_caller]
 fn only_warning(examples: &Examples, kind: Kind) -> Finding {
     let mut found = check(examples).findings;
@@ -90,7 +90,7 @@ fn only_warning(examples: &Examples, kind: Kind) -> Finding {
 }
 
 #[test]
-fn late_meshes_are_told_once_and_by_how_many_frames() {
+fn late_meshes_are_reported_once_with_the_delay_in_frames() {
     for (speed, swell) in [(1.0, 0.0), (1.0, 0.1), (4.0, 0.0), (4.0, 0.1)] {
         for (by, words) in [
             (1, "one frame late"),
@@ -108,7 +108,7 @@ fn late_meshes_are_told_once_and_by_how_many_frames() {
 }
 
 #[test]
-fn meshes_that_are_late_in_a_part_of_a_clip_are_told_of() {
+fn meshes_that_are_late_in_a_part_of_a_clip_are_reported() {
     for (speed, swell) in [(1.0, 0.0), (1.0, 0.1), (4.0, 0.0), (4.0, 0.1)] {
         for (frames, first) in [(30..60, 30), (20..60, 20)] {
             let mut examples = bending(speed, swell);
@@ -122,7 +122,7 @@ fn meshes_that_are_late_in_a_part_of_a_clip_are_told_of() {
 }
 
 #[test]
-fn a_faulty_frame_is_told_of_beside_late_meshes() {
+fn a_faulty_frame_is_reported_besides_late_meshes() {
     let mut examples = bending(1.0, 0.0);
     late(&mut examples, 0..60, 1);
     explode(&mut examples, 20, 0.05);
@@ -154,7 +154,7 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
 }
 
 #[test]
-fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
+fn meshes_in_another_order_of_clips_are_reported() {
     let right = arm();
     let mut examples = right.clone();
     let (walk, stretch) = right.vertices.split_at(right.vertex_len() * 16);
@@ -174,7 +174,8 @@ fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
     assert!(check(&right).find(Kind::ClipOrder).is_none());
 }
 
-/// Sixteen frames in which the hinges sway by up to `sway` degrees, then five that bend both, or the second alone.
+/// Makes sixteen frames in which the hinges sway by up to `sway` degrees, then five that bend both
+/// hinges, or only the second.
 fn action(sway: [f64; 2], both: bool) -> Examples {
     let idle =
         (0..16).map(|k| [0, 1].map(|hinge| sway[hinge] * (1.7 * k as f64 + hinge as f64).sin()));
@@ -195,7 +196,7 @@ fn frames_that_alone_move_a_joint_are_not_called_wrong() {
 
 #[test]
 fn an_exact_linear_skin_has_no_wrong_frames() {
-    // Each vertex follows one joint, and rounding is all that LBS leaves.
+    // Each vertex follows one joint, so LBS is exact up to rounding.
     let mut examples = action([0.0, 0.0], true);
     let (v, j) = (examples.vertex_len(), examples.joint_len());
     for frame in 0..examples.frame_len() {
@@ -211,7 +212,7 @@ fn an_exact_linear_skin_has_no_wrong_frames() {
     assert!(!kinds(&found).contains(&Kind::Broken), "{found:#?}");
 }
 
-/// Moves each vertex of a frame another way, by so many diagonals RMS.
+/// Moves each vertex of a frame in a different direction, by `size` diagonals RMS.
 fn explode(examples: &mut Examples, frame: usize, size: f64) {
     let (len, size) =
         (examples.vertex_len(), 2f64.sqrt() / 3f64.sqrt() * size * examples.diagonal());
@@ -221,7 +222,7 @@ fn explode(examples: &mut Examples, frame: usize, size: f64) {
         .for_each(|(i, x)| *x += size * (12.9898 * (i * i + frame) as f64).sin());
 }
 
-/// Frames at rest, then some that bend both hinges each another way.
+/// Makes frames at rest, then some that bend both hinges in different ways.
 fn punch(rest: usize, bent: usize, swell: f64) -> Examples {
     let angles =
         |k: usize| [70.0 * (2.4 * k as f64 + 1.0).sin(), 80.0 * (1.9 * k as f64 + 2.0).cos()];
@@ -267,7 +268,7 @@ fn frames_that_move_alone_and_bulge_are_not_called_wrong() {
 }
 
 #[test]
-fn the_error_of_a_wrong_frame_is_told_beside_what_is_usual() {
+fn the_error_of_a_wrong_frame_is_reported_with_the_usual_error() {
     let mut examples = punch(30, 6, 0.0);
     explode(&mut examples, 3, 0.05);
     let text = check(&examples).find(Kind::Broken).unwrap().text.clone();

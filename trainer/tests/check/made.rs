@@ -1,4 +1,4 @@
-//! Characters to be spoiled.
+//! Characters for the tests to damage.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Vector3};
 use sinew_runtime::format::Space;
@@ -8,7 +8,7 @@ use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4, Skeleton, Split};
 use sinew_trainer::progress::Silent;
 
-/// The demo's arm, with the rest pose as its frame 0.
+/// Makes the demo's arm, with the rest pose as frame 0.
 pub(crate) fn arm() -> Examples {
     let mut arm = demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 5 });
     let (v, j) = (arm.vertex_len(), arm.joint_len());
@@ -17,23 +17,25 @@ pub(crate) fn arm() -> Examples {
     arm
 }
 
-/// Angles in degrees of the two hinges of a chain, and how the frame is used.
+/// Angles of a chain's two hinges in degrees, and the use of the frame.
 pub(crate) type Bend = ([f64; 2], Split);
 
-/// Bends that cover both hinges, alone and together.
+/// Lists bends that cover both hinges, alone and together.
 pub(crate) fn bends() -> Vec<Bend> {
     let angles = [0.0, 20.0, 40.0, 60.0, 80.0];
     let both = |a| angles.map(|b| ([a, b], Split::Train));
     angles.into_iter().flat_map(both).collect()
 }
 
-/// A bar along x on joints `root`, `upper` at x = 1 and `lower` at x = 2, which turn about z. Its
-/// skin follows the nearer joint, half of each at a hinge, and swells as the square of the angles.
+/// Makes a bar along x on joints `root`, `upper` at x = 1 and `lower` at x = 2, which rotate about
+/// z. Its skin follows the nearer joint, half of each at a hinge, and swells as the square of the
+/// angles.
 pub(crate) fn chain(bends: &[Bend]) -> Examples {
     swelling(bends, 0.1)
 }
 
-/// The bar of [`chain`] whose skin swells so much at an angle of 2 rad; without, it is linear.
+/// Makes the bar of [`chain`], with a skin that swells by `most` at an angle of 2 rad; without
+/// swelling, the skin is linear.
 pub(crate) fn swelling(bends: &[Bend], most: f64) -> Examples {
     let ring = |x: f64| [[x, 0.2, 0.2], [x, -0.2, 0.2], [x, -0.2, -0.2], [x, 0.2, -0.2]];
     let rings = 13;
@@ -107,7 +109,7 @@ pub(crate) fn kinds(check: &Check) -> Vec<Kind> {
     check.findings.iter().map(|finding| finding.kind).collect()
 }
 
-/// Insists on one finding, of a kind.
+/// Asserts a single finding of this kind.
 #[track_caller]
 pub(crate) fn only(examples: &Examples, kind: Kind) -> Finding {
     let mut found = check(examples).findings;
@@ -115,20 +117,20 @@ pub(crate) fn only(examples: &Examples, kind: Kind) -> Finding {
     found.remove(0)
 }
 
-/// Numbers of the frames among some places, in order.
+/// Lists the frames among the places of a finding, in order.
 pub(crate) fn frames(finding: &Finding) -> Vec<usize> {
     let frame =
         |place: &Place| if let Place::Frame(name) = place { Some(name.frame) } else { None };
     finding.places.iter().filter_map(frame).collect()
 }
 
-/// Numbers of the triangles among some places, in order.
+/// Lists the triangles among the places of a finding, in order.
 pub(crate) fn triangles(finding: &Finding) -> Vec<usize> {
     let number = |place: &Place| if let Place::Triangle(t) = place { Some(*t) } else { None };
     finding.places.iter().filter_map(number).collect()
 }
 
-/// Names of the joints among some places, in order.
+/// Lists the names of the joints among the places of a finding, in order.
 pub(crate) fn joints(finding: &Finding) -> Vec<&str> {
     let mut names = Vec::new();
     for place in &finding.places {

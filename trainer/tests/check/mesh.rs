@@ -1,4 +1,4 @@
-//! Faces, at rest and in poses.
+//! Checks of faces, at rest and in poses.
 
 use super::made::{arm, check, frames, only, triangles};
 use nalgebra::Vector3;
@@ -10,12 +10,12 @@ fn posed(examples: &mut Examples, frame: usize, vertex: usize) -> &mut [f64; 3] 
     &mut examples.vertices[at]
 }
 
-/// The arm without texture, whose triangles may be changed.
+/// Makes the arm without texture, so that its triangles can be changed.
 fn plain() -> Examples {
     Examples { engine: None, ..arm() }
 }
 
-/// Adds a vertex that copies another one in every frame.
+/// Adds copies of vertices that move with their originals in every frame.
 fn doubled(examples: &Examples, source: &[usize]) -> Examples {
     let mut out = examples.clone();
     out.engine = None;

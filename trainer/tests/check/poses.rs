@@ -1,4 +1,4 @@
-//! How far the poses reach, and which of them are needed.
+//! Checks of the range of the poses, and of redundant poses.
 
 use super::made::{Bend, bends, chain, check};
 use sinew_trainer::examples::Split;

@@ -1,4 +1,4 @@
-//! Joints, and the rest mesh on them.
+//! Checks of joints, and of the rest mesh on them.
 
 use super::made::{arm, bends, chain, check, frames, joints, kinds, only};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -74,13 +74,13 @@ fn a_joint_that_moves_no_vertex_is_named() {
 }
 
 #[test]
-fn joint_weights_of_another_skin_are_named_and_left_aside() {
+fn joint_weights_of_another_skin_are_named_and_ignored() {
     let mut examples = chain(&bends());
-    // What no weights explain: else poses tell more than any weights.
+    // Displacements that no weights explain: otherwise the poses would determine the weights.
     for (k, x) in examples.vertices.as_flattened_mut().iter_mut().enumerate() {
         *x += 0.1 * (7.0 * k as f64).sin();
     }
-    // As the chain is made.
+    // The weights that made the chain.
     let weights = |x: f64| {
         let [a, b] = [1.0, 2.0].map(|at| ((x - at) / 0.5 + 0.5).clamp(0.0, 1.0));
         [1.0 - a, a * (1.0 - b), a * b]
@@ -91,11 +91,12 @@ fn joint_weights_of_another_skin_are_named_and_left_aside() {
     examples.joint_weights = Some(painted);
     let found = check(&examples);
     assert_eq!(found.find(Kind::Weights), None);
-    // All that the weights that made the chain leave: waves along three axes, of the diagonal of 3 x 0.4 x 0.4.
+    // The error of these weights: waves along three axes, relative to the diagonal of 3 x 0.4 x
+    // 0.4.
     let own = found.lbs.own_weights_percent.unwrap();
     let waves = 100.0 * 0.1 * f64::sqrt(1.5) / f64::sqrt(9.0 + 2.0 * 0.16);
     assert!((own / waves - 1.0).abs() < 0.02, "{own} {waves}");
-    // The tip is left on the root.
+    // The tip keeps the weights of the root.
     let weights = examples.joint_weights.iter_mut().flat_map(|all| all.chunks_exact_mut(3));
     for (row, _) in weights.zip(&examples.rest).filter(|(_, x)| x[0] > 2.9) {
         row.copy_from_slice(&[1.0, 0.0, 0.0]);
@@ -129,7 +130,7 @@ fn another_sculpt_at_rest_is_warned_of_where_it_differs() {
 #[test]
 fn a_frame_that_equals_the_rest_mesh_shows_that_it_belongs() {
     let mut examples = arm();
-    // Muscles that tense without any joint: another mesh in the rest pose, as often as not.
+    // Muscles that tense without any joint: half of the frames have the rest pose and another mesh.
     let len = examples.vertex_len();
     let identity = examples.transforms[..examples.joint_len()].to_vec();
     for frame in (1..examples.frame_len()).step_by(2) {
@@ -140,7 +141,7 @@ fn a_frame_that_equals_the_rest_mesh_shows_that_it_belongs() {
                 [x, y, z * (1.0 + 0.3 * (20.0 * x).sin().abs())];
         }
     }
-    // The frame that equals the rest mesh is neither the first nor the last of them.
+    // The frame that equals the rest mesh is neither the first nor the last frame in the rest pose.
     let middle = examples.frame_len() / 2;
     let rest = examples.rest.clone();
     examples.vertices.copy_within(middle * len..(middle + 1) * len, 0);
@@ -149,7 +150,7 @@ fn a_frame_that_equals_the_rest_mesh_shows_that_it_belongs() {
     examples.transforms[middle * identity.len()..][..identity.len()].copy_from_slice(&identity);
     let found = check(&examples);
     assert!(found.find(Kind::RestDiffers).is_none(), "{:?}", found.findings);
-    // Without that frame the same meshes are those of another sculpt.
+    // Without that frame, the meshes look like another sculpt.
     examples.split[middle] = Split::HeldOut;
     assert!(check(&examples).find(Kind::RestDiffers).is_some());
 }

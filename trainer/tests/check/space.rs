@@ -1,4 +1,4 @@
-//! Scale, place, and whether mesh and skeleton speak of the same space.
+//! Checks of scale, place, and the common space of mesh and skeleton.
 
 use super::made::{arm, check, frames, kinds, only};
 use nalgebra::{Matrix3, Vector3};
@@ -14,7 +14,8 @@ fn apply(points: &mut Points, linear: &Matrix3<f64>, shift: &Vector3<f64>) {
     points.iter_mut().for_each(|x| *x = (linear * Vector3::from(*x) + shift).into());
 }
 
-/// Restates maps for points that were moved by `y = linear x + shift`, a rotation times a scale.
+/// Converts maps for points that were moved by `y = linear x + shift`; `linear` is a rotation times
+/// a scale.
 fn conjugate(maps: &mut [Matrix3x4], linear: &Matrix3<f64>, shift: &Vector3<f64>) {
     let inverse = linear.try_inverse().unwrap();
     for map in maps {
@@ -41,13 +42,13 @@ fn scale(factor: f64) -> Matrix3<f64> {
     Matrix3::identity() * factor
 }
 
-/// y-up to z-up: a quarter turn about x.
+/// y-up to z-up: 90 degrees about x.
 fn z_up() -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
 }
 
 #[test]
-fn the_size_tells_the_unit() {
+fn the_size_reveals_the_unit() {
     let of = |factor| check(&moved(scale(factor), Vector3::zeros())).size;
     for (factor, unit) in [(1.0, "metres"), (100.0, "centimetres"), (1000.0, "millimetres")] {
         let size = of(factor);
@@ -93,7 +94,7 @@ fn distance_from_the_origin_costs_bits() {
 }
 
 #[test]
-fn other_units_are_named_with_what_has_them() {
+fn other_units_are_named_with_their_file() {
     let mut rest = arm();
     apply(&mut rest.rest, &scale(100.0), &Vector3::zeros());
     let found = check(&rest);
@@ -114,7 +115,7 @@ fn other_units_are_named_with_what_has_them() {
 }
 
 #[test]
-fn other_axes_are_named_with_what_has_them() {
+fn other_axes_are_named_with_their_file() {
     let zero = Vector3::zeros();
     let mut rest = arm();
     apply(&mut rest.rest, &z_up(), &zero);
@@ -122,7 +123,7 @@ fn other_axes_are_named_with_what_has_them() {
     apply(&mut posed.vertices, &z_up(), &zero);
     let mut joints = arm();
     conjugate(&mut joints.transforms, &z_up(), &zero);
-    // The remedy takes (x, -z, y) back to (x, y, z).
+    // The remedy converts (x, -z, y) back to (x, y, z).
     for (examples, what) in
         [(rest, "the rest mesh"), (posed, "the posed meshes"), (joints, "the joints")]
     {
@@ -151,7 +152,7 @@ fn a_shift_is_measured() {
 }
 
 #[test]
-fn vertices_in_another_order_are_told_of() {
+fn vertices_in_another_order_are_reported() {
     let mut examples = arm();
     let len = examples.vertex_len();
     examples.vertices.chunks_mut(len).for_each(<[_]>::reverse);
@@ -162,14 +163,14 @@ fn vertices_in_another_order_are_told_of() {
     assert!(order.text.starts_with(words), "{}", order.text);
 }
 
-/// Moves the mesh of a frame by so many diagonals along y.
+/// Moves the mesh of a frame by `by` diagonals along y.
 fn lift(examples: &mut Examples, frame: usize, by: f64) {
     let (len, diagonal) = (examples.vertex_len(), examples.diagonal());
     examples.vertices[frame * len..][..len].iter_mut().for_each(|x| x[1] += by * diagonal);
 }
 
 #[test]
-fn meshes_with_a_motion_that_the_joints_lack_are_told_of() {
+fn meshes_with_a_motion_that_the_joints_lack_are_reported() {
     let mut travelling = arm();
     (0..40).for_each(|frame| lift(&mut travelling, frame, 0.1 * frame as f64));
     let found = check(&travelling);
@@ -180,7 +181,7 @@ fn meshes_with_a_motion_that_the_joints_lack_are_told_of() {
 }
 
 #[test]
-fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others() {
+fn frames_with_a_common_motion_are_named_without_other_findings() {
     for moved in [5..14, 5..23] {
         let mut examples = arm();
         moved.clone().for_each(|frame| lift(&mut examples, frame, 0.2));
@@ -193,7 +194,7 @@ fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others(
     }
 }
 
-/// Checks the arm as two clips, `walk` of so many frames and `reach`, which is spoiled.
+/// Checks the arm as two clips, `walk` of `walk` frames and `reach`, after damaging the examples.
 fn in_clips(walk: usize, spoil: impl Fn(&mut Examples)) -> Check {
     let clip = |name: &str, first: usize, end: usize| Clip {
         name: name.to_owned(),
@@ -271,7 +272,7 @@ fn a_clip_with_the_meshes_of_another_is_named() {
 }
 
 #[test]
-fn clips_whose_joints_have_other_orders_are_told_of() {
+fn clips_whose_joints_have_other_orders_are_reported() {
     let found = in_clips(25, |examples| {
         let joints = examples.joint_len();
         let poses = examples.transforms[25 * joints..].chunks_mut(joints);
@@ -306,7 +307,8 @@ fn a_character_too_far_from_the_origin_for_single_precision_is_refused() {
     );
     let error = train(&examples, &Options::default(), &Silent).err().unwrap();
     assert_eq!(error.to_string(), told.text);
-    // Nearer, a mesh that is rounded is no other sculpt; positions that are given more finely may stand anywhere.
+    // Nearer to the origin, a rounded mesh does not look like another sculpt; positions in higher
+    // precision may lie anywhere.
     for examples in [rounded(far(3e3)), far(3e4)] {
         let found = check(&examples);
         assert_eq!(kinds(&found), [Kind::FarAway], "{found:#?}");

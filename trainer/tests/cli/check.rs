@@ -1,4 +1,4 @@
-//! `sinew check`: findings and advice, and no failure where there are any.
+//! `sinew check`: findings and advice, but no failure if there are any.
 
 use super::common::{Folder, HELD_OUT, Set, TRAINING};
 use super::keys;
@@ -54,7 +54,7 @@ fn a_mesh_that_is_moved_is_named_left_out_and_not_called_read() {
 }
 
 #[test]
-fn tables_stand_in_columns_whatever_the_script_of_names() {
+fn tables_are_aligned_for_names_in_every_script() {
     let folder = Folder::with_demo("check-cjk");
     let mut set = Set::demo();
     for (joint, name) in [(1, "鎖骨"), (3, "前腕のひねり・左"), (6, "e\u{301}paule")] {
@@ -83,12 +83,12 @@ fn a_check_prints_one_object_with_the_keys_promised() {
     assert_eq!(found["predicted"]["compared"], TRAINING);
     let lbs = folder.sinew("eval demo.sinew demo.npz --json --split train").json();
     let [a, b] = [&found["lbs"], &lbs["lbs"]].map(|lbs| lbs["rms_percent"].as_f64().unwrap());
-    // The model has the weights in 65,535ths.
+    // The model stores weights in units of 1/65,535.
     assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
 }
 
 #[test]
-fn faults_are_told_with_their_places_and_do_not_fail() {
+fn faults_are_reported_with_their_places_and_do_not_fail() {
     let folder = Folder::with_demo("check-faults");
     let mut set = Set::demo();
     set.wholes.get_mut("tris").unwrap().1[3 * 60..3 * 61].swap(0, 1);

@@ -1,4 +1,4 @@
-//! Folders, examples and runs of the `sinew` binary for its tests.
+//! Folders, examples and runs of the `sinew` binary for tests.
 
 use npyz::{AutoSerialize, Deserialize, NpyFile, WriteOptions, WriterBuilder};
 use serde_json::{Value, json};
@@ -11,14 +11,14 @@ use std::sync::OnceLock;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
-/// Frames of the demo that every test works on.
+/// Training frames of the demo that every test uses.
 pub(crate) const TRAINING: usize = 40;
-/// Its held-out frames.
+/// Held-out frames of the demo.
 pub(crate) const HELD_OUT: usize = 12;
-/// Proxies of its model.
+/// Proxies of the demo's model.
 pub(crate) const PROXIES: usize = 4;
 
-/// A folder of its own for one test, removed at its end.
+/// A separate folder for one test, removed at the end.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
@@ -28,7 +28,7 @@ impl Folder {
         Self(path)
     }
 
-    /// A folder with the demo's `demo.npz`, `demo.json` and `demo.sinew`.
+    /// Makes a folder with the demo's `demo.npz`, `demo.json` and `demo.sinew`.
     pub(crate) fn with_demo(test: &str) -> Self {
         let folder = Self::new(test);
         for (name, bytes) in demo() {
@@ -41,7 +41,7 @@ impl Folder {
         self.0.join(name)
     }
 
-    /// Reads a GIF: its pictures, and how long each is shown, in hundredths of a second.
+    /// Reads a GIF: its pictures, and the delay of each in hundredths of a second.
     pub(crate) fn gif(&self, name: &str) -> Vec<(Vec<u8>, u16)> {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
@@ -64,7 +64,7 @@ impl Folder {
         serde_json::from_slice(&self.read(name)).unwrap()
     }
 
-    /// Names what is in the folder, in order.
+    /// Lists the names in the folder, in order.
     pub(crate) fn list(&self) -> Vec<String> {
         let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
         let mut names: Vec<String> = fs::read_dir(&self.0)
@@ -75,7 +75,7 @@ impl Folder {
         names
     }
 
-    /// Runs `sinew` in the folder, with arguments parted by spaces.
+    /// Runs `sinew` in the folder, with arguments separated by spaces.
     pub(crate) fn sinew(&self, arguments: &str) -> Run {
         self.run(self.command(arguments))
     }
@@ -89,12 +89,12 @@ impl Folder {
     pub(crate) fn run(&self, mut command: Command) -> Run {
         let output = command.output().unwrap();
         let err = String::from_utf8(output.stderr).unwrap();
-        // On a slow machine it says now and then what it is at.
-        let told = err.split_inclusive('\n').filter(|line| !line.starts_with("sinew: working: "));
+        // On a slow machine, the command sometimes reports its progress.
+        let lines = err.split_inclusive('\n').filter(|line| !line.starts_with("sinew: working: "));
         Run {
             code: output.status.code(),
             out: String::from_utf8(output.stdout).unwrap(),
-            err: told.collect(),
+            err: lines.collect(),
         }
     }
 }
@@ -105,7 +105,7 @@ impl Drop for Folder {
     }
 }
 
-/// What a run said.
+/// Result of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
@@ -114,14 +114,14 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Insists on success and on silence on standard error.
+    /// Asserts success without text on standard error.
     #[track_caller]
     pub(crate) fn done(self) -> Self {
         assert_eq!((self.code, self.err.as_str()), (Some(0), ""), "{}", self.out);
         self
     }
 
-    /// Gives what it printed with each wrapped line as one.
+    /// Returns the output with wrapped lines joined.
     pub(crate) fn unwrapped(&self) -> String {
         self.out.replace("\n    ", " ")
     }
@@ -131,7 +131,7 @@ impl Run {
         serde_json::from_str(&self.done().out).unwrap()
     }
 
-    /// Insists on exit status 1, no result, and one line, which it gives without its beginning.
+    /// Asserts exit status 1, no output and one line of error; returns the line without its prefix.
     #[track_caller]
     pub(crate) fn failed(self) -> String {
         assert_eq!((self.code, self.out.as_str()), (Some(1), ""), "{}", self.err);
@@ -142,7 +142,7 @@ impl Run {
     }
 }
 
-/// The files of a small demo, made once.
+/// Returns the files of a small demo, made once.
 fn demo() -> &'static [(&'static str, Vec<u8>)] {
     static DEMO: OnceLock<Vec<(&str, Vec<u8>)>> = OnceLock::new();
     DEMO.get_or_init(|| {
@@ -153,7 +153,7 @@ fn demo() -> &'static [(&'static str, Vec<u8>)] {
     })
 }
 
-/// The demo's examples as arrays, to be read and to be spoiled.
+/// The demo's examples as arrays, to read and to change.
 pub(crate) struct Set {
     pub(crate) reals: BTreeMap<&'static str, (Vec<u64>, Vec<f64>)>,
     pub(crate) wholes: BTreeMap<&'static str, (Vec<u64>, Vec<i64>)>,
@@ -183,7 +183,7 @@ impl Set {
         self.reals["bone_transforms"].0[1] as usize
     }
 
-    /// Lists the frames of a split's code.
+    /// Lists the frames with a code of the split.
     pub(crate) fn frames(&self, code: i64) -> Vec<usize> {
         let split = &self.wholes["split"].1;
         (0..split.len()).filter(|&frame| split[frame] == code).collect()
@@ -196,7 +196,7 @@ impl Set {
         shape[0] = len;
     }
 
-    /// Writes `X.npz` and, unless it is null, `X.json`.
+    /// Writes `X.npz` and, unless the JSON is null, `X.json`.
     pub(crate) fn write(&self, npz: &Path) {
         let mut zip = ZipWriter::new(fs::File::create(npz).unwrap());
         for (name, (shape, numbers)) in &self.reals {
@@ -212,7 +212,7 @@ impl Set {
     }
 }
 
-/// Writes an archive of arrays: each by its name, shape and numbers.
+/// Writes an archive of arrays, given by name, shape and numbers.
 pub(crate) fn write_arrays<T: AutoSerialize + Copy>(npz: &Path, arrays: &[(&str, &[u64], &[T])]) {
     let mut zip = ZipWriter::new(fs::File::create(npz).unwrap());
     for (name, shape, numbers) in arrays {

@@ -1,10 +1,10 @@
-//! `sinew export` and `sinew export-demo`: what they write, say and refuse.
+//! `sinew export` and `sinew export-demo`: files, messages and refusals.
 
 use super::common::{Folder, HELD_OUT, Set, TRAINING};
 use serde_json::json;
 use std::fs;
 
-/// Writes the demo's rest mesh, scaled, as an OBJ with polygons of three corners.
+/// Writes the demo's rest mesh, scaled, as an OBJ of triangles.
 pub(crate) fn write_obj(folder: &Folder, name: &str, scale: f64) {
     let set = Set::demo();
     let mut text = "o arm\n".to_owned();
@@ -57,7 +57,7 @@ fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
     assert_eq!([clips[0].1.len(), clips[1].1.len()], [TRAINING, HELD_OUT]);
     for ((name, times), (clip, own)) in found.iter().zip(&clips) {
         assert_eq!((name, times.first(), times.last()), (clip, own.first(), own.last()));
-        // Poses that have nothing to do with each other need keys between them.
+        // Unrelated poses need keys between them.
         assert!(
             times.len() > own.len() && own.iter().all(|time| times.contains(time)),
             "{times:?}"
@@ -67,7 +67,7 @@ fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
     assert_eq!(animations(&folder, "out.glb"), clips);
 }
 
-/// Reads the names of a GLB's animations and when their keys play.
+/// Reads the names of a GLB's animations and their key times.
 fn animations(folder: &Folder, name: &str) -> Vec<(String, Vec<f32>)> {
     let glb = gltf::Gltf::from_slice(&folder.read(name)).unwrap();
     let blob = glb.blob.clone().unwrap();
@@ -79,11 +79,11 @@ fn animations(folder: &Folder, name: &str) -> Vec<(String, Vec<f32>)> {
     glb.animations().map(|animation| (name(&animation), times(animation))).collect()
 }
 
-/// As `blender_export.py` writes them: z up, and clips by name at 24 frames a second.
+/// As `blender_export.py` writes files: z up, and named clips at 24 frames a second.
 #[test]
-fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
+fn clips_and_space_of_an_npz_reach_the_export() {
     const WAVE: usize = 20;
-    let folder = Folder::with_demo("told");
+    let folder = Folder::with_demo("clips-and-space");
     let mut set = Set::demo();
     for (key, value) in [
         ("clip_names", json!(["walk", "wave"])),
@@ -95,18 +95,18 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
     ] {
         set.json[key] = value;
     }
-    set.write(&folder.path("told.npz"));
+    set.write(&folder.path("clips.npz"));
     let trains = |frames: &[i64]| frames.iter().filter(|&&split| split == 0).count();
     let split = &set.wholes["split"].1;
     let fit = "--predictor kernel --proxies 4 -o new.sinew --json";
-    let record = folder.sinew(&format!("train told.npz --clip wave {fit}")).json();
+    let record = folder.sinew(&format!("train clips.npz --clip wave {fit}")).json();
     let found = record["training_frames"].as_array().unwrap().len();
     assert_eq!(found, trains(&split[WAVE..]));
-    let record = folder.sinew(&format!("train told.npz --hold-out-clip wave {fit}")).json();
+    let record = folder.sinew(&format!("train clips.npz --hold-out-clip wave {fit}")).json();
     let found = record["training_frames"].as_array().unwrap().len();
     assert_eq!(found, trains(&split[..WAVE]));
 
-    // What cannot be measured or played is called as the file calls it.
+    // Errors of measuring and playing use the frame numbers and joint names of the file.
     let mut bad = Set::demo();
     bad.json = set.json.clone();
     let numbers = (0..TRAINING + HELD_OUT).map(|frame| 101 + frame as i64);
@@ -121,14 +121,14 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
         assert!(line.starts_with(&expected), "{line}");
     }
 
-    folder.sinew("export new.sinew --clip told.npz -o out.glb").done();
+    folder.sinew("export new.sinew --clip clips.npz -o out.glb").done();
     let times = |len: usize| (0..len).map(|key| (key as f64 / 24.0) as f32).collect::<Vec<_>>();
     let rest = TRAINING + HELD_OUT - WAVE;
     let expected = [("walk".to_owned(), times(WAVE)), ("wave".to_owned(), times(rest))];
     assert_eq!(animations(&folder, "out.glb"), expected);
-    // Upright and in metres without being told so.
+    // Y up and in metres by default.
     folder
-        .sinew("export new.sinew --clip told.npz --to-up y --to-forward z --to-unit 1 -o to.glb")
+        .sinew("export new.sinew --clip clips.npz --to-up y --to-forward z --to-unit 1 -o to.glb")
         .done();
     let glb = folder.read("out.glb");
     assert!(glb == folder.read("to.glb"));
@@ -141,7 +141,7 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
+fn impossible_exports_are_refused_and_write_nothing() {
     let folder = Folder::with_demo("export-refused");
     write_obj(&folder, "far.obj", 1e6);
     fs::write(folder.path("empty.obj"), "o nothing\n").unwrap();

@@ -1,4 +1,4 @@
-//! `sinew face`: a face, its pins, and what is refused.
+//! `sinew face`: training, pins, and refusals.
 
 use super::common::{Folder, Run};
 use npyz::{AutoSerialize, WriteOptions, WriterBuilder};
@@ -7,8 +7,8 @@ use std::fs::{self, File};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A strip of eight points in two rows: one shape lifts its left end, one its right, one widens it; `both` are the
-/// two ends together in the take.
+/// A strip of eight points in two rows. One shape lifts its left end, one its right end, one widens
+/// the strip; `both` lifts both ends in the take.
 const NAMES: [&str; 3] = ["lift_L", "lift_R", "jawOpen"];
 const V: usize = 8;
 
@@ -47,7 +47,7 @@ fn texts(zip: &mut ZipWriter<File>, name: &str, texts: &[&str]) {
     array.finish().unwrap();
 }
 
-/// Writes the face, and a take in which both ends go up and down together.
+/// Writes the face, and a take in which both ends rise and fall together.
 fn made(test: &str) -> Folder {
     let folder = Folder::new(test);
     write_face(&folder, &NAMES);
@@ -90,7 +90,7 @@ fn weight(run: &Value, name: &str) -> f64 {
 }
 
 #[test]
-fn what_goes_together_in_the_take_goes_together_in_a_drag() {
+fn correlated_shapes_of_the_take_move_together_in_a_drag() {
     let folder = trained("face-pin");
     let [lifted, alone] = ["", "--slider"].map(|how| {
         let run = format!("face pin face.sinew --pin 0=_,_,0.8 -o out.csv --json {how}");
@@ -129,7 +129,7 @@ fn a_pinned_face_is_a_mesh_a_scene_and_a_picture() {
     assert_eq!(mesh.weights().unwrap().len(), 3);
     let primitive = mesh.primitives().next().unwrap();
     assert_eq!(primitive.morph_targets().len(), 3);
-    // What was written is a face again.
+    // The output is a face again.
     fs::write(folder.path("again.csv"), "lift_L,lift_R,jawOpen\n0,0,0\n1,1,1\n").unwrap();
     let again = "face train --basis out.glb --animation again.csv -o again.sinew --json";
     let again = folder.sinew(again).json();
@@ -148,21 +148,21 @@ fn a_pin_may_count_more_and_be_on_a_screen() {
         let run = format!("face pin face.sinew {pins} -o out.csv --json");
         folder.sinew(&run).json()
     };
-    // Two pins that cannot both be: as near as their stiffness says.
+    // Two contradictory pins: the result balances their stiffnesses.
     let even = weight(&lift("--pin 0=_,_,0.8 --pin 0=_,_,0.2"), "lift_L");
     let uneven = weight(&lift("--pin 0=_,_,0.8*3 --pin 0=_,_,0.2"), "lift_L");
     assert!((even - 0.5).abs() < 0.02 && (uneven - 0.65).abs() < 0.02, "{even} {uneven}");
-    // A screen that sees z upside down, in units of a hundredth.
+    // A screen that shows z upside down, in units of 1/100.
     let screen = "--projection 100,0,0,50,0,0,-100,20";
     let seen = lift(&format!("{screen} --pin 0=_,-60"));
     assert!((weight(&seen, "lift_L") - 0.8).abs() < 0.05, "{seen}");
     let pin = &seen["pins"][0];
     assert_eq!((&pin["target"][0], &pin["target"][1]), (&50.0.into(), &(-60.0).into()));
     assert!(pin["missed"].as_f64().unwrap() < 2.0, "{seen}");
-    // It is as stiff as one in space.
+    // A screen pin is as stiff as a pin in space.
     let [inside, outside] = [lift("--pin 0=_,_,0.8"), seen].map(|run| weight(&run, "lift_L"));
     assert!((inside - outside).abs() < 1e-5, "{inside} {outside}");
-    // Without a projection it is the picture's: y downward, so that less of it is higher.
+    // Without a projection, picture coordinates apply: y points down, so a smaller y is higher.
     let y = |run: &Value| run["pins"][0]["at"][1].as_f64().unwrap();
     let still = lift("--pin 3=_,_ --width 200 -q");
     assert_eq!((weight(&still, "jawOpen"), &still["norm"]), (0.0, &0.0.into()));
@@ -225,7 +225,7 @@ fn a_track_becomes_weights_and_weights_a_take() {
 }
 
 #[test]
-fn eval_tells_each_number_of_handles() {
+fn eval_reports_each_number_of_handles() {
     let folder = trained("face-eval");
     let eval = "face eval face.sinew --animation take.csv --handles 1,2 --every 3 --from 1 --frames 30.. -q";
     let found = folder.sinew(&format!("{eval} --json")).json();
@@ -302,7 +302,7 @@ fn bad_takes_are_named_by_line_and_column() {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn impossible_requests_are_explained() {
     let folder = trained("face-refused");
     let failed = |arguments: &str, expected: &str| {
         let error = folder.sinew(arguments).failed();
@@ -328,14 +328,14 @@ fn what_cannot_be_done_is_said() {
     failed("face pin face.sinew --pin 0=0,0,0 -o a.obj", "expected 8 vertices");
     write_face(&folder, &["lift_L", "lift_L", "jawOpen"]);
     failed(TRAIN, "two shapes are named \"lift_L\"");
-    // A pin that nothing moves is told, and the face stays as it is.
+    // A pin that no shape can move is reported, and the face stays unchanged.
     let Run { code, err, .. } =
         trained("face-unreachable").sinew("face pin face.sinew --pin 0=5,_,_ -o a.csv");
     assert_eq!(code, Some(0));
     assert!(err.contains("1 of 1 are where no shape moves anything"), "{err}");
-    // A pin may be free, to say where its vertex is.
+    // A free pin only reports the place of its vertex.
     let free = "face pin face.sinew --pin 0=_,_,0.5 --pin 3=_,_,_ --pin 1=_,_ -o a.csv";
     let Run { code, err, .. } = trained("face-free").sinew(free);
-    let told = "sinew: note: pins: 2 of 3 are free in every coordinate\n";
-    assert_eq!((code, err.as_str()), (Some(0), told));
+    let message = "sinew: note: pins: 2 of 3 are free in every coordinate\n";
+    assert_eq!((code, err.as_str()), (Some(0), message));
 }

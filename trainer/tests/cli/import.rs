@@ -1,4 +1,4 @@
-//! Scenes, targets and importance as the command line takes them.
+//! Scenes, targets and importance on the command line.
 
 use crate::common::{Folder, write_arrays};
 use half::f16;
@@ -8,7 +8,7 @@ use std::io::Write;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A folder with the demo's rig and point cache.
+/// Makes a folder with the demo's rig and point cache.
 fn rig(test: &str) -> Folder {
     let folder = Folder::new(test);
     folder.sinew("export-demo . --vertices 200 --poses 20 --held-out 5").done();
@@ -16,7 +16,7 @@ fn rig(test: &str) -> Folder {
 }
 
 #[test]
-fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
+fn files_that_do_not_fit_a_scene_are_refused_by_name() {
     let folder = rig("misfits");
     let pc2 = folder.read("demo.pc2");
     fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
@@ -107,7 +107,7 @@ fn a_frame_that_is_not_finite_is_named_in_every_format() {
     }
     let line = folder.sinew("train demo.glb --targets poses -o new.sinew").failed();
     assert!(line.starts_with("poses/p1.obj: line 1 is no vertex, "), "{line}");
-    // Posed meshes are no examples: joints are missing.
+    // Posed meshes without joints are not examples.
     let line = folder.sinew("train bad.npz -o new.sinew").failed();
     let expected =
         "bad.npz: holds posed meshes, but no joints to learn from: give the scene with the joints";
@@ -132,7 +132,7 @@ fn half_precision_is_read_as_the_numbers_that_it_holds() {
 }
 
 #[test]
-fn archives_that_are_damaged_are_told_of_without_the_words_of_their_readers() {
+fn damaged_archives_are_reported_in_our_words() {
     let folder = rig("archives");
     write_arrays(&folder.path("cut.npz"), &[("vertices", &[2, 3, 3], &[0.0; 18])]);
     let whole = folder.read("cut.npz");
@@ -184,7 +184,7 @@ fn targets_and_importance_are_inputs_too() {
     assert_eq!(record["held_out_frames"].as_array().unwrap().len(), 5);
 }
 
-/// Targets of all clips serve where one is asked for.
+/// Targets of all clips also work for one clip.
 #[test]
 fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
     let folder = rig("cut");
@@ -217,21 +217,21 @@ fn targets_that_are_forgotten_are_asked_for() {
         assert_eq!(folder.sinew(command).failed(), asked);
         folder.sinew(&format!("{command} --targets demo.pc2")).done();
     }
-    // A model that had none has nothing to ask for.
+    // A model trained without importance does not ask for importance.
     folder.sinew(&format!("train demo.glb {fit} -o plain.sinew -q")).done();
     let run = folder.sinew("eval plain.sinew demo.glb");
     assert!(run.code == Some(0) && run.err.contains("there is nothing to learn"), "{}", run.err);
 }
 
 #[test]
-fn a_check_counts_what_it_has_printed() {
+fn a_check_counts_its_findings() {
     let folder = rig("counted");
-    for (options, told) in
+    for (options, expected) in
         [("", [1, 0]), ("--quiet", [0, 0]), ("--clip train --targets demo.pc2", [0, 1])]
     {
         let run = folder.sinew(&format!("check demo.glb {options}"));
         let count = |kind: &str| run.err.matches(&format!("{kind}: demo.glb: ")).count();
-        assert_eq!(["warning", "note"].map(count), told, "{}", run.err);
+        assert_eq!(["warning", "note"].map(count), expected, "{}", run.err);
         let found = |kind: &str| {
             let found = count(kind) + run.out.matches(&format!("\n  {kind}: ")).count();
             format!("{found} {kind}{}", if found == 1 { "" } else { "s" })
@@ -241,7 +241,7 @@ fn a_check_counts_what_it_has_printed() {
     }
 }
 
-/// Keeps the first frames of a point cache.
+/// Returns a point cache with only the first frames.
 fn frames(pc2: &[u8], len: usize) -> Vec<u8> {
     let mut cut = pc2[..32 + 12 * vertex_len(pc2) * len].to_vec();
     cut[28..32].copy_from_slice(&(len as u32).to_le_bytes());

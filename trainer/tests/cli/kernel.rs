@@ -1,4 +1,4 @@
-//! `sinew kernel`: from samples to functions in a file, and back.
+//! `sinew kernel`: from samples to functions in a file, and evaluation.
 
 use super::common::Folder;
 use super::shared::shared;
@@ -14,7 +14,7 @@ fn trained(test: &str, problem: &Value, arguments: &str) -> Folder {
     folder
 }
 
-/// Evaluates queries, and returns outputs and confidences.
+/// Evaluates queries; returns outputs and confidences.
 fn evaluated(folder: &Folder, queries: &Value, arguments: &str) -> Vec<Value> {
     fs::write(folder.path("queries.json"), queries.to_string()).unwrap();
     let found = folder.sinew(&format!("kernel eval model.sinew queries.json --json {arguments}"));
@@ -79,7 +79,7 @@ fn five_poses_of_a_wrist_become_weights_that_sum_to_one() {
         text.contains("output out") && text.contains("scalar from 0 to 1, a share of a sum"),
         "{text}"
     );
-    // As a quaternion the same rotation is the same pose.
+    // As quaternions, both signs of a rotation are the same pose.
     let quaternions = json!({
         "inputs": [{ "name": "wrist", "kind": "quaternion" }],
         "sites": [[0, 0, 0, 1], turned(half), turned(-half)],
@@ -110,7 +110,8 @@ fn rotations_come_out_as_rotations() {
     let found = evaluated(&folder, &json!([0.0, 1.0, 0.5]), "");
     near(&found[0]["outputs"], &[0.0, 0.0, 0.0, 1.0], 1e-5);
     near(&found[1]["outputs"], &quarter, 1e-5);
-    // Between the two it turns about the same axis, by the angle that has half of 4 tan(angle / 4).
+    // Between the two samples, the output rotates about the same axis, by the angle that halves 4
+    // tan(angle / 4).
     let half = 2.0 * (0.5 * 22.5f64.to_radians().tan()).atan();
     near(&found[2]["outputs"], &[0.0, 0.0, half.sin(), half.cos()], 1e-5);
     let length: f64 = numbers(&found[2]["outputs"]).iter().map(|x| x * x).sum();
@@ -132,7 +133,7 @@ fn far_from_the_samples_a_function_fades_stays_or_goes_on() {
     assert!(numbers(&of("kernel-free", "free")[0]["outputs"])[0] > 50.0);
 }
 
-/// Numbers between -1 and 1, the same in every run.
+/// Returns a number between -1 and 1, reproducible.
 fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
@@ -189,13 +190,13 @@ fn few_samples_and_few_centres_have_a_fade_too() {
         assert_eq!(run.code, Some(0), "{}", run.err);
         evaluated(&folder, &queries, "")
     };
-    // One sample is a constant, wherever it is asked.
+    // One sample gives a constant, for every query.
     let one = json!({ "sites": [3.0], "values": [7.0], "options": { "outside": "fade" } });
     for found in of("kernel-fade-one", &one, json!([3.0, -50.0])) {
         near(&found["outputs"], &[7.0], 1e-6);
         assert_eq!(found["confidence"], json!(1.0));
     }
-    // Learned centres and fewer centres are no samples.
+    // Learned centres and fewer centres are not samples.
     let sites: Vec<f64> = (0..30).map(f64::from).collect();
     let values: Vec<f64> = sites.iter().map(|x| (0.3 * x).sin()).collect();
     for (test, options) in [
@@ -211,7 +212,7 @@ fn few_samples_and_few_centres_have_a_fade_too() {
         }
         assert_eq!(of(test, &problem, json!([1e4]))[0]["confidence"], json!(0.0), "{test}");
     }
-    // Without a centre nothing tells how far a query is.
+    // Without centres, there is no distance from the data.
     let none = |rule: &str| json!({ "sites": [0, 1, 2], "values": [1, 2, 4], "options": { "centres": 0, "outside": rule } });
     assert_eq!(of("kernel-no-centres", &none("clamp"), json!([1.0]))[0]["confidence"], json!(1.0));
     let folder = Folder::new("kernel-no-fade");
@@ -221,9 +222,9 @@ fn few_samples_and_few_centres_have_a_fade_too() {
 }
 
 #[test]
-fn a_file_that_misses_its_function_is_refused_unless_it_may() {
+fn inexact_files_are_refused_unless_permitted() {
     let folder = Folder::new("kernel-f32");
-    // Random values in pairs of samples that are near each other: coefficients are large, and cancel.
+    // Random values at pairs of near samples: coefficients are large and cancel.
     let mut seed = 3;
     let sites: Vec<f64> = (0..24).map(|i| f64::from(i / 2) + 1e-3 * f64::from(i % 2)).collect();
     let values: Vec<f64> = (0..24).map(|_| random(&mut seed)).collect();
@@ -264,7 +265,7 @@ fn a_smoothing_for_each_sample_is_scipys() {
     let values = json!([0.0, 1.0, 3.0, 2.0, 2.5, -1.0]);
     let smoothing = json!([0.0, 0.1, 0.0, 0.02, 0.5, 0.0]);
     let queries = json!([0.0, 0.6, 1.0, 2.5, 4.0, 4.4, 5.0, 6.1, 7.0]);
-    // SciPy 1.17: RBFInterpolator of the sites over their mean distance, 97/30, or as they are.
+    // SciPy 1.17: RBFInterpolator of the sites, divided by their mean distance 97/30, or unscaled.
     for (options, expected) in [
         (
             json!({ "kernel": "gaussian", "epsilon": 1.2, "degree": 0, "smoothing": smoothing }),
@@ -419,7 +420,7 @@ fn functions_of_one_or_two_numbers_are_drawn() {
 }
 
 #[test]
-fn learned_centres_leave_out_what_does_not_matter() {
+fn learned_centres_ignore_irrelevant_inputs() {
     let sites: Vec<[f64; 2]> = (0..60)
         .map(|i| [(f64::from(i) * 0.754_877_666).fract(), (f64::from(i) * 0.569_840_291).fract()])
         .collect();

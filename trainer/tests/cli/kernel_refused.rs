@@ -1,4 +1,4 @@
-//! What `sinew kernel train` refuses, by place, and what it warns of.
+//! Refusals of `sinew kernel train`, with their places, and its warnings.
 
 use super::common::Folder;
 use serde_json::json;
@@ -81,7 +81,7 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
     ] {
         refused(problem, expected);
     }
-    // A gaussian so wide that rounding decides.
+    // A gaussian so wide that rounding dominates.
     let sites: Vec<f64> = (0..30).map(|i| f64::from(i) / 30.0).collect();
     let wide = json!({ "sites": sites, "values": sites, "options": { "epsilon": 0.01 } });
     refused(&wide.to_string(), "smooth more, take a narrower kernel or fewer centres");
@@ -118,7 +118,7 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
 }
 
 #[test]
-fn what_a_fit_merged_or_took_otherwise_is_told() {
+fn merged_samples_and_euler_angles_are_reported() {
     let folder = Folder::new("kernel-warned");
     let problem = json!({
         "inputs": [{ "name": "a", "kind": "euler XYZ" }, { "name": "b", "kind": "euler ZYX" }],

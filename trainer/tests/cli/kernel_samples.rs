@@ -1,19 +1,19 @@
-//! `sinew kernel train` on everyday samples: offsets, uneven places, repeated measurements, tables of other programs; and
-//! its messages about wrong ones.
+//! `sinew kernel train` on everyday samples: offsets, uneven places, repeated measurements, tables
+//! of other programs; and its messages about wrong samples.
 
 use super::common::Folder;
 use super::kernel::numbers;
 use serde_json::{Value, json};
 use std::fs;
 
-/// Writes a problem and says what its training prints when it is refused.
+/// Writes a problem whose training must fail; returns the message.
 #[track_caller]
 fn refused(folder: &Folder, problem: &Value, arguments: &str) -> String {
     fs::write(folder.path("p.json"), problem.to_string()).unwrap();
     folder.sinew(&format!("kernel train p.json -o m.sinew {arguments}")).failed()
 }
 
-/// First outputs of `m.sinew` at queries, a row of inputs each.
+/// Evaluates `m.sinew` at queries, one row of inputs each; returns the first outputs.
 fn evaluated(folder: &Folder, queries: &Value) -> Vec<f64> {
     fs::write(folder.path("q.json"), queries.to_string()).unwrap();
     let found = folder.sinew("kernel eval m.sinew q.json --json").json();
@@ -21,7 +21,8 @@ fn evaluated(folder: &Folder, queries: &Value) -> Vec<f64> {
     all.map(|one| one["outputs"][0].as_f64().unwrap()).collect()
 }
 
-/// Trains a problem and insists on its samples within a thousandth of the values' range; returns its warnings.
+/// Trains a problem and asserts that its samples are reproduced within a thousandth of the values'
+/// range; returns its warnings.
 #[track_caller]
 fn assert_trains(folder: &Folder, sites: &[f64], values: &[f64], options: Value) -> Vec<Value> {
     let problem = json!({ "sites": sites, "values": values, "options": options });
@@ -56,7 +57,7 @@ fn values_with_a_large_offset_are_refused_with_the_remedy() {
         assert!(said.contains("take the offset off the values"), "{offset} {options}: {said}");
         assert!(!folder.path("m.sinew").exists());
     }
-    // A constant is no offset, alone or beside another output.
+    // A constant is not an offset, alone or next to another output.
     assert_trains(&folder, &sites, &squares.map(|y| 100.0 + y), json!({}));
     let both: Vec<[f64; 2]> = squares.iter().map(|y| [1e9, *y]).collect();
     fs::write(folder.path("p.json"), json!({ "sites": sites, "values": both }).to_string())
@@ -90,7 +91,7 @@ fn inputs_with_an_offset_are_taken_where_f32_holds_them() {
     assert!(said.contains("take the offset off the input \"b\""), "{said}");
 }
 
-/// Numbers between 0 and 1, the same in every run.
+/// Returns a number between 0 and 1, reproducible.
 fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1u64 << 53) as f64
@@ -107,7 +108,7 @@ fn uneven_places_are_fitted_at_the_widest_sound_width() {
         if n != 40 {
             continue;
         }
-        // Values that go up and down with the rows ask more of a width.
+        // Values that alternate between rows need a narrower width.
         let values: Vec<f64> = (0..n).map(|row| f64::from(row % 2)).collect();
         let warnings = assert_trains(&folder, &sites, &values, json!({}));
         let said = warnings[0].as_str().unwrap();
@@ -130,7 +131,8 @@ fn samples_that_are_too_near_are_named_with_a_kernel_that_fits() {
     assert_trains(&folder, &sites, &values, json!({ "kernel": other }));
     let rest = |of: [f64; 5]| [of[0], of[1], of[3], of[4]];
     assert_trains(&folder, &rest(sites), &rest(values), json!({}));
-    // Sites over many magnitudes: the first two are not one site, and the message does not say so.
+    // Sites over many magnitudes: the first two sites differ, and the message must not call them
+    // equal.
     let sites = [1e-6, 2.6e-6, 1.0, 1e3, 1e6];
     let problem = json!({ "sites": sites, "values": values });
     let said = refused(&folder, &problem, "");
@@ -155,7 +157,7 @@ fn a_degree_that_is_too_high_is_answered_with_one_that_fits() {
 }
 
 #[test]
-fn kernels_without_a_width_are_not_told_to_narrow_it() {
+fn kernels_without_a_width_get_no_advice_to_narrow_it() {
     let folder = Folder::new("kernel-no-width");
     let mut seed = 3;
     let sites: Vec<[f64; 2]> = (0..30).map(|_| [(); 2].map(|()| random(&mut seed))).collect();
@@ -174,7 +176,8 @@ fn kernels_without_a_width_are_not_told_to_narrow_it() {
 fn repeated_measurements_are_smoothed_as_scipy_does() {
     let folder = Folder::new("kernel-repeated");
     let of = |options: Value| json!({ "sites": [0, 1, 1, 2], "values": [0, 1, 2, 3], "options": options });
-    // SciPy 1.17: RBFInterpolator(kernel="linear", degree=0), whose distances are ours: the mean one is 1.
+    // SciPy 1.17: RBFInterpolator(kernel="linear", degree=0), with our distances: the mean distance
+    // is 1.
     for (smoothing, expected) in [
         (json!(0.1), [0.071_428_57, 0.785_714_29, 1.5, 2.214_285_71, 2.928_571_43]),
         (
@@ -195,7 +198,7 @@ fn repeated_measurements_are_smoothed_as_scipy_does() {
     let twice = json!({ "sites": [0, 0, 1, 1, 2, 2], "values": [0, 1, 1, 2, 2, 3], "options": { "smoothing": 0.1 } });
     fs::write(folder.path("p.json"), twice.to_string()).unwrap();
     folder.sinew("kernel train p.json -o m.sinew").done();
-    // Without smoothing the message names the option that takes the mean.
+    // Without smoothing, the message names the option that takes the mean.
     let said = refused(&folder, &of(json!({})), "");
     let expected = "rows 1 and 2 have the same site and different values: take their mean (\"average\": true or \
                     --average)";
@@ -244,7 +247,7 @@ fn tables_of_other_programs_are_read() {
 }
 
 #[test]
-fn what_is_wrong_in_a_problem_is_named_by_its_key() {
+fn faults_of_a_problem_are_named_by_their_key() {
     let folder = Folder::new("kernel-keys");
     let of = |options: Value| json!({ "sites": [0, 1, 2, 3], "values": [0, 1, 2, 3], "options": options });
     for (options, expected) in [
@@ -277,7 +280,7 @@ fn what_is_wrong_in_a_problem_is_named_by_its_key() {
     let text = folder.sinew("inspect m.sinew").done().out;
     let worst = text.lines().find_map(|line| line.split_once("at worst")).unwrap().1;
     assert!(worst.starts_with(' ') && worst.trim().parse::<f64>().is_ok(), "{text}");
-    // Fewer samples than the centres that are learned by default.
+    // Fewer samples than the default number of learned centres.
     folder.sinew("kernel train p.json -o m.sinew --learn").done();
     fs::write(folder.path("s.json"), r#"{"noise": [1], "observations": []}"#).unwrap();
     let said = folder.sinew("signal fit s.json -o s.sinew").failed();

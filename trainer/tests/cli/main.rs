@@ -1,4 +1,4 @@
-//! The command line's contract, on the binary itself.
+//! Tests the command line's contract on the binary itself.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod cases;
@@ -14,8 +14,6 @@ mod kernel_refused;
 mod kernel_samples;
 mod millimetres;
 mod observations;
-mod outputs;
-mod own_weights;
 mod refusals;
 mod report;
 mod several;
@@ -158,7 +156,8 @@ fn written_normals_have_the_angles_that_eval_prints() {
     assert_eq!(read_npy(&folder.read("at.npy")).0, shape);
     let triangles = &set.wholes["tris"].1;
     let corners = || triangles.chunks_exact(3).map(|t| [0, 1, 2].map(|k| t[k] as usize));
-    // Normals of a mesh's vertices, as long as twice the area around them, and that area.
+    // Returns normals of a mesh's vertices, with a length of twice the surrounding area, and that
+    // area.
     let directions = |points: &[f64]| {
         let (mut sums, mut areas) = (vec![[0.0; 3]; v], vec![0.0; v]);
         for triangle in corners() {
@@ -199,7 +198,7 @@ fn written_normals_have_the_angles_that_eval_prints() {
         angles[within.count()].0
     };
     let expected = [(squares / all).sqrt(), below(0.5), below(0.99)];
-    // The arc cosine of a small angle's has half the digits.
+    // The arc cosine of a small angle has half the digits.
     for (key, expected) in ERRORS[4..].iter().zip(expected) {
         let found = number(&found[*key]);
         assert!((found - expected).abs() < 1e-4, "{key}: {found} {expected}");
@@ -355,7 +354,7 @@ fn meshes_that_skinning_makes_are_warned_of() {
     let posed = &mut set.reals.get_mut("vertices").unwrap().1;
     for (place, x) in posed.chunks_mut(3).enumerate() {
         let (frame, vertex) = (place / vertex_len, place % vertex_len);
-        // What is beyond the elbow follows the hand.
+        // Vertices beyond the elbow follow the hand.
         let from = &rest[3 * vertex..][..3];
         let joint = if from[0] > 0.3 { joint_len - 1 } else { 0 };
         let map = &maps[16 * (frame * joint_len + joint)..];
@@ -372,7 +371,7 @@ fn meshes_that_skinning_makes_are_warned_of() {
     assert_eq!(run.err.lines().count(), 1, "{}", run.err);
     let record = folder.sinew(&format!("{train} --quiet --json")).json();
     assert_eq!(record["warnings"].as_array().unwrap().len(), 1);
-    // Of a scene it is told as it is read.
+    // For a scene, the notice comes while reading.
     folder.sinew("export-demo . --vertices 200 --poses 20 --held-out 5").done();
     let run = folder.sinew("train demo.glb -o glb.sinew --predictor kernel --proxies 2");
     assert!(run.err.contains("nothing to learn") && run.err.lines().count() == 1, "{}", run.err);
@@ -393,7 +392,7 @@ fn the_demo_trains_and_measures_as_the_other_commands_do() {
 }
 
 #[test]
-fn triangles_without_area_are_told_by_number() {
+fn triangles_without_area_are_listed_by_number() {
     let folder = Folder::with_demo("zero-area");
     let mut set = Set::demo();
     let corners = &mut set.wholes.get_mut("tris").unwrap().1;

@@ -1,4 +1,4 @@
-//! Errors in millimetres, wherever a file says its unit; no word of them where none does.
+//! Errors in millimetres if a file states its unit; no millimetres if it does not.
 
 use super::common::{Folder, Run, Set};
 use super::{close, number};
@@ -11,7 +11,8 @@ fn with_unit(folder: &Folder) {
     set.write(&folder.path("unit.npz"));
 }
 
-/// Checks that every key in millimetres is 10 times the length, or the share of the diagonal, beside it.
+/// Checks that every key in millimetres is 10 times the length, or the share of the diagonal, next
+/// to it.
 #[track_caller]
 fn are_centimetres(value: &Value, diagonal: f64, keys: &[&str]) {
     for key in keys {
@@ -22,7 +23,7 @@ fn are_centimetres(value: &Value, diagonal: f64, keys: &[&str]) {
     }
 }
 
-/// Names the keys in millimetres anywhere in a value.
+/// Lists the keys in millimetres anywhere in a value.
 fn keys_of(value: &Value) -> Vec<String> {
     match value {
         Value::Object(all) => {

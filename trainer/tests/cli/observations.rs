@@ -1,4 +1,5 @@
-//! `sinew signal fit` of observations that are unevenly spaced, far from 0, redundant or out of range.
+//! `sinew signal fit` on observations that are unevenly spaced, far from 0, redundant or out of
+//! range.
 
 use super::common::{Folder, Run};
 use serde_json::{Value, json};
@@ -16,7 +17,7 @@ fn average(from: f64, to: f64, average: f64) -> Value {
     json!({ "from": from, "to": to, "average": average })
 }
 
-/// Values of a sine at places that are moved, plus an offset.
+/// Observations of a sine at places shifted by `moved`, plus an offset.
 fn sine(places: &[f64], moved: f64, offset: f64) -> Vec<Value> {
     places.iter().map(|at| value(moved + at, offset + at.sin())).collect()
 }
@@ -26,8 +27,8 @@ fn fit(folder: &Folder, problem: &Value) -> Run {
     folder.sinew("signal fit o.json -o o.sinew --json")
 }
 
-/// Fits observations of a covariance that is chosen, and checks the file where they are values, within a thousandth of
-/// their range. The file's own figure must be within the limit too.
+/// Fits observations with the default covariance. Checks the file at the values, within a
+/// thousandth of their range, and checks that the file's reported error is within the limit.
 fn check(folder: &Folder, observations: &[Value]) {
     let found = fit(folder, &json!({ "observations": observations })).json();
     assert!(found["f32_error"].as_f64().unwrap() <= 1e-3, "{found}");
@@ -99,7 +100,7 @@ fn units_of_places_do_not_matter() {
 #[test]
 fn an_offset_of_inputs_is_taken_off_where_single_precision_holds_them() {
     let folder = Folder::new("observations-inputs");
-    // Multiples of 1/128, 1/16 and 1: numbers of f32 there, whose middles are none.
+    // Multiples of 1/128, 1/16 and 1: f32 numbers at this magnitude; their midpoints are not.
     for (offset, last) in [(1e5, 1.5078125), (1e6, 1.5625)] {
         check(&folder, &sine(&[0.0, 0.5, 1.0, last], offset, 0.0));
         check(&folder, &sine(&[0.0, 0.5, 1.0, last], -offset, 0.0));
@@ -134,10 +135,10 @@ fn an_offset_of_values_that_single_precision_does_not_hold_is_refused() {
             "{said}"
         );
     }
-    // A constant has its magnitude for a range.
+    // The range of a constant is its magnitude.
     let constant = [value(0.0, 3.25e6), value(1.0, 3.25e6), value(2.0, 3.25e6)];
     assert_eq!(fit(&folder, &json!({ "observations": constant })).code, Some(0));
-    // A filter holds no values, but the signals that it is applied to are numbers of f32.
+    // A filter contains no values, but it is applied to signals in f32.
     let rows = (0..60).map(|i| format!("{}\n", 1e8 + f64::from(i).sin())).collect::<String>();
     fs::write(folder.path("s.csv"), format!("a\n{rows}")).unwrap();
     let run = folder.sinew("signal train s.csv --column a --factor 2 -o s.sinew");
@@ -191,7 +192,7 @@ fn numbers_out_of_range_are_refused_by_name() {
         let said = fit(&folder, &json!({ "covariance": covariance, "observations": all })).failed();
         assert!(said.starts_with(expected), "{said}");
     }
-    // The same of a filter.
+    // The filter command gives the same message.
     let train = |rows: &str, arguments: &str| {
         fs::write(folder.path("s.csv"), format!("a\n{rows}")).unwrap();
         folder
@@ -218,7 +219,7 @@ fn averages_that_follow_from_others_are_left_out() {
         );
         assert_eq!((run.code, run.err.as_str()), (Some(0), expected.as_str()));
     }
-    // Of those that do not agree it says which, and both remedies work.
+    // Contradictory observations are listed, and both remedies work.
     let all = [average(0.0, 1.0, 1.0), average(1.0, 2.0, 3.0), average(0.0, 2.0, 5.0)];
     let said = fit(&folder, &json!({ "observations": all })).failed();
     let expected = "o.json: observation 2 contradicts observations 0, 1: they give 2 and it says 5; leave one out, or \
@@ -229,7 +230,7 @@ fn averages_that_follow_from_others_are_left_out() {
 }
 
 #[test]
-fn what_is_ill_conditioned_or_off_names_what_helps_here() {
+fn ill_conditioned_or_inexact_fits_name_their_remedies() {
     let folder = Folder::new("observations-remedies");
     let mut problem =
         json!({ "observations": sine(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], 0.0, 0.0) });
@@ -247,7 +248,7 @@ fn what_is_ill_conditioned_or_off_names_what_helps_here() {
     change("covariance", json!("ornstein-uhlenbeck:100"));
     change("covariance", json!("auto"));
     change("noise", json!(0.01));
-    // Slopes are kernels of no rougher covariance, and no function of observations can have fewer centres.
+    // Slopes need a smooth covariance, and a function of observations cannot have fewer centres.
     let all =
         [value(0.0, 1.0), value(1.0, 2.0), slope(2.0, 1.0), value(1000.0, 5.0), slope(1001.0, 4.0)];
     let all = [all.to_vec(), vec![value(1002.0, 5.0)]].concat();

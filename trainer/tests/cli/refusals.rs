@@ -1,10 +1,11 @@
-//! Bad input and bad usage: told in a line that names the place, and nothing is written.
+//! Bad input and bad usage: one line names the place, and nothing is written. Outputs: complete or
+//! absent, and never in place of an input.
 
 use super::common::{Folder, Set};
 use serde_json::json;
 use std::fs;
 
-/// Spoils the demo's examples, trains on them, and expects to hear where the fault is.
+/// Damages the demo's examples and trains on them; expects an error with the place of the fault.
 #[track_caller]
 fn refused(test: &str, spoil: impl FnOnce(&mut Set), expected: &str) {
     let folder = Folder::with_demo(test);
@@ -51,7 +52,7 @@ fn counts_that_disagree_are_refused_by_array() {
     refused("frames", |set| set.cut("bone_transforms", 51), expected);
     let v = Set::demo().vertex_len();
     let expected = format!("bad.npz: rest has {} vertices, vertices has {v}", v - 1);
-    // A face that lost its vertex would be found first.
+    // Faces that refer to a missing vertex would be reported first.
     let fewer = |set: &mut Set| {
         set.cut("rest", v as u64 - 1);
         let (shape, corners) = set.wholes.get_mut("tris").unwrap();
@@ -213,7 +214,7 @@ fn arguments_out_of_range_are_bad_usage() {
         assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{arguments}: {}", run.err);
         let option = arguments.split(' ').next().unwrap();
         assert!(run.err.starts_with("error: ") && run.err.contains(option), "{}", run.err);
-        // Numbers are told what they may be.
+        // Errors about numbers state the permitted range.
         let ranges = ["--proxies 0", "--proxies -1", "--proxies 100000"];
         let expected = "expected a whole number from 1 to ";
         assert_eq!(
@@ -239,7 +240,7 @@ fn arguments_out_of_range_are_bad_usage() {
 }
 
 #[test]
-fn files_are_told_by_what_they_hold() {
+fn files_are_recognised_by_their_content() {
     let folder = Folder::with_demo("contents");
     for (name, bytes) in [
         ("empty.glb", &b""[..]),
@@ -270,4 +271,81 @@ fn files_are_told_by_what_they_hold() {
     let line = folder.sinew("export demo.sinew --clip demo.npz -o out.fbx").failed();
     assert_eq!(line, "out.fbx: expected a file that ends in .glb");
     assert_eq!(folder.list(), before);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_work() {
+    let folder = Folder::with_demo("outputs");
+    fs::create_dir(folder.path("inner")).unwrap();
+    let (before, examples) = (folder.list(), folder.read("demo.npz"));
+    let train = "train demo.npz -o";
+    let eval = "eval demo.sinew demo.npz --write-vertices";
+    for (command, expected) in [
+        (format!("{train} no/new.sinew"), "cannot write no/new.sinew: there is no folder no"),
+        (format!("{train} inner"), "cannot write inner: it is a folder"),
+        (format!("{train} new/"), "cannot write new/: it is a folder"),
+        (format!("{train} demo.npz"), "cannot write demo.npz: it is an input"),
+        (format!("{train} inner/../demo.json"), "cannot write inner/../demo.json: it is an input"),
+        (
+            format!("{train} new.glb"),
+            "cannot write new.glb: a model is no .glb file, name it .sinew",
+        ),
+        (
+            "report demo.sinew demo.npz -o new.PDF".to_owned(),
+            "cannot write new.PDF: a report is no .pdf file, name it .html",
+        ),
+        (format!("{train} new --record demo.npz"), "cannot write demo.npz: it is an input"),
+        (format!("{train} new --record no/r"), "cannot write no/r: there is no folder no"),
+        (format!("{train} new --record ./new"), "cannot write new: model and record are one file"),
+        (format!("{eval} no/out.npy"), "cannot write no/out.npy: there is no folder no"),
+        (format!("{eval} demo.sinew"), "cannot write demo.sinew: it is an input"),
+        (format!("{eval} demo.npz"), "cannot write demo.npz: it is an input"),
+    ] {
+        assert_eq!(folder.sinew(&command).failed(), expected);
+        assert_eq!(folder.list(), before, "{command}");
+    }
+    assert!(folder.read("demo.npz") == examples);
+    let line = folder.sinew("demo -o demo.npz").failed();
+    assert_eq!(line, "cannot make the folder demo.npz: it is a file");
+    let line = folder.sinew("export-demo demo.npz").failed();
+    assert_eq!(line, "cannot make the folder demo.npz: it is a file");
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure_and_no_panic() {
+    let folder = Folder::with_demo("pipe");
+    for arguments in ["inspect demo.sinew", "inspect demo.sinew --json", "eval demo.sinew demo.npz"]
+    {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = folder.command(arguments);
+        let run = command.stdout(writer).stderr(std::process::Stdio::piped()).spawn().unwrap();
+        let output = run.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+    }
+}
+
+/// A file that may not grow simulates a full disk.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_everything_as_it_was() {
+    let folder = Folder::with_demo("full");
+    fs::write(folder.path("record.json"), "old").unwrap();
+    let before: Vec<_> = folder.list().into_iter().map(|name| folder.read(&name)).collect();
+    let sinew = env!("CARGO_BIN_EXE_sinew");
+    // Enough for the record, which is written first, but not for the model.
+    for (blocks, arguments, named) in [
+        (40, "train demo.npz -o demo.sinew --record record.json --proxies 4", "demo.sinew"),
+        (1, "train demo.npz -o demo.sinew --record record.json --proxies 4", "record.json"),
+        (1, "eval demo.sinew demo.npz --write-vertices demo.npy", "demo.npy"),
+    ] {
+        let mut command = std::process::Command::new("sh");
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec '{sinew}' {arguments}");
+        command.args(["-c", &script]).current_dir(folder.path(""));
+        let line = folder.run(command).failed();
+        assert!(line.starts_with(&format!("cannot write {named}: ")), "{line}");
+        let after: Vec<_> = folder.list().into_iter().map(|name| folder.read(&name)).collect();
+        assert!(after == before, "{:?}", folder.list());
+    }
 }

@@ -1,4 +1,4 @@
-//! `sinew report`: what it writes, and what it refuses.
+//! `sinew report`: files and refusals.
 
 use super::common::{Folder, HELD_OUT, Set, TRAINING};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 const REPORT: &str = "report demo.sinew demo.npz -o page.html";
 
 #[test]
-fn report_writes_the_page_and_what_is_asked_for_beside_it() {
+fn report_writes_the_page_and_the_requested_extras() {
     let folder = Folder::with_demo("report");
     let run = folder.sinew(&format!("{REPORT} --quick --csv frames.csv --ply rest.ply")).done();
     for file in ["page.html", "frames.csv", "rest.ply"] {
@@ -21,7 +21,7 @@ fn report_writes_the_page_and_what_is_asked_for_beside_it() {
     assert!(folder.read("rest.ply").starts_with(b"ply\n"));
     assert!(run.out.starts_with(folder.sinew("eval demo.sinew demo.npz").done().out.trim_end()));
 
-    // From another side the pictures are others.
+    // Another viewpoint gives other pictures.
     folder.sinew(&format!("{REPORT} --quick --up z --view -30,60")).done();
     assert!(folder.read("page.html") != page.as_bytes());
 }
@@ -33,7 +33,8 @@ fn a_gif_shows_the_truth_lbs_and_the_model_in_each_frame() {
     assert!(run.out.contains("wrote frames.gif ("), "{}", run.out);
     let frames = folder.gif("frames.gif");
     assert_eq!(frames.len(), HELD_OUT);
-    // Three columns of 300 pixels. Clay is grey; the larger an error, the more its red exceeds its green.
+    // Three columns of 300 pixels. Errors are red: clay has no red, and LBS has more red than the
+    // model.
     for (rgba, hundredths) in &frames {
         let red = |column: usize| -> u64 {
             let pixels = rgba.chunks_exact(4).enumerate();
@@ -59,7 +60,7 @@ fn report_measures_as_eval_does_and_compares() {
 }
 
 #[test]
-fn what_training_has_read_is_never_called_held_out() {
+fn training_frames_are_never_called_held_out() {
     let folder = Folder::with_demo("report-train");
     let mut set = Set::demo();
     set.wholes.get_mut("split").unwrap().1.fill(0);
@@ -73,7 +74,7 @@ fn what_training_has_read_is_never_called_held_out() {
         let page = String::from_utf8(folder.read("page.html")).unwrap();
         (model["split"].as_str().unwrap().to_owned(), figures, page)
     };
-    // The model knows which it has not read, whatever the file says.
+    // The model knows which frames its training used, whatever the file says.
     let (split, figures, page) = measured("");
     assert_eq!((&*split, figures), ("new", [HELD_OUT as u64, 0]));
     assert!(page.contains(&format!("measured on {HELD_OUT} frames that the fit has not read")));

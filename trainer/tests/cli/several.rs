@@ -1,4 +1,4 @@
-//! Several files of one character, an animation of a skeleton alone, and what a pipeline asks for.
+//! Several files of one character, an animation of a skeleton only, and options for pipelines.
 
 use super::TRAIN;
 use super::common::{Folder, Set};
@@ -112,7 +112,7 @@ fn a_clip_without_motion_is_refused() {
     assert_eq!(line, "still.npz: all 40 training frames are one pose: there is no motion to learn");
 }
 
-/// Takes the meshes and skins out of a GLB.
+/// Removes the meshes and skins from a GLB.
 fn joints_alone(glb: &[u8]) -> Vec<u8> {
     let length = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
     let (json_len, rest) = (length(12), &glb[20 + length(12)..]);
@@ -158,7 +158,7 @@ fn an_animation_of_joints_alone_plays_on_the_mesh_of_another_file() {
     assert!(line.contains("expected a file that ends in .glb, .gltf or .fbx"), "{line}");
 }
 
-/// Lists what all animations of a GLB put out.
+/// Lists the output values of all animations in a GLB.
 fn numbers(glb: &[u8]) -> Vec<f32> {
     let gltf = gltf::Gltf::from_slice(glb).unwrap();
     let blob = gltf.blob.as_deref().unwrap();

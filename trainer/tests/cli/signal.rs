@@ -1,10 +1,10 @@
-//! `sinew signal`: signals and images made finer, functions of mixed observations, and what is refused.
+//! `sinew signal`: resampled signals and images, functions of mixed observations, and refusals.
 
 use super::common::Folder;
 use serde_json::json;
 use std::fs;
 
-/// A wave in the second column of a CSV.
+/// Writes a wave into the second column of a CSV.
 fn wave(folder: &Folder, name: &str, n: usize) {
     let rows = (0..n).map(|i| format!("{i},{}\n", 3.0 + (0.9 * i as f64).sin()));
     fs::write(folder.path(name), format!("t,angle\n{}", rows.collect::<String>())).unwrap();
@@ -33,7 +33,7 @@ fn png(
     encoder.write_header().unwrap().write_image_data(bytes).unwrap();
 }
 
-/// Reads a PNG as it is.
+/// Reads a PNG in its stored format.
 fn pixels(folder: &Folder, name: &str) -> (png::ColorType, png::BitDepth, [u32; 2], Vec<u8>) {
     let file = std::io::BufReader::new(fs::File::open(folder.path(name)).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();
@@ -98,7 +98,7 @@ fn a_filter_that_lines_outdo_is_warned_of() {
 }
 
 #[test]
-fn what_fills_no_box_is_left_out_of_the_measure_and_said() {
+fn samples_that_fill_no_box_are_not_measured_and_reported() {
     let folder = Folder::new("signal-rest");
     wave(&folder, "wave.csv", 121);
     let run = folder.sinew("signal train wave.csv --column angle --factor 4 -o wave.sinew");
@@ -200,7 +200,7 @@ fn images_keep_their_kind_and_their_pixels_give_themselves_back() {
                     .map(|place| number(&found, place))
                     .sum();
                 let error = sum / (f * f) as f64 - number(&given, pixel * channels);
-                // Rounding to a file's numbers, once each.
+                // The file rounds each value once.
                 assert!(error.abs() <= 0.5, "{colour:?} {factor} {pixel}: {error}");
             }
         }
@@ -216,7 +216,7 @@ fn images_keep_their_kind_and_their_pixels_give_themselves_back() {
 fn drawn_text_gives_itself_back_too() {
     use png::{BitDepth, ColorType};
     let folder = Folder::new("signal-text");
-    // Strokes of black on white: beside their edges a filter rings beyond both.
+    // Black strokes on white: next to their edges, a filter overshoots both colours.
     let given: Vec<u8> =
         (0..16 * 12).map(|i| if i % 16 % 5 == 2 || i / 16 == 6 { 0 } else { 255 }).collect();
     png(&folder, "in.png", ColorType::Grayscale, BitDepth::Eight, [16, 12], &given);
@@ -232,7 +232,7 @@ fn drawn_text_gives_itself_back_too() {
             let (row, at) = (2 * (pixel / 16), 2 * (pixel % 16));
             let of = |r: usize, c: usize| f64::from(found[(row + r) * 32 + at + c]);
             let mean = (of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1)) / 4.0;
-            // Each of the four is rounded.
+            // Each of the four values is rounded.
             assert!(
                 (mean - f64::from(*expected)).abs() <= 0.5,
                 "{how}, {pixel}: {mean} {expected}"
@@ -242,11 +242,11 @@ fn drawn_text_gives_itself_back_too() {
 }
 
 #[test]
-fn what_is_not_covered_lends_no_colour() {
+fn transparent_pixels_add_no_colour() {
     use png::{BitDepth, ColorType};
     let folder = Folder::new("signal-alpha");
-    // The left half is not covered, and black where it is not seen; the right is white, and its edge half
-    // covered.
+    // The left half is transparent and black; the right half is white, with an edge of half
+    // coverage.
     let pixel = |i: usize| match i % 10 {
         0..5 => [0, 0, 0, 0],
         5 => [255, 255, 255, 128],
@@ -319,7 +319,7 @@ fn values_derivatives_and_averages_become_a_function() {
     write(&observations);
     let fitted = folder.sinew("signal fit o.json -o o.sinew --json").json();
     assert_eq!(fitted["observations"], 4);
-    // Between 1 and 2 at even steps, for the average; beside 0, for the derivative.
+    // Even steps between 1 and 2 for the average; steps around 0 for the derivative.
     let at: Vec<f64> =
         (0..100).map(|i| 1.005 + 0.01 * f64::from(i)).chain([0.0, -0.01, 0.01, 3.0]).collect();
     fs::write(folder.path("q.json"), json!(at).to_string()).unwrap();
@@ -388,7 +388,7 @@ fn observations_that_contradict_are_named_and_those_that_repeat_are_one() {
     let run = fit(json!([value(0.0, 1.0), value(2.0, 3.0), value(0.0, 1.0), value(3.0, 2.0)]), "");
     let expected = "sinew: warning: o.json: observations that repeat earlier ones, or follow from them, and are left out: 1\n";
     assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
-    // The average of both halves is that of the whole: 1.5, not 4.
+    // The average over both halves is the average over the whole: 1.5, not 4.
     let average = |from: f64, to: f64, y: f64| json!({ "from": from, "to": to, "average": y });
     let halves = json!([
         value(5.0, 0.0),
@@ -403,7 +403,8 @@ fn observations_that_contradict_are_named_and_those_that_repeat_are_one() {
                         or give a noise";
         assert_eq!(said, expected);
     }
-    // So near that a function this smooth hardly has another value there. It is no contradiction.
+    // So close that a function this smooth can hardly have another value there: not a
+    // contradiction.
     let near = json!([value(0.0, 1.0), value(1e-9, 2.0), value(1.0, 1.0)]);
     let said = fit(near, "squared exponential:1").failed();
     let expected = "it hardly tells observation 1 from those before it, which give 1.000000 where it says 2.000000: take a \

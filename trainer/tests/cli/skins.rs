@@ -6,7 +6,7 @@ use super::{TRAIN, number};
 use serde_json::{Value, json};
 use std::fs;
 
-/// The axes of the demo, as if its file said them.
+/// Axes and unit of the demo, as options.
 const STATED: &str = "--up y --forward z --unit 1";
 const UNREAL: &str = "--to-up z --to-forward x --to-hand left --to-unit 0.01";
 
@@ -35,7 +35,7 @@ fn further_meshes_become_skins_of_the_file() {
     let vertices = Set::demo().vertex_len();
     assert!(text.contains(&skin.replace("302", &vertices.to_string())), "{text}");
     assert!(text.contains("rest_positions"), "{text}");
-    // The mesh is the same one.
+    // The mesh is unchanged.
     let measured = |skin: &str| {
         number(&folder.sinew(&format!("eval new.sinew demo.npz --json {skin}")).json()["rms"])
     };
@@ -98,7 +98,7 @@ fn skins_that_cannot_be_are_refused_before_anything_is_written() {
 }
 
 #[test]
-fn a_model_for_an_engine_errs_as_one_in_the_examples_own_space() {
+fn a_model_for_an_engine_has_the_errors_of_one_in_the_examples_space() {
     let folder = Folder::with_demo("space");
     write_obj(&folder, "lod1.obj", 1.0);
     let record = folder.sinew(&format!("{TRAIN} --predictor kernel {STATED} --json")).json();
@@ -120,7 +120,7 @@ fn a_model_for_an_engine_errs_as_one_in_the_examples_own_space() {
     let line = folder.sinew("eval new.sinew demo.npz").failed();
     assert!(line.contains("--up, --forward and --unit"), "{line}");
     folder.sinew(&format!("report new.sinew demo.npz {STATED} --quick -o page.html")).done();
-    // Back to glTF's own space.
+    // Back to glTF's space.
     let export = format!("export new.sinew --clip demo.npz {STATED} --also lod1.obj");
     let to = "--to-up y --to-forward z --to-unit 1";
     folder.sinew(&format!("{export} {to} -o out.glb")).done();

@@ -1,4 +1,4 @@
-//! Tables fit a terminal, whatever the names and figures in them.
+//! Tables fit a terminal, whatever names and figures they contain.
 
 use super::common::{Folder, Run, Set};
 use crate::shared::shared;
@@ -6,10 +6,10 @@ use serde_json::json;
 use std::fs;
 use unicode_width::UnicodeWidthStr;
 
-/// Columns of a terminal that every table fits.
+/// Width of the terminal, in columns.
 const COLUMNS: usize = 100;
 
-/// Insists that rows of tables, which have two blanks between their cells, fit the terminal.
+/// Asserts that rows of tables, which have two blanks between cells, fit the terminal.
 #[track_caller]
 fn fits(run: Run) -> String {
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -24,7 +24,7 @@ const LONG: &str =
     "character_01:rig:deformation:left_forearm_twist_segment_0_with_a_name_that_goes_on_and_on";
 
 #[test]
-fn tables_of_long_names_fit_and_tell_the_names_apart() {
+fn tables_of_long_names_fit_and_distinguish_the_names() {
     let folder = Folder::with_demo("tables-long");
     let mut set = Set::demo();
     for (joint, name) in set.json["bone_names"].as_array_mut().unwrap().iter_mut().enumerate() {
@@ -42,14 +42,17 @@ fn tables_of_long_names_fit_and_tell_the_names_apart() {
     fs::write(folder.path(&format!("{LONG}.obj")), mesh).unwrap();
     let train = "train long.npz -o long.sinew --predictor kernel --proxies 2 -q";
     fits(folder.sinew(&format!("{train} --also {LONG}.obj")));
-    let told = fits(folder.sinew("inspect long.sinew"));
-    assert!(told.contains("…") && told.contains("on_3 ") && told.contains("on_4 "), "{told}");
-    let told = fits(folder.sinew("check long.npz"));
-    assert!(told.contains("character_") && told.contains("on_3 "), "{told}");
-    let told = fits(folder.sinew("eval long.sinew long.npz"));
-    assert!(told.contains("_body ") && told.contains("_jacket "), "{told}");
+    let message = fits(folder.sinew("inspect long.sinew"));
+    assert!(
+        message.contains("…") && message.contains("on_3 ") && message.contains("on_4 "),
+        "{message}"
+    );
+    let message = fits(folder.sinew("check long.npz"));
+    assert!(message.contains("character_") && message.contains("on_3 "), "{message}");
+    let message = fits(folder.sinew("eval long.sinew long.npz"));
+    assert!(message.contains("_body ") && message.contains("_jacket "), "{message}");
     fits(folder.sinew("report long.sinew long.npz -o page.html --quick"));
-    // Programs read whole names.
+    // JSON output contains whole names.
     let found = folder.sinew("inspect long.sinew --json").json();
     assert_eq!(found["envelopes"][0]["joints"][3]["name"], json!(format!("{LONG}_3")));
 }

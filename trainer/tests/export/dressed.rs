@@ -1,4 +1,4 @@
-//! Names, materials and textures of a clip's file live through.
+//! Names, materials and textures of a clip's file survive the export.
 
 use super::into::Glb;
 use super::scene::Scene;
@@ -22,7 +22,7 @@ fn dressed(model: &[u8], examples: &Examples, clips: &[Clip], appearance: &Appea
         .glb
 }
 
-/// Trains on a scene and exports its first clip as it looks.
+/// Trains on a scene and exports its first clip with the appearance of the scene.
 fn of_file(path: &Path) -> (Vec<u8>, Appearance) {
     let Loaded { examples, clips, .. } = load(&Source::file(path)).unwrap();
     let model = model(&examples, Predictor::Kernel, 4, 4);
@@ -31,7 +31,7 @@ fn of_file(path: &Path) -> (Vec<u8>, Appearance) {
     (dressed(&model, &examples, &clips[..1], &appearance), appearance)
 }
 
-/// A folder for a test, which removes it.
+/// Makes a folder for a test; the test removes it.
 fn folder(test: &str) -> PathBuf {
     let name = format!("dressed-{test}-{}", std::process::id());
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -41,7 +41,7 @@ fn folder(test: &str) -> PathBuf {
 
 type Corners = Vec<[[f32; 3]; 3]>;
 
-/// The triangles of every mesh's primitives by the name of their material, corner by corner.
+/// Lists the triangles of every mesh's primitives by the name of their material, corner by corner.
 fn by_material(glb: &[u8]) -> BTreeMap<String, Corners> {
     let gltf = gltf::Gltf::from_slice(glb).unwrap();
     let mut all: BTreeMap<String, Corners> = BTreeMap::new();
@@ -85,7 +85,7 @@ fn fox_comes_back_textured() {
     });
     assert_eq!(before.len(), after.len());
     for (before, after) in before.iter().zip(&after) {
-        // v is turned over twice.
+        // The export flips v twice.
         assert!((0..2).all(|axis| (before[axis] - after[axis]).abs() < 1e-7));
     }
 }
@@ -179,7 +179,8 @@ fn meshes_that_were_joined_come_apart_by_name_and_material() {
     count("blue", Some(1));
 }
 
-/// Textures of a second set of coordinates, or without a picture, cannot be shown; the colour can.
+/// Textures with a second set of coordinates, or without a picture, cannot be shown; the colour
+/// can.
 #[test]
 fn textures_that_cannot_be_shown_are_taken_away() {
     let Some(path) = shared("gltf-loader/Fox.glb") else { return };

@@ -25,8 +25,8 @@ fn one(exported: &Exported) -> [f64; 3] {
     [report.distance_percent, report.transferred_percent, report.fitted_percent]
 }
 
-/// Skins a mesh of a file by the palettes that the runtime gives frames of the examples, and
-/// measures its RMS distance from where the flesh of the demo really puts it, in % of the diagonal.
+/// Skins a mesh of a file with the runtime's palettes of the frames, and returns the RMS distance
+/// from the demo's true flesh, in % of the diagonal.
 fn error(glb: &[u8], model: &[u8], examples: &Examples, truth: &Examples, frames: &[usize]) -> f64 {
     let (scene, model) = (Scene::read(glb), Model::from_bytes(model).unwrap());
     let envelope = model.envelope().unwrap();
@@ -93,14 +93,14 @@ fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
     assert!(fitted < 0.7 * transferred && transferred < 0.5);
     let frames: Vec<usize> = (0..all).collect();
     let seen = error(&exported.glb, &model, &examples, &coarse, &frames);
-    // Three frames must not spoil the others.
+    // Three frames must not make the other frames worse.
     let few = error(&fit(3).glb, &model, &examples, &coarse, &frames);
     println!("from its own flesh: {seen:.4} %, fitted to three frames {few:.4} %");
     assert!(seen < 0.3 && few < 1.1 * transferred.max(seen));
 }
 
 #[test]
-fn a_mesh_in_other_axes_and_units_is_moved_or_told_and_strays_are_told() {
+fn a_mesh_in_other_axes_and_units_is_converted_or_reported_and_strays_are_reported() {
     let examples = arm(300);
     let model = model(&examples, Predictor::Rotational, 4, 4);
     let clips = [clip("all", 0, 4)];

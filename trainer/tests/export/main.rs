@@ -1,4 +1,4 @@
-//! Exported files, read back by the glTF specification and held against the runtime.
+//! Exported files, read back by the glTF specification and compared with the runtime.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod dressed;
@@ -41,7 +41,7 @@ fn model(examples: &Examples, predictor: Predictor, proxies: usize, influences: 
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// Exports what has no materials.
+/// Exports a model without materials.
 fn export(
     model: &[u8],
     skin: Option<&str>,
@@ -74,7 +74,7 @@ fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
     examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
-/// Gives the palette of a pose by the runtime.
+/// Returns the runtime's palette of a pose.
 fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
@@ -82,7 +82,7 @@ fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4
     palette
 }
 
-/// Skins a pose by the runtime.
+/// Skins a pose with the runtime.
 fn runtime_skin(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Vector3<f64>> {
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let mut positions = vec![[0.0; 3]; skin.vertex_len()];

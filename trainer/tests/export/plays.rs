@@ -1,4 +1,4 @@
-//! An exported file plays what the runtime computes.
+//! An exported file plays the skin that the runtime computes.
 
 use super::scene::Scene;
 use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set, vectors};
@@ -11,11 +11,11 @@ use sinew_trainer::examples::{Clip, Examples};
 use sinew_trainer::export::Stand;
 use sinew_trainer::progress::Silent;
 
-/// Greatest distance of the exported skin from the runtime's, as a share of the rest diagonal; the
-/// rounding of nodes and matrices takes less than a hundredth of it.
+/// Largest distance of the exported skin from the runtime's, as a share of the rest diagonal.
+/// Rounding of nodes and matrices takes less than 1 % of it.
 const NEAR: f64 = 1e-4;
 
-/// A model's file, and what it is held against.
+/// A model's file, and the examples to compare with.
 struct Played<'a> {
     examples: &'a Examples,
     model: Vec<u8>,
@@ -43,7 +43,8 @@ impl<'a> Played<'a> {
         self.scene.skinned(self.loaded().skin().unwrap().name(), &self.scene.palette(worlds))
     }
 
-    /// Greatest distance from the runtime's skin at the keys, as a share of the diagonal.
+    /// Returns the largest distance from the runtime's skin at the keys, as a share of the
+    /// diagonal.
     fn off_at_keys(&self) -> f64 {
         let mut most: f64 = 0.0;
         for (animation, clip) in self.clips.iter().enumerate() {
@@ -58,8 +59,8 @@ impl<'a> Played<'a> {
         most / self.examples.diagonal()
     }
 
-    /// The same half way between keys, where the runtime is asked for the pose that the file's own
-    /// joints take.
+    /// Returns the largest distance half way between keys. The runtime evaluates the pose of the
+    /// file's joints there.
     fn off_between_keys(&self) -> f64 {
         let at_rest = self.scene.worlds(None);
         let names = &self.examples.skeleton.names;
@@ -105,8 +106,8 @@ fn mpfb_arm_by_every_predictor() {
     }
 }
 
-/// Its frames have little to do with each other, and half way between them the skin must still hang
-/// together: proxies that did not hang on their joints would tear it.
+/// Successive frames are unrelated. Half way between them the skin must still hang together:
+/// proxies detached from their joints would tear it.
 #[test]
 fn mpfb_body_by_kernel() {
     let Some(examples) = set("mpfb-body/mpfb_body.npz") else { return };
@@ -118,7 +119,7 @@ fn mpfb_body_by_kernel() {
     assert!(at_keys < NEAR && between < 0.03, "{at_keys} {between}");
 }
 
-/// A real sequence, so that frames follow one another as a clip's do.
+/// A real sequence, whose successive frames are similar, as in a clip.
 #[test]
 fn half_way_between_frames_of_a_sequence_the_skin_stays_near() {
     let Some(examples) = set("dem-bones/bone.npz") else { return };
@@ -132,7 +133,7 @@ fn half_way_between_frames_of_a_sequence_the_skin_stays_near() {
     }
 }
 
-/// The model has every joint under one root; a file for others has the roots that there were.
+/// The model puts every joint under one root; an exported file keeps the original roots.
 #[test]
 fn a_second_root_hangs_under_no_joint() {
     let mut examples = arm(300);
@@ -152,7 +153,7 @@ fn a_second_root_hangs_under_no_joint() {
     assert!(played.off_at_keys() < NEAR);
 }
 
-/// More joints than a byte counts and more influences than one attribute holds.
+/// More joints than a byte can count, and more influences than one attribute holds.
 #[test]
 fn wide_palettes_and_many_influences() {
     let examples = arm(300);

@@ -1,4 +1,4 @@
-//! The demo's rig and point cache hold the demo.
+//! The demo's rig and point cache contain the demo.
 
 use super::scene::Scene;
 use super::{arm, farthest, vectors};
@@ -12,7 +12,7 @@ use sinew_trainer::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
 use sinew_trainer::progress::Silent;
 
-/// Reads a point cache: points a sample, and the samples' positions.
+/// Reads a point cache; returns the points per sample and the samples' positions.
 fn read_pc2(bytes: &[u8]) -> (usize, Vec<[f64; 3]>) {
     let word = |at: usize| -> [u8; 4] { bytes[at..at + 4].try_into().unwrap() };
     assert_eq!(&bytes[..12], b"POINTCACHE2\0");
@@ -25,7 +25,7 @@ fn read_pc2(bytes: &[u8]) -> (usize, Vec<[f64; 3]>) {
     (points, (0..points * samples).map(position).collect())
 }
 
-/// The examples that are in a rig and a point cache.
+/// Reads the examples from a rig and a point cache.
 fn read_back(examples: &Examples) -> Examples {
     let folder = std::env::temp_dir().join(format!("sinew-rig-{}.pc2", std::process::id()));
     save_pc2(&folder, examples.vertex_len(), &examples.vertices).unwrap();
@@ -70,7 +70,7 @@ fn joints_and_meshes_survive_single_precision() {
     let unit = examples.diagonal();
     assert!(farthest(&vectors(&read.rest), &vectors(&examples.rest)) < 1e-7 * unit * 2.0);
     assert!(farthest(&vectors(&read.vertices), &vectors(&examples.vertices)) < 1e-7 * unit * 2.0);
-    // Where a joint takes the points around it is what counts.
+    // Compares only the effect of a joint on the points around it.
     let mut most: f64 = 0.0;
     for (found, expected) in read.transforms.iter().zip(&examples.transforms) {
         for x in &examples.rest {
@@ -98,7 +98,7 @@ fn the_rig_trains_to_the_model_of_the_demo() {
     assert_eq!(warnings, []);
     read.hold_out_clips(&clips, &["held-out".to_owned()]).unwrap();
     assert_eq!(read.split, examples.split);
-    // The demo itself has no skin that says which joints are near.
+    // The demo itself has no skin that binds vertices to near joints.
     assert_eq!(
         read.joint_weights.take().map(|all| all.len()),
         Some(read.rest.len() * read.joint_len())

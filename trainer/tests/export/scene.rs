@@ -1,4 +1,4 @@
-//! A GLB as an engine plays it, by the glTF 2.0 specification alone: nodes, keys, skins.
+//! Plays a GLB as an engine does, by the glTF 2.0 specification only: nodes, keys, skins.
 
 use gltf::animation::util::ReadOutputs;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4};
@@ -24,7 +24,7 @@ impl Scene {
         self.gltf.nodes().find(|node| node.name() == Some(name)).unwrap().index()
     }
 
-    /// Key times of an animation, which all its channels share.
+    /// Returns the key times of an animation, which all channels share.
     pub(crate) fn times(&self, animation: usize) -> Vec<f32> {
         let animation = self.gltf.animations().nth(animation).unwrap();
         let times = |channel: gltf::animation::Channel<'_>| -> Vec<f32> {
@@ -36,7 +36,8 @@ impl Scene {
         first
     }
 
-    /// World matrices of all nodes: at rest, or `part` of the way from a key to the next.
+    /// Returns the world matrices of all nodes: at rest, or `part` of the way from a key to the
+    /// next.
     pub(crate) fn worlds(&self, at: Option<(usize, usize, f64)>) -> Vec<Matrix4<f64>> {
         let mut placed: Vec<Placed> = self.gltf.nodes().map(|node| rest(&node)).collect();
         if let Some((animation, key, part)) = at {
@@ -54,7 +55,7 @@ impl Scene {
                     }
                     ReadOutputs::Rotations(keys) => {
                         let keys: Vec<_> = keys.into_f32().map(rotation).collect();
-                        // The shorter arc, as the specification asks.
+                        // The shorter arc, as the specification demands.
                         node.1 = keys[key].slerp(&keys[next], part);
                     }
                     ReadOutputs::MorphTargetWeights(_) => panic!("no morph targets are written"),
@@ -76,7 +77,7 @@ impl Scene {
         worlds
     }
 
-    /// What each joint of the first skin does to a point of the bind pose.
+    /// Returns, for each joint of the first skin, the transform of points of the bind pose.
     pub(crate) fn palette(&self, worlds: &[Matrix4<f64>]) -> Vec<Matrix4<f64>> {
         self.palette_of(&self.gltf.skins().next().unwrap(), worlds)
     }
@@ -88,14 +89,14 @@ impl Scene {
         joints.zip(inverse_binds.map(matrix)).map(|(world, bind)| world * bind).collect()
     }
 
-    /// Skins a mesh, named as its node, by plain linear blending.
+    /// Skins the mesh whose node has this name, by linear blend skinning.
     pub(crate) fn skinned(&self, mesh: &str, palette: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
         let node = self.gltf.nodes().nth(self.node(mesh)).unwrap();
         assert_eq!(node.skin().unwrap().index(), 0);
         self.blended(&node.mesh().unwrap().primitives().next().unwrap(), palette)
     }
 
-    /// Skins every primitive of a mesh, named as its node, on the node's own skin.
+    /// Skins every primitive of the mesh whose node has this name, by the node's skin.
     pub(crate) fn posed(&self, mesh: &str, worlds: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
         let node = self.gltf.nodes().nth(self.node(mesh)).unwrap();
         let palette = self.palette_of(&node.skin().unwrap(), worlds);
@@ -124,7 +125,7 @@ impl Scene {
         out
     }
 
-    /// Corners of a mesh's triangles.
+    /// Returns the corners of a mesh's triangles.
     pub(crate) fn indices(&self, mesh: &str) -> Vec<usize> {
         let node = self.gltf.nodes().nth(self.node(mesh)).unwrap();
         let primitive = node.mesh().unwrap().primitives().next().unwrap();

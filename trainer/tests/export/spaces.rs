@@ -40,7 +40,7 @@ fn a_left_handed_model_is_mirrored_back() {
         let metres: Vec<_> = unreal.iter().map(|x| Vector3::new(-x.y, x.z, x.x) * 0.01).collect();
         let near = 1e-4 * 0.01 * examples.diagonal();
         assert!(farthest(&skinned(to_gltf(), key), &metres) < near);
-        // Untold it stands as in the model, right-handed: forward and up stay.
+        // By default the character keeps the model's axes, made right-handed: forward and up stay.
         let own: Vec<_> = unreal.iter().map(|x| Vector3::new(x.x, -x.y, x.z)).collect();
         assert!(farthest(&skinned(Stand::AsModel, key), &own) < 1e-4 * examples.diagonal());
     }

@@ -1,4 +1,4 @@
-//! The Khronos validator finds nothing to object to.
+//! The Khronos validator reports no errors and no warnings.
 
 use super::{arm, clip, export, model};
 use serde_json::Value;
@@ -17,7 +17,7 @@ const SCRIPT: &str = "const [folder, file] = process.argv.slice(1);\
     require(folder).validateBytes(new Uint8Array(require('fs').readFileSync(file)))\
     .then(report => console.log(JSON.stringify(report.issues)));";
 
-/// Gives the validator's folder, into which it is downloaded once.
+/// Returns the validator's folder; downloads the validator once.
 fn validator() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -35,7 +35,7 @@ fn validator() -> &'static Path {
     })
 }
 
-/// Validates a file: its errors and warnings, and all the validator has to say.
+/// Validates a file; returns the numbers of errors and warnings, and the full report.
 fn issues(name: &str, glb: &[u8]) -> (u64, u64, Value) {
     let folder = validator();
     let file =
@@ -50,7 +50,7 @@ fn issues(name: &str, glb: &[u8]) -> (u64, u64, Value) {
     (count("numErrors"), count("numWarnings"), issues)
 }
 
-/// Insists on no error and no warning.
+/// Asserts that the validator reports no errors and no warnings.
 #[track_caller]
 pub(crate) fn valid(name: &str, glb: &[u8]) {
     let (errors, warnings, issues) = issues(name, glb);
@@ -73,7 +73,7 @@ fn exports_of_every_predictor_are_valid() {
     }
 }
 
-/// Unused vertices have no normal, which glTF does not know.
+/// Unused vertices have no normal, which glTF does not allow.
 #[test]
 fn a_mesh_with_a_vertex_in_no_triangle_is_valid() {
     let mut examples = arm(250);

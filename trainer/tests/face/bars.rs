@@ -1,4 +1,5 @@
-//! The head of ICT FaceKit, driven by a captured performance: its first half trains, its second half tests.
+//! The head of ICT FaceKit, driven by a captured performance: the first half trains, the second
+//! half tests.
 
 use crate::{head, loaded, trained};
 use rand::{RngExt, SeedableRng};
@@ -14,7 +15,7 @@ const HALF: usize = 2015;
 const FACE: Range<usize> = 0..6706;
 
 #[test]
-fn a_few_handles_reach_what_was_promised() {
+fn a_few_handles_reach_the_promised_errors() {
     let Some((basis, take)) = head() else { return };
     assert_eq!((take.frames.len(), basis.landmarks.len()), (4030, 68));
     assert_eq!(take.skipped.len(), 10, "{:?}", take.skipped);
@@ -42,13 +43,13 @@ fn a_few_handles_reach_what_was_promised() {
         assert_eq!(row.methods["bounded"].outside, 0.0);
         assert!(row.methods["prior"].outside > 0.0, "without bounds some leave them");
     }
-    // Doing nothing leaves what a sum over the file's own arrays says.
+    // The error without pins must equal a sum over the file's arrays.
     let nothing = evaluation.handles[&3].nothing;
     let rms = rms_of_vertices(&basis, &take.pick(&(HALF..4030), 20, 25).unwrap());
     assert!((nothing - rms).abs() < 1e-4 * rms, "{nothing}, {rms}");
 }
 
-/// Measures how far frames move the face, vertex by vertex.
+/// Measures the RMS displacement of the face over frames, by vertex.
 fn rms_of_vertices(basis: &sinew_trainer::face::basis::Basis, frames: &[&[f64]]) -> f64 {
     let mut sum = 0.0;
     for frame in frames {
@@ -112,7 +113,7 @@ fn a_track_with_noise_is_followed_smoothly() {
     let gram = Gram::new(&face, FACE);
     let landmarks = drawn(&basis.landmarks, 12, 0);
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    // By Box and Muller.
+    // Normal numbers by Box and Muller.
     let mut noise = || {
         let [u, v]: [f64; 2] = [random.random(), random.random()];
         0.1 * (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()

@@ -1,4 +1,4 @@
-//! What faces reach on real data, by the runtime and the bytes of a file.
+//! Errors of faces on real data, measured with the runtime and the bytes of a file.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod bars;
@@ -17,7 +17,7 @@ pub(crate) fn options() -> Options {
     Options { name: "head".to_owned(), tolerance: None, numbers: ShapeNumbers::F32 }
 }
 
-/// Reads the head and the take; none where there is no shared data.
+/// Reads the head and the take; `None` without shared data.
 pub(crate) fn head() -> Option<(Basis, Take)> {
     let file = shared::shared("ict-facekit/ict_head.npz")?;
     let take = shared::shared("arkit-rom/alex_rom_3.csv")?;

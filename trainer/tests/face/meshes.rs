@@ -1,5 +1,5 @@
-//! A face without blendshapes: shapes that principal components of example meshes are, on a model of landmarks in a
-//! plane that others have trained.
+//! A face without blendshapes: its shapes are principal components of example meshes, here of a
+//! published model of planar landmarks.
 
 use crate::shared::shared;
 use crate::{loaded, options};
@@ -10,7 +10,7 @@ use sinew_trainer::face::basis::ExampleMeshes;
 use sinew_trainer::face::train::of_meshes;
 use sinew_trainer::formats::ShapedMesh;
 
-/// Mean of V points, and modes with their variances: an orthonormal vector each.
+/// Mean of V points, and modes with their variances; each mode is an orthonormal vector.
 struct Published {
     mean: Vec<[f64; 2]>,
     modes: Vec<(f64, Vec<[f64; 2]>)>,
@@ -36,7 +36,7 @@ fn published() -> Option<Published> {
 }
 
 impl Published {
-    /// Makes meshes whose covariance is the model's: each mode alone, to either side.
+    /// Makes meshes whose covariance is the model's: each mode alone, in both directions.
     fn meshes(&self) -> ExampleMeshes {
         let n = 2.0 * self.modes.len() as f64;
         let mut positions = Vec::new();

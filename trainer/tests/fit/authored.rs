@@ -1,4 +1,4 @@
-//! Real files with seams: what was authored arrives in the model's file and in an exported one.
+//! Real files with seams: authored attributes arrive in the model's file and in an exported file.
 
 use crate::shared::shared;
 use sinew_runtime::Model;
@@ -21,7 +21,7 @@ fn model(examples: &Examples) -> Vec<u8> {
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// An attribute of all primitives of a glTF file, one after another, as its own crate reads it.
+/// An attribute of all primitives of a glTF file, in order, as the gltf crate reads it.
 struct Attributes {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -45,7 +45,8 @@ fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
     values.map(f64::to_bits)
 }
 
-/// The arrays have a vertex a place in an order of their own, y is up in the scenes, and one is in centimetres.
+/// The arrays have one vertex per place, in another order; the scenes have y up, and one is in
+/// centimetres.
 #[test]
 fn a_leg_s_scenes_with_its_arrays_train_with_their_seams() {
     let Some(folder) = shared("leg") else { return };
@@ -60,7 +61,7 @@ fn a_leg_s_scenes_with_its_arrays_train_with_their_seams() {
         let examples = joined(name);
         let surface = examples.surface();
         assert_eq!((examples.vertex_len(), surface.engine_len()), (3938, 4164), "{name}");
-        // Every vertex goes the way of that of the arrays which stands in its place.
+        // Every vertex moves like the vertex of the arrays at the same place.
         let numbers: BTreeMap<_, _> =
             whole.rest.iter().enumerate().map(|(number, x)| (bits(*x), number)).collect();
         let own: Vec<usize> = examples.rest.iter().map(|x| numbers[&bits(*x)]).collect();
@@ -75,7 +76,7 @@ fn a_leg_s_scenes_with_its_arrays_train_with_their_seams() {
         let skin = model.skin().unwrap();
         assert!(skin.vertex_len() == 4164 && skin.has_tangents());
         if name == "leg.glb" {
-            // The file's own vertices in its order, in the arrays' axes.
+            // The file's vertices in its order, in the arrays' axes.
             for vertex in 0..4164 {
                 let turned = |[x, y, z]: [f32; 3]| [x, -z, y];
                 for (found, expected) in [
@@ -117,7 +118,7 @@ fn the_fox_keeps_its_texture_and_is_smooth() {
             (0..3).map(|k| (before.positions[vertex][k] - after.positions[vertex][k]).abs());
         assert!(apart.fold(0.0, f32::max) < 1e-3);
     }
-    // It has no normals: what stands in one place is shaded alike.
+    // The file has no normals: vertices at one place are shaded alike.
     assert!(before.normals.is_empty());
     let mut shaded = BTreeMap::new();
     for (x, n) in after.positions.iter().zip(&after.normals) {

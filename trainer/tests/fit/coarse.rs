@@ -1,5 +1,5 @@
-//! Normals of exact linear skins of few rings (METHOD §1.8): longer lists, vertices without coefficients, and weights on
-//! a hinge.
+//! Normals of exact linear skins with few rings (METHOD §1.8): longer influence lists, vertices
+//! without coefficients, and weights on a hinge.
 
 use faer::Mat;
 use nalgebra::{Matrix3x4, Matrix4, Rotation3, Unit, Vector3};
@@ -21,7 +21,7 @@ struct Chain {
 }
 
 impl Chain {
-    /// Makes a tube of rings at heights 0 to 3, whose influences a height gives.
+    /// Makes a tube of rings at heights 0 to 3; `of_height` gives the influences at a height.
     fn tube(rings: usize, sides: usize, of_height: impl Fn(f64) -> Vec<(usize, f64)>) -> Self {
         let height = |ring: usize| 3.0 * ring as f64 / (rings - 1) as f64;
         let vertices = || (0..rings).flat_map(|ring| (0..sides).map(move |side| (ring, side)));
@@ -42,7 +42,8 @@ impl Chain {
         }
     }
 
-    /// Makes a strip along y whose corners at a height of 1 lie on the hinge between the first two joints.
+    /// Makes a strip along y whose corners at height 1 lie on the hinge between the first two
+    /// joints.
     fn strip() -> Self {
         let corner = |vertex: usize| [[-0.25, 0.25][vertex % 2], (vertex / 2) as f64, 0.0];
         let half = vec![(0, 0.5), (1, 0.5)];
@@ -82,7 +83,7 @@ impl Chain {
         }
     }
 
-    /// Fits a skin whose lists may be `most` long.
+    /// Fits a skin whose influence lists may have up to `most` entries.
     fn fit(&self, mut skin: SkinModel, most: usize) -> SkinModel {
         let stacked = Mat::from_fn(3 * self.palettes.len(), 12, |row, column| {
             self.palettes[row / 3][column / 4][(row % 3, column % 4)]
@@ -98,7 +99,8 @@ impl Chain {
         skin
     }
 
-    /// Measures the angles of a skin's normals in degrees, each with its share of the area: a list a vertex.
+    /// Measures the angles of a skin's normals in degrees, each with its share of the area; returns
+    /// a list per vertex.
     fn angles(&self, skin: &SkinModel) -> Vec<Vec<(f64, f64)>> {
         let (posed, fans) = (self.posed(), Fan::all(&self.triangles, self.rest.len()));
         let of_vertex = |(number, fan): (usize, &Fan)| {
@@ -120,7 +122,7 @@ impl Chain {
         fans.iter().enumerate().map(of_vertex).collect()
     }
 
-    /// RMS angle over area, and the angle that 99 % of the area does not exceed.
+    /// Returns the RMS angle over area, and the 99th percentile over area.
     fn errors(&self, skin: &SkinModel) -> [f64; 2] {
         let mut all = self.angles(skin).concat();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -135,7 +137,7 @@ impl Chain {
     }
 }
 
-/// Turns the joints by up to 50°, about different axes at different rates; pose 0 is at rest.
+/// Rotates the joints by up to 50°, about different axes at different rates; pose 0 is at rest.
 fn palette(pose: usize) -> Vec<Matrix4<f64>> {
     let axes = [Vector3::z(), Vector3::x(), Vector3::new(0.3, 0.5, 0.7)];
     let mut world: Matrix4<f64> = Matrix4::identity();
@@ -151,7 +153,7 @@ fn palette(pose: usize) -> Vec<Matrix4<f64>> {
     axes.into_iter().enumerate().map(of_joint).collect()
 }
 
-/// Index of the last joint that is no higher than a height.
+/// Returns the index of the last joint at or below a height.
 fn joint_below(height: f64) -> usize {
     (height + 1e-9).min(2.0) as usize
 }
@@ -170,20 +172,20 @@ fn rings_of_one_joint_each_follow_their_neighbours_for_their_normals() {
         assert_eq!(before[0], after[0]);
         assert!(after[1..].iter().all(|other| other.1 == 0.0));
     }
-    // What the caller allows is kept to.
+    // The caller's limit is respected.
     let narrow = tube.fit(plain.clone(), 1);
     assert!(narrow.tangent_coefficients.is_none() && narrow.influences == plain.influences);
 }
 
 #[test]
 fn lists_stay_as_long_as_they_are_where_normals_gain_little() {
-    // A hard bend between two rings: no images of its corner alone give its normal.
+    // A hard bend between two rings: coefficients of a corner alone cannot give its normal.
     let tube = Chain::tube(4, 24, |height| vec![(joint_below(height), 1.0)]);
     let plain = tube.skin();
     let found = tube.fit(plain.clone(), 4);
     assert!(tube.errors(&plain)[0] > 8.0);
     assert!(found.tangent_coefficients.is_none() && found.influences == plain.influences);
-    // Nor where cofactors are right: all rings move alike.
+    // The lists also stay short if cofactors are right: all rings move alike.
     let tube = Chain::tube(3, 48, |_| vec![(1, 1.0)]);
     let found = tube.fit(tube.skin(), 4);
     assert_eq!(found.influence_len(), 1);
@@ -204,7 +206,7 @@ fn no_vertex_has_normals_worse_than_by_cofactors() {
             tube.angles(&found).iter().zip(&tube.angles(&plain)).enumerate()
         {
             let [found, plain] = [found, plain].map(|angles| squares(angles));
-            // An error of 1°, RMS, is not seen.
+            // An RMS error of 1° is below the threshold.
             assert!(found <= plain.max(1.01 * 13.0), "{sides} {number}: {found} {plain}");
             better += usize::from(found < 0.8 * plain);
         }
@@ -213,7 +215,7 @@ fn no_vertex_has_normals_worse_than_by_cofactors() {
 }
 
 #[test]
-fn painted_weights_stay_on_a_hinge_where_positions_do_not_tell() {
+fn painted_weights_stay_on_a_hinge_that_positions_do_not_determine() {
     let strip = Chain::strip();
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let rows = |map: &Matrix4<f64>| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| map[(r, c)]));

@@ -1,4 +1,4 @@
-//! What the training must not depend on: held-out frames, and the number of threads.
+//! Independence of the training from held-out frames and from the number of threads.
 
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -16,7 +16,7 @@ fn model(examples: &Examples) -> Vec<u8> {
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// Replaces the vertices of some frames by noise, and their poses by other rigid ones.
+/// Replaces the vertices of some frames with noise, and their poses with other rigid poses.
 fn noise(examples: &mut Examples, split: Split) {
     let (vertices, joints) = (examples.vertex_len(), examples.joint_len());
     for frame in examples.frames_of(split) {
@@ -47,7 +47,8 @@ fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
     assert_eq!(from(&clean_file), from(&noisy_file));
     std::fs::remove_dir_all(&folder).unwrap();
 
-    // Where joints are at rest is found from the motion too, and of frames that train alone.
+    // The places of joints at rest are estimated from the motion too, and only from training
+    // frames.
     let mut found = clean.clone();
     found.split.fill(Split::Train);
     found.skeleton.unplaced = (0..found.joint_len()).collect();
@@ -61,7 +62,7 @@ fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
     noisy.place_joints();
     assert_eq!(model(&found), model(&noisy));
 
-    // The comparison can fail: the same noise in one training frame is another model.
+    // Control: the same noise in one training frame gives another model.
     let mut other = clean.clone();
     let mut split = vec![Split::HeldOut; other.frame_len()];
     split[0] = Split::Train;
@@ -71,8 +72,9 @@ fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
     assert_ne!(model(&clean), model(&other));
 }
 
-/// A clip that is played three times tells no more than once, whatever is chosen by leaving poses out. Rounding tips the
-/// balance between choices that are as good, so that only the mean over several sets tells.
+/// A clip that plays three times carries no more information than once, for every choice by
+/// left-out poses. Rounding decides between tied choices, so the test takes the mean over several
+/// sets.
 #[test]
 fn a_loop_is_fitted_as_one_pass_of_it() {
     for predictor in Predictor::ALL {

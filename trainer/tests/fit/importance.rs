@@ -1,4 +1,4 @@
-//! Importance: vertices that count more are fitted better, and equal numbers change nothing.
+//! Importance: important vertices are fitted better, and equal importance changes nothing.
 
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -18,7 +18,7 @@ fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// RMS error of some vertices over the held-out frames.
+/// Returns the RMS error of some vertices over the held-out frames.
 fn error(model: &[u8], examples: &Examples, of: impl Fn(usize) -> bool) -> f64 {
     let character = Character::open(model, None, examples).unwrap();
     let (mut sum, mut count) = (0.0, 0);
@@ -34,9 +34,9 @@ fn error(model: &[u8], examples: &Examples, of: impl Fn(usize) -> bool) -> f64 {
 }
 
 #[test]
-fn what_counts_more_is_fitted_better_by_every_predictor() {
+fn important_vertices_are_fitted_better_by_every_predictor() {
     let plain = arm();
-    // Where the plain model errs most is where it can gain.
+    // The plain model can gain most in the region of its largest errors.
     let far = |vertex: usize| plain.rest[vertex][0] > plain.centroid()[0];
     let mut weighed = plain.clone();
     let numbers = (0..plain.vertex_len()).map(|v| if far(v) { 1.0 } else { 1e-3 });
@@ -51,7 +51,7 @@ fn what_counts_more_is_fitted_better_by_every_predictor() {
 }
 
 #[test]
-fn vertices_that_count_alike_count_as_without() {
+fn equal_importance_changes_nothing() {
     let plain = arm();
     let mut weighed = plain.clone();
     weighed.weigh(vec![2.0; plain.vertex_len()]).unwrap();
@@ -60,10 +60,10 @@ fn vertices_that_count_alike_count_as_without() {
     }
 }
 
-/// Vertices that count three times among those that count once are measured as if each stood there
-/// three times, and those that do not count as if they were not there.
+/// Errors weigh a vertex of importance 3 like three vertices of importance 1, and ignore a vertex
+/// of importance 0.
 #[test]
-fn figures_count_vertices_as_they_count() {
+fn errors_weigh_vertices_by_importance() {
     let plain = arm();
     let model = model(&plain, Predictor::Kernel);
     let mut weighed = plain.clone();
@@ -94,7 +94,7 @@ fn figures_count_vertices_as_they_count() {
 }
 
 #[test]
-fn a_frame_that_counts_often_is_fitted_better() {
+fn repeated_frames_are_fitted_better() {
     let plain = arm();
     let mut weighed = plain.clone();
     for predictor in Predictor::ALL {
@@ -104,7 +104,7 @@ fn a_frame_that_counts_often_is_fitted_better() {
             alone.split[frame] = Split::HeldOut;
             error(model, &alone, |_| true)
         };
-        // The frame that is fitted worst.
+        // The frame with the largest error.
         let model_of = |examples: &Examples| model(examples, predictor);
         let before = model_of(&plain);
         let errors = plain.frames_of(Split::Train).into_iter();
@@ -116,7 +116,7 @@ fn a_frame_that_counts_often_is_fitted_better() {
         let after = of_frame(&model_of(&weighed), frame);
         assert!(after < 0.8 * before, "{}: {before} {after}", predictor.name());
     }
-    // Once each is what it is without.
+    // Repeating every frame once changes nothing.
     weighed.repeat(&vec![1.0; plain.frame_len()]).unwrap();
     assert_eq!(model(&weighed, Predictor::Kernel), model(&plain, Predictor::Kernel));
 }

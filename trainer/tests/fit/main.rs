@@ -1,8 +1,7 @@
-//! What a fit reads, what it reaches, and what comes out of it.
+//! Tests of fits: their inputs, their errors, and their files.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod authored;
-mod clips;
 mod coarse;
 #[path = "../../benches/figures/full.rs"]
 mod full;
@@ -21,4 +20,3 @@ mod shapes;
 mod shared;
 mod skins;
 mod spaces;
-mod unreduced;

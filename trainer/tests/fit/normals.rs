@@ -1,4 +1,5 @@
-//! Normals by tangent coefficients (METHOD §1.8): closed forms, spaces, further meshes, and what the file says.
+//! Normals by tangent coefficients (METHOD §1.8): closed forms, spaces, further meshes, and
+//! reported errors.
 
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
@@ -32,7 +33,7 @@ fn map(linear: Matrix3<f64>, offset: Vector3<f64>) -> Map {
     Map::from_columns(&[a, b, c, offset])
 }
 
-/// A skin of some vertices, without tangents.
+/// Makes a skin of some vertices, without tangents.
 fn skin(
     rest: &[[f64; 3]],
     rest_normals: Vec<[f64; 3]>,
@@ -52,7 +53,7 @@ fn skin(
     }
 }
 
-/// Fits a skin to where it is carried by palettes, one a pose, to which its vertices are blended.
+/// Fits a skin to the meshes that it has under the palettes, one per pose, by linear blending.
 fn fit(skin: &mut SkinModel, triangles: &[[usize; 3]], palettes: &[Vec<Map>]) {
     let stacked = Mat::from_fn(3 * palettes.len(), 4 * palettes[0].len(), |row, column| {
         palettes[row / 3][column / 4][(row % 3, column % 4)]
@@ -105,7 +106,7 @@ fn one_affine_map_moves_normals_by_its_cofactors_whatever_the_coefficients() {
             }
         }
     }
-    // Mirrored, outward stays outward.
+    // Under a mirror, outward normals stay outward.
     let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
     let mirrored = vec![map(mirror, Vector3::zeros()); 3];
     let plain = SkinModel { tangent_coefficients: None, ..fitted.clone() };
@@ -117,14 +118,14 @@ fn one_affine_map_moves_normals_by_its_cofactors_whatever_the_coefficients() {
     }
 }
 
-/// A tube along x that is bent in its middle, by two transforms whose weights are known as a function of x: what its
-/// surface is, its tangents, its normals and what the coefficients must be are then closed forms.
+/// A tube along x that is bent in its middle by two transforms, whose weights are a known function
+/// of x. Its surface, tangents, normals and coefficients are then closed forms.
 #[test]
 fn a_bent_tube_has_the_normals_of_its_formula() {
     const RINGS: usize = 81;
     const SIDES: usize = 48;
     const RADIUS: f64 = 0.25;
-    // From 0 to 1 within a quarter to either side, and how steeply.
+    // Rises from 0 to 1 within a quarter to either side; returns the weight and its slope.
     let weight = |x: f64| {
         let u = (2.0 * x + 0.5).clamp(0.0, 1.0);
         (u * u * (3.0 - 2.0 * u), 2.0 * 6.0 * u * (1.0 - u))
@@ -165,7 +166,7 @@ fn a_bent_tube_has_the_normals_of_its_formula() {
 
     let (mut most, mut most_by_cofactors) = (0.0_f64, 0.0_f64);
     let coefficients = bent.tangent_coefficients.as_ref().unwrap();
-    // Not at the open ends, whose true normals are those of one side.
+    // Not at the open ends, where the true normals are one-sided.
     for (number, (ring, side)) in
         vertices().enumerate().filter(|(_, (ring, _))| (1..RINGS - 1).contains(ring))
     {
@@ -188,7 +189,8 @@ fn a_bent_tube_has_the_normals_of_its_formula() {
             let sign = if *index == 1 { 1.0 } else { -1.0 };
             for k in 0..2 {
                 let expected = sign * slope * frame[k].x;
-                // Steps of a ring round the gradient off, most where it changes fastest.
+                // The rings are discrete, which smooths the gradient, most where the gradient
+                // changes fastest.
                 assert!((found[k] - expected).abs() < 0.1, "{number}: {} {expected}", found[k]);
             }
         }
@@ -218,7 +220,7 @@ fn units_divide_coefficients_and_a_mirror_turns_h_around() {
         let size = own.iter().flatten().fold(0.0_f64, |most, c| most.max(c.abs()));
         for ([g, h], [other_g, other_h]) in own.iter().zip(other) {
             for (found, expected) in [(100.0 * other_g, g), (-100.0 * other_h, h)] {
-                // Roundings of both, of half precision; and what is too small for it in centimetres.
+                // Rounding of both to f16, and f16 underflow of coefficients in centimetres.
                 let most = 4e-3 * size + 100.0 * 4.0 * 2.0_f64.powi(-14);
                 assert!((found - expected).abs() < most, "{vertex}: {found} {expected}");
             }
@@ -230,7 +232,7 @@ fn units_divide_coefficients_and_a_mirror_turns_h_around() {
 }
 
 #[test]
-fn the_file_says_how_far_its_normals_are_off() {
+fn the_file_states_the_errors_of_its_normals() {
     let examples = arm(400);
     for predictor in Predictor::ALL {
         let model = train(&examples, &options(predictor), &Silent).unwrap().model;
@@ -279,7 +281,7 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
         let model = train(&examples, &options, &Silent).unwrap().model;
         let loaded = Model::from_bytes(&model).unwrap();
         assert!(loaded.skins().all(|skin| skin.has_coefficients()));
-        // A further mesh has no true one to be measured against.
+        // A further mesh has no true mesh to measure against.
         assert!(loaded.skin_named("lod1").unwrap().normal_errors().is_none());
         for (name, examples) in [("skin", &examples), ("lod1", &coarse)] {
             let plain = without_coefficients(&model, name);
@@ -287,7 +289,7 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
                 evaluate(model, Some(name), examples, Frames::Of(Split::HeldOut)).unwrap().errors
             };
             let (found, cofactors) = (of(&model, name), of(&plain, name));
-            // Weights are brought to a sum of 1 once more.
+            // Weights are normalised once more.
             assert!((found.rms / cofactors.rms - 1.0).abs() < 1e-5);
             let share = found.normal_rms_degrees / cofactors.normal_rms_degrees;
             println!(
@@ -301,7 +303,7 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
     }
 }
 
-/// The same file without a skin's tangent coefficients.
+/// Returns the file without a skin's tangent coefficients.
 fn without_coefficients(model: &[u8], skin: &str) -> Vec<u8> {
     let loaded = Model::from_bytes(model).unwrap();
     let skins = loaded.skins().map(|s| SkinModel::from_file(&s));

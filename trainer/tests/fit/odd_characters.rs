@@ -1,4 +1,5 @@
-//! Characters that a fit must take in its stride: other units, no motion, few triangles, parts.
+//! Unusual characters that a fit must accept: other units, no motion, few triangles, separate
+//! parts.
 
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -12,7 +13,7 @@ fn arm() -> Examples {
     demo(&DemoOptions { vertices: 300, poses: 40, held_out: 10, seed: 5 })
 }
 
-/// The predictors.
+/// Every predictor.
 const ALL: [Predict; 2] = [Predict::Only(Predictor::Rotational), Predict::Only(Predictor::Kernel)];
 
 fn measured(examples: &Examples, predictor: Predict, proxies: usize, split: Split) -> Evaluation {
@@ -78,7 +79,7 @@ fn the_place_of_the_character_does_not_matter() {
     for predictor in ALL {
         let reference = measured(&near, predictor, 12, Split::HeldOut).errors;
         let found = measured(&far, predictor, 12, Split::HeldOut).errors;
-        // What is left is the rounding of f32, which grows with the distance.
+        // The difference is f32 rounding, which grows with the distance.
         let most = 1.03 * reference.rms_percent;
         assert!(found.rms_percent < most, "{predictor:?} {found:?} {reference:?}");
     }
@@ -126,7 +127,7 @@ fn one_proxy_and_as_many_as_triangles_both_train() {
 #[test]
 fn parts_that_share_no_vertex_train_together() {
     let mut examples = arm();
-    // Every other triangle goes, which leaves many small parts and vertices in no triangle.
+    // Drops every other triangle, which leaves many small parts, and vertices in no triangle.
     examples.triangles = examples
         .triangles
         .iter()

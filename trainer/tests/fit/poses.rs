@@ -1,4 +1,4 @@
-//! Which poses a runtime takes for those of a skeleton, on real sets.
+//! Tests on real sets which poses a runtime accepts for a skeleton.
 
 use crate::shared::shared;
 use sinew_runtime::envelope::{Certificate, PoseFaultKind as Kind};
@@ -7,7 +7,7 @@ use sinew_trainer::envelope::lbs::poses::Poses;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel};
 use sinew_trainer::examples::{Examples, Split, npz};
 
-/// The examples of a set, and a file of their joints with what training reached.
+/// Reads a set, and makes a file of its joints and of the range of its training poses.
 fn set(file: &str) -> Option<(Examples, Vec<u8>)> {
     let examples = npz::load(&shared(file)?).unwrap().examples;
     let poses = Poses::new(&examples, &examples.frames_of(Split::Train));
@@ -26,15 +26,15 @@ fn set(file: &str) -> Option<(Examples, Vec<u8>)> {
     Some((examples, file.bake().unwrap()))
 }
 
-/// The poses of all frames, as an engine has them.
+/// Returns the poses of all frames in f32, as an engine has them.
 fn poses(examples: &Examples) -> Vec<Vec<Matrix3x4>> {
     let single = |m: &[[f64; 4]; 3]| m.map(|row| row.map(|x| x as f32));
     let pose = |frame| examples.pose(frame).iter().map(single).collect();
     (0..examples.frame_len()).map(pose).collect()
 }
 
-/// Reads the axes of a matrix in others: axis i becomes axis `axes[i]`, from 1 and negative where turned round, and
-/// lengths are multiplied.
+/// Converts a matrix to other axes: axis i becomes axis `axes[i]`, counted from 1 and negative if
+/// flipped. Lengths are multiplied by `factor`.
 fn converted(m: &Matrix3x4, axes: [i8; 3], factor: f32) -> Matrix3x4 {
     let mut out = [[0.0; 4]; 3];
     for (r, row) in m.iter().enumerate() {
@@ -63,7 +63,7 @@ fn scaled(m: &Matrix3x4, factor: f32) -> Matrix3x4 {
     m.map(|row| row.map(|x| factor * x))
 }
 
-/// A mistake, what undoes its lengths, and what it is called.
+/// A mistake, its conversion, the factor that undoes its lengths, and its expected name.
 type Mistake = (&'static str, fn(&Matrix3x4) -> Matrix3x4, f32, Kind);
 
 const MISTAKES: [Mistake; 9] = [
@@ -78,7 +78,7 @@ const MISTAKES: [Mistake; 9] = [
     ("transposed and cut", |m| transposed(m, false), 1.0, Kind::Transposed),
 ];
 
-/// Counts the poses that are refused, and those of them by the right name and factor.
+/// Counts the refused poses, and the poses refused with the right name and factor.
 fn named(
     envelope: &Envelope<'_>,
     poses: &[Vec<Matrix3x4>],
@@ -92,7 +92,7 @@ fn named(
 }
 
 #[test]
-fn poses_of_a_body_are_taken_and_mistakes_named() {
+fn poses_of_a_body_are_accepted_and_mistakes_named() {
     let Some((examples, file)) = set("mpfb-body/mpfb_body.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
     let envelope = model.envelope().unwrap();
@@ -124,7 +124,7 @@ fn poses_of_a_body_are_taken_and_mistakes_named() {
         .collect();
     for mistake in &MISTAKES {
         enough(named(&envelope, &each(&mistake.1), mistake), mistake.0);
-        // The same of frames, which are gathered with the file's inverse bind matrices.
+        // Repeats the test with frames, which are gathered with the file's inverse bind matrices.
         let gathered: Vec<_> = frames
             .iter()
             .map(|frames| {
@@ -175,7 +175,7 @@ fn after(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
 }
 
 #[test]
-fn joints_that_part_are_taken_as_far_as_they_were_trained() {
+fn joints_that_part_are_accepted_within_their_trained_range() {
     let Some((examples, file)) = set("dem-bones/bone.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
     let envelope = model.envelope().unwrap();

@@ -1,4 +1,4 @@
-//! Scenes from files give the models that the same examples give as arrays.
+//! Scenes from files give the same models as their examples in arrays.
 
 use crate::shared::shared;
 use sinew_runtime::envelope::Predictor;
@@ -8,13 +8,14 @@ use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
 use sinew_trainer::progress::Silent;
 
-/// So many proxies, by one predictor.
+/// Returns options for one predictor and a number of proxies.
 fn options(predictor: Predictor, proxies: usize) -> Options {
     let (predictor, proxies) = (Predict::Only(predictor), Some(ProxyCount::Fixed(proxies)));
     Options { predictor, proxies, ..Options::default() }
 }
 
-/// Farthest that two models skin a vertex apart in the held-out frames, as a share of the diagonal.
+/// Returns the largest distance between the skins of two models over the held-out frames, as a
+/// share of the diagonal.
 fn apart(a: (&Trained, &Examples), b: (&Trained, &Examples)) -> f64 {
     let examples = b.1;
     let skinned = |(trained, own): (&Trained, &Examples), frame: usize| {
@@ -33,8 +34,8 @@ fn apart(a: (&Trained, &Examples), b: (&Trained, &Examples)) -> f64 {
     farthest / examples.diagonal()
 }
 
-/// The joints of an FBX scene without a skin and the meshes of the arrays, which are in other axes:
-/// the arrays were made from the same scene by another reader, in single precision.
+/// Combines the joints of an FBX scene without a skin with the meshes of arrays in other axes. The
+/// arrays were made from that scene by another reader, in single precision.
 #[test]
 fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
     let Some(folder) = shared("dem-bones") else { return };
@@ -50,14 +51,14 @@ fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
     assert_eq!(joined.split, whole.split);
     assert_eq!(joined.vertices, whole.vertices);
 
-    // A reconstruction as it is: what refines it has learned from kernels.
+    // Only the unrefined reconstruction: the refinement learns from kernels.
     let unrefined = Options { refine: false, ..options(Predictor::Rotational, 20) };
     let [a, b] = [&joined, &whole].map(|examples| train(examples, &unrefined, &Silent).unwrap());
     // The scene's texture has seams; the arrays have none.
     assert!(joined.surface().engine_len() > 754 && whole.surface().engine_len() == 754);
     let apart = apart((&a, &joined), (&b, &whole));
     assert!(apart < 2e-6, "{apart:e}");
-    // Kernels are chosen from a list, where rounding can tip the balance between two that are as good.
+    // Kernels are chosen from a list, where rounding can decide between ties.
     for (predictor, proxies) in [(Predictor::Kernel, 40), (Predictor::Rotational, 20)] {
         let [a, b] = [&joined, &whole].map(|examples| {
             let model = train(examples, &options(predictor, proxies), &Silent).unwrap().model;
@@ -67,7 +68,7 @@ fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
     }
 }
 
-/// The poses of a scene without a skin, in other axes than a model trained on them.
+/// Converts the poses of a scene without a skin to the axes of a model.
 #[test]
 fn poses_are_moved_to_where_a_model_is() {
     let Some(folder) = shared("dem-bones") else { return };

@@ -1,4 +1,4 @@
-//! What the artist authored: texture seams do not shade, hard edges stay hard.
+//! Authored surfaces: texture seams stay invisible, hard edges stay hard.
 
 use nalgebra::{Rotation3, Vector3};
 use sinew_runtime::Model;
@@ -15,7 +15,7 @@ use sinew_trainer::progress::Silent;
 const FRAMES: usize = 16;
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Bends a mesh along x from -1 to 1 about z, by two joints whose weights pass smoothly from one to the other.
+/// Bends a mesh along x from -1 to 1 about z, by two joints with smoothly blended weights.
 fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
     let turn = |frame: usize| {
         let angle = 1.2 * (frame as f64 / FRAMES as f64 * 5.0).sin();
@@ -63,7 +63,8 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
 const RINGS: usize = 10;
 const STEPS: usize = 14;
 
-/// A sphere of one vertex a place, and the texture of a globe at the corners of its triangles.
+/// Makes a sphere with one vertex per place, and a globe's texture coordinates at the corners of
+/// its triangles.
 fn sphere() -> (Examples, Vec<[f64; 2]>) {
     let mut rest = vec![[-1.0, 0.0, 0.0]];
     for ring in 1..RINGS {
@@ -119,7 +120,7 @@ fn a_split_sphere_is_shaded_as_the_whole_one() {
     split.engine = Some(EngineMesh::of_corners(&whole.rest, &whole.triangles, uv));
     split.validate().unwrap();
     let surface = split.surface();
-    // The seam from pole to pole, and a coordinate a triangle at either pole.
+    // The seam from pole to pole, and one coordinate per triangle at each pole.
     let expected = whole.vertex_len() + (RINGS - 1) + 2 * (STEPS - 1);
     assert_eq!(surface.engine_len(), expected);
     assert_eq!(surface.normals(), surface.copied(&whole.surface().normals()));
@@ -149,7 +150,8 @@ fn a_split_sphere_is_shaded_as_the_whole_one() {
 
 const CELLS: [usize; 3] = [12, 2, 2];
 
-/// A box along x of one vertex a place, and at each corner of its triangles the normal of its side.
+/// Makes a box along x with one vertex per place, and the normal of the side at each corner of its
+/// triangles.
 fn hard_box() -> (Examples, Vec<[f64; 3]>) {
     let mut numbers = std::collections::BTreeMap::new();
     let mut rest = Vec::new();
@@ -195,7 +197,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
     examples.validate().unwrap();
     let engine = examples.engine.clone().unwrap();
     let authored = engine.normals.as_ref().unwrap();
-    // Eight corners have three normals, the edges between them two.
+    // The eight corners have three normals each, the edges between them two.
     let edges = 4 * CELLS.iter().map(|cells| cells - 1).sum::<usize>();
     assert_eq!(engine.copy_of.len(), examples.vertex_len() + 2 * 8 + edges);
     let bytes = model(&examples);
@@ -203,7 +205,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
     let truth = TrueNormals::new(examples.surface());
     for frame in examples.frames_of(Split::HeldOut) {
         let at = |v: usize| Vector3::from(examples.frame(frame)[v]);
-        // The faces of each copy, found by its own triangles.
+        // The faces of each copy, found from its triangles.
         let mut expected = vec![Vector3::zeros(); engine.copy_of.len()];
         for (corners, triangle) in engine.triangles.iter().zip(&examples.triangles) {
             let [a, b, c] = triangle.map(at);
@@ -215,7 +217,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
             let found = skinned.vertex(copy).1;
             let off = degrees(&found, &expected[copy]);
             assert!(off < 45.0, "frame {frame}, copy {copy}: {off}, nearer to another side");
-            // Copies with another normal stand square to it, as they do at rest.
+            // Copies with another normal stay perpendicular to it, as they are at rest.
             if copy > 0 && engine.copy_of[copy] == engine.copy_of[copy - 1] {
                 assert!(authored[copy] != authored[copy - 1]);
                 let between = degrees(&found, &skinned.vertex(copy - 1).1);
@@ -232,7 +234,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
 #[test]
 fn normals_that_lean_go_with_the_surface() {
     let (mut examples, normals) = hard_box();
-    // As artists bend those of a card toward a ball.
+    // Artists bend the normals of a card toward those of a ball.
     let places = examples.triangles.as_flattened();
     let lean = |(normal, &vertex): (&[f64; 3], &usize)| {
         let [_, y, z] = examples.rest[vertex];

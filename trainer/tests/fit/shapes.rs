@@ -1,4 +1,4 @@
-//! Shapes of a skin: what a file holds of them, what that costs, and the normals that they give.
+//! Shapes of a skin: their content in a file, its cost, and the normals.
 
 use nalgebra::Vector3;
 use sinew_runtime::format::Space;
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 const NUMBERS: [ShapeNumbers; 3] = [ShapeNumbers::F32, ShapeNumbers::F16, ShapeNumbers::I8];
 
-/// A round cap of rings, of which the first is the pole; triangles look outward.
+/// Makes a round cap of rings; the first ring is the pole. Triangles face outward.
 fn cap(rings: usize, sides: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let mut positions = vec![[0.0, 0.0, 1.0]];
     for ring in 1..=rings {
@@ -31,7 +31,8 @@ fn cap(rings: usize, sides: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     (positions, triangles)
 }
 
-/// A face alone: a cap with a bump, a pull to one side, and a shape that moves nothing.
+/// Makes a face without an envelope: a cap with a bump, a pull to one side, and a shape that moves
+/// nothing.
 fn face(numbers: ShapeNumbers) -> (SkinModel, Vec<[usize; 3]>) {
     let (positions, triangles) = cap(9, 24);
     let near = |[x, y, z]: &[f64; 3]| {
@@ -102,7 +103,7 @@ fn a_face_alone_is_a_file() {
         let names: Vec<_> = (0..3).map(|shape| skin.shape_name(shape).unwrap()).collect();
         assert_eq!(names, ["bump", "pull", "still"]);
         assert_eq!(skin.shape_element(), numbers.element());
-        // What stays where it is, and beside nothing that moves, costs nothing.
+        // A vertex that no shape moves, among vertices that do not move, costs nothing.
         let still = face.shapes.deltas[0].iter().filter(|delta| **delta == [0.0; 3]).count();
         assert!(still > 100 && (skin.counts().delta_len as usize) < 2 * (217 - still) + 60);
         let back = SkinModel::from_file(&skin);
@@ -111,7 +112,7 @@ fn a_face_alone_is_a_file() {
     }
 }
 
-/// The largest and the RMS difference are told by the file, and are what rounding to the element makes of the deltas.
+/// The file reports the largest and the RMS difference: the rounding of deltas to the element type.
 #[test]
 fn the_cost_of_smaller_numbers_is_measured() {
     for (numbers, step) in [
@@ -143,8 +144,8 @@ fn the_cost_of_smaller_numbers_is_measured() {
     }
 }
 
-/// At a weight of 1 of one shape alone normals are those of the shaped surface; between they are nearer to them than
-/// those at rest are.
+/// At weight 1 of a single shape, normals are those of the shaped surface. At smaller weights, they
+/// are nearer to the shaped surface's normals than the rest normals are.
 #[test]
 fn normals_are_those_of_the_shaped_surface() {
     let (face, triangles) = face(ShapeNumbers::F32);
@@ -175,7 +176,7 @@ fn normals_are_those_of_the_shaped_surface() {
             assert!(largest < 2e-3, "{weights:?}: {largest}");
         }
         assert!(rms < 0.5 * without, "{weights:?}: {rms} {without}");
-        // The oracle says the same.
+        // The oracle gives the same normals.
         let oracle: Vec<[f64; 3]> =
             face.shaped(&weights).iter().map(|vertex| vertex.normal.into()).collect();
         assert!(angles(&found, &oracle).1 < 2e-3);

@@ -1,4 +1,4 @@
-//! Models of several skins, of one, and of none.
+//! Models of several skins, of one skin, and of none.
 
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
@@ -39,13 +39,13 @@ fn trained(examples: &Examples, levels: &[Level]) -> Trained {
     train(examples, &options(FileSkins::Skins(levels.to_vec())), &Silent).unwrap()
 }
 
-/// The sections of one part: kind and content.
+/// Returns the sections of one part: kind and content.
 fn sections(model: &Model<&[u8]>, part: usize) -> BTreeMap<u16, Vec<u8>> {
     let own = model.sections().filter(|section| usize::from(section.row.part) == part);
     own.map(|section| (section.row.kind, section.bytes.to_vec())).collect()
 }
 
-/// Bytes of a part's sections.
+/// Returns the bytes of a part's sections.
 fn bytes(model: &Model<&[u8]>, part: usize) -> usize {
     sections(model, part).values().map(Vec::len).sum()
 }
@@ -80,7 +80,8 @@ fn one_palette_drives_three_skins_as_three_files_do() {
         .map(|f| examples.pose(f).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect())
         .collect();
 
-    // Files of one level each, beside the mesh that it follows, and a file of that alone.
+    // Files of one level each, next to the mesh that the level follows, and a file of that mesh
+    // alone.
     let single = trained(&examples, &[]);
     let alone = Model::from_bytes(single.model.as_slice()).unwrap();
     let envelope = sections(&alone, 0);
@@ -96,8 +97,8 @@ fn one_palette_drives_three_skins_as_three_files_do() {
         }
     }
 
-    // The file exceeds that of the largest skin by the other meshes: their sections, their rows in the
-    // tables, and less than 16 bytes of alignment a section.
+    // The file is larger than that of the largest skin by the other meshes: their sections, their
+    // rows in the tables, and less than 16 bytes of alignment per section.
     let others: usize = [2, 3].map(|part| bytes(&model, part)).iter().sum();
     let rows = model.sections().count() - alone.sections().count();
     let grown = all.model.len() - single.model.len();
@@ -136,7 +137,7 @@ fn a_skin_is_measured_by_name_against_its_own_mesh() {
     let found = evaluate(&model, Some("skin"), &examples, held_out).unwrap();
     let first = evaluate(&model, None, &examples, held_out).unwrap();
     assert_eq!(found.errors, first.errors);
-    // The coarse arm has flesh of its own.
+    // The coarse arm has different flesh.
     let lod = evaluate(&model, Some("lod1"), &coarse, held_out).unwrap();
     assert!(lod.vertices == coarse.vertex_len() && lod.errors.rms_percent < 1.0);
     let refused = evaluate(&model, Some("lod1"), &examples, held_out).unwrap_err().to_string();
@@ -182,7 +183,7 @@ fn a_budget_covers_every_skin() {
     assert!(within.model.len() <= all);
     let model = Model::from_bytes(within.model.as_slice()).unwrap();
     assert!(model.skins().all(|skin| skin.has_coefficients()));
-    // What holds the mesh without a correction, but not the further one.
+    // Enough for the mesh without a correction, but not for the further mesh.
     let own = trained(&examples, &[]).model.len();
     let model = Model::from_bytes(within.model.as_slice()).unwrap();
     let least = bytes(&model, 1);
@@ -200,7 +201,8 @@ fn joined_meshes_keep_their_names_and_vertices() {
     let model = Model::from_bytes(model.as_slice()).unwrap();
     let ranges: Vec<_> = model.skin().unwrap().ranges().collect();
     assert_eq!(ranges, [("sleeve", 0..120), ("hand", 120..len)]);
-    // One that begins in the one before it, one beyond the mesh, one that ends before it begins.
+    // A range that overlaps the previous range, one beyond the mesh, and one that ends before it
+    // starts.
     for ranges in [[(0, 120), (119, len)], [(0, 120), (120, len + 1)], [(0, 120), (125, 124)]] {
         examples.ranges =
             ranges.map(|(start, end)| ("x".to_owned(), std::ops::Range { start, end })).to_vec();

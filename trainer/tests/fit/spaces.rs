@@ -1,4 +1,5 @@
-//! Models in the axes and the unit of an engine err as those in the examples' own do.
+//! Models in the axes and the unit of an engine have the same errors as models in the examples'
+//! axes.
 
 use nalgebra::Vector3;
 use sinew_runtime::Model;
@@ -16,7 +17,8 @@ const GLTF: Space = Space::GLTF;
 const UNREAL: Space = Space::UNREAL;
 const UNITY: Space = Space::UNITY;
 
-/// Of a seed where no vertex is between what it may follow: there the last digit decides, and a unit of 100 changes it.
+/// With this seed, no vertex is midway between joints: there the last digit would decide, and a
+/// factor of 100 would change it.
 fn arm() -> Examples {
     let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 3 });
     Examples { space: GLTF, ..arm }
@@ -31,7 +33,7 @@ fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
     train(examples, &options, &Silent).unwrap().model
 }
 
-/// Measures a model on examples that are moved into its space first, as `sinew eval` does it.
+/// Evaluates a model on examples that are first converted to its space, as `sinew eval` does.
 fn measured(model: &[u8], mut examples: Examples) -> Evaluation {
     examples.convert_to(&Model::from_bytes(model).unwrap().space());
     evaluate(model, None, &examples, Frames::Of(Split::HeldOut)).unwrap()
@@ -58,7 +60,7 @@ fn check(predictor: Predictor) {
             println!("{}: {found} {expected}", predictor.name());
             assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
         }
-        // Normals point out of the surface, in whatever space.
+        // Normals point outward in every space.
         let character = Character::open(&model, None, &examples).unwrap();
         let frame = examples.frames_of(Split::HeldOut)[3];
         let skin = skin(&character, &examples, frame).unwrap();
@@ -69,17 +71,17 @@ fn check(predictor: Predictor) {
 }
 
 #[test]
-fn kernel_models_for_engines_err_as_the_examples_own() {
+fn kernel_models_for_engines_have_the_errors_of_the_examples_space() {
     check(Predictor::Kernel);
 }
 
 #[test]
-fn rotational_models_for_engines_err_as_the_examples_own() {
+fn rotational_models_for_engines_have_the_errors_of_the_examples_space() {
     check(Predictor::Rotational);
 }
 
 #[test]
-fn examples_in_another_space_are_told_where_they_cannot_be_converted() {
+fn examples_of_unknown_space_are_refused_in_other_axes() {
     let mut examples = arm();
     examples.convert_to(&UNREAL).unwrap();
     let model = model(&examples, Predictor::Kernel);

@@ -7,7 +7,7 @@ use sinew_runtime::kernel::Kernel;
 use sinew_trainer::regression::function::Exact;
 use sinew_trainer::scattered::hyper::{Entries, Metric, Options, Start, learn};
 
-/// Centres on all samples of a fixed metric, coefficients solved once.
+/// Options with centres on all samples of a fixed metric, and coefficients solved once.
 fn on_all(kernel: Kernel, samples: usize, metric: f64) -> Options {
     Options {
         kernel,
@@ -52,7 +52,7 @@ fn centres_on_all_samples_of_a_fixed_metric_interpolate() {
 #[test]
 fn gaussians_of_no_width_are_a_look_up_table() {
     let problem = Problem::franke(7, 40);
-    // The second value is 1 everywhere: what the gaussians' weights sum to.
+    // The second value is 1 everywhere: it gives the sum of the gaussians' weights.
     let ones = Mat::from_fn(40, 1, |_, _| 1.0);
     let values = faer::concat![[&problem.values, &ones]];
     let (shift, scale) = ([0.0; 2], [1.0; 2]);
@@ -61,14 +61,14 @@ fn gaussians_of_no_width_are_a_look_up_table() {
         learn(problem.sites.as_ref(), values.as_ref(), &shift, &scale, &options).unwrap().sum
     };
     let entry = |i: usize| [problem.sites[(i, 0)], problem.sites[(i, 1)]];
-    // A query that is in the table gives its entry, one that is not gives nothing.
+    // A query in the table gives its entry; any other query gives 0.
     let table = at(1e-4);
     for i in 0..40 {
         assert!((table.evaluate(&entry(i))[0] - values[(i, 0)]).abs() < 1e-15);
     }
     assert_eq!(table.evaluate(&[0.123, 0.456]), [0.0, 0.0]);
-    // Before gaussians vanish, what they give over what they sum to is the nearest entry's value: the
-    // wrong ones' share falls with the width.
+    // Before the gaussians vanish, the ratio of the value to the sum of weights is the value of the
+    // nearest entry. The share of wrong entries falls with the width.
     let queries = Problem::franke(8, 500).sites;
     let misses = |width: f64| {
         let sum = at(width);

@@ -1,4 +1,4 @@
-//! What a learned metric says of the inputs.
+//! Relevance of inputs by a learned metric.
 
 use crate::problem::{Problem, options};
 use faer::Mat;
@@ -22,7 +22,7 @@ fn inputs_that_do_not_matter_lose_their_weights() {
         println!("seed {seed}: {weights:.5?}, rms {:.1e}", problem.rms(&sum));
         // Promised: 0.005.
         assert!(weights[2].max(weights[3]) <= 0.005 * weights[0].min(weights[1]), "{weights:?}");
-        // What the reference leaves.
+        // The error of the reference.
         assert!(problem.rms(&sum) < 2.1e-4);
     }
 }
@@ -55,7 +55,7 @@ fn a_metric_of_low_rank_finds_the_direction_that_matters() {
 }
 
 #[test]
-fn what_is_not_learned_stays_as_it_starts() {
+fn parameters_that_are_not_learned_keep_their_start() {
     let problem = Problem::franke(1, 60);
     let start = Mat::from_fn(2, 2, |r, c| [[4.0, 0.5], [-0.5, 3.0]][r][c]);
     let of = |learned_entries| {

@@ -1,4 +1,4 @@
-//! What cannot be learned, and the error that says why.
+//! Problems that cannot be learned, and their errors.
 
 use crate::problem::{Problem, options};
 use faer::Mat;
@@ -10,7 +10,7 @@ fn refused(options: &Options) -> HyperError {
 }
 
 #[test]
-fn what_is_asked_for_is_checked() {
+fn options_are_checked() {
     let fine = options(2, 4);
     assert!(Problem::franke(1, 20).learn(&fine).is_ok());
     let hat = Kernel::Hat { power: 3 };
@@ -35,7 +35,7 @@ fn what_is_asked_for_is_checked() {
 }
 
 #[test]
-fn samples_and_what_goes_with_them_are_checked() {
+fn samples_and_their_attributes_are_checked() {
     let problem = Problem::franke(1, 20);
     let fine = options(2, 4);
     let with = |sites: &Mat<f64>, shift: &[f64], scale: &[f64], options: &Options| {

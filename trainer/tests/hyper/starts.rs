@@ -1,11 +1,11 @@
-//! The samples on which centres start.
+//! Samples on which centres start.
 
 use crate::problem::{Problem, options};
 use faer::Mat;
 use sinew_trainer::scattered::hyper::{Entries, Metric, Options, Start};
 use std::collections::BTreeSet;
 
-/// The samples on which centres start, as rows of a problem's sites.
+/// Returns the samples on which centres start, as rows of a problem's sites.
 fn chosen(problem: &Problem, start: Start, seed: u64, centres: usize) -> BTreeSet<usize> {
     let options = Options {
         start,
@@ -23,7 +23,7 @@ fn chosen(problem: &Problem, start: Start, seed: u64, centres: usize) -> BTreeSe
     (0..centres).map(sample).collect()
 }
 
-/// Ten samples about each of four points.
+/// Makes ten samples around each of four points.
 fn clusters() -> Problem {
     let at = |i: usize, c: usize| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]][i / 10][c];
     let sites = Mat::from_fn(40, 2, |i, c| at(i, c) + 1e-4 * (7 * i + 3 * c) as f64);
@@ -32,7 +32,7 @@ fn clusters() -> Problem {
 }
 
 #[test]
-fn any_samples_are_drawn_alike() {
+fn random_starts_draw_samples_uniformly() {
     let problem = clusters();
     let mut times = [0; 40];
     for seed in 0..400 {
@@ -40,7 +40,7 @@ fn any_samples_are_drawn_alike() {
         assert_eq!(chosen.len(), 10, "a sample twice");
         chosen.into_iter().for_each(|i| times[i] += 1);
     }
-    // Binomial, 100 on average with a deviation of 8.7.
+    // Binomial: 100 on average, with a deviation of 8.7.
     assert!(times.iter().all(|n| (60..140).contains(n)), "{times:?}");
 }
 
@@ -75,7 +75,7 @@ fn samples_that_repeat_are_no_trouble() {
     let problem = Problem { sites, values };
     for start in [Start::Random, Start::KMeansPlusPlus, Start::Greedy] {
         let learned = problem.learn(&Options { start, ridge: 0.0, ..options(2, 5) }).unwrap();
-        // All that one place can give is the mean.
+        // With all centres at one place, the function is the mean.
         assert!((learned.sum.evaluate(&[0.25; 2])[0] - 5.5).abs() < 1e-12, "{start:?}");
     }
 }

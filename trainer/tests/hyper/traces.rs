@@ -1,4 +1,4 @@
-//! What a learning did, and that nothing but samples and options decides it.
+//! Traces of learning, which depend only on samples and options.
 
 use crate::problem::{Problem, options};
 use sinew_runtime::kernel::Kernel;
@@ -13,7 +13,7 @@ fn learned(method: Method, options: Options) -> Learned {
     Problem::franke(9, 60).learn(&options).unwrap()
 }
 
-/// FNV-1a of a trace's energies, bit for bit, and of what was taken.
+/// Hashes a trace (FNV-1a): the bits of its energies, and the accepted steps.
 fn hash(trace: &Trace) -> u64 {
     let steps = trace.steps.iter().map(|step| (step.energy, step.accepted));
     std::iter::once((trace.start, true))
@@ -27,7 +27,7 @@ fn hash(trace: &Trace) -> u64 {
 
 #[test]
 fn a_trace_has_the_same_bits_on_any_cpu() {
-    // Change these only with a reason that the commit states: they are the promise of METHOD §3.
+    // The promise of METHOD §3: change these only with a reason that the commit states.
     const BITS: [u64; 5] = [
         0xdf65_153a_53bc_639c,
         0x7e0a_c71f_a55b_945d,
@@ -122,14 +122,14 @@ fn the_energy_is_that_of_the_function_and_a_ridge_is_part_of_it() {
 }
 
 #[test]
-fn what_cannot_get_better_stops_early() {
-    // A plane: the polynomial leaves nothing.
+fn an_optimal_start_stops_early() {
+    // A plane: the polynomial fits exactly.
     let plane = Problem::new(3, 60, 2, |x| 1.0 + 2.0 * x[0] - x[1]);
     let options = Options { degree: Some(1), ridge: 0.0, ..options(2, 6) };
     let found = plane.learn(&options).unwrap();
     assert!(found.energy < 1e-24 && found.traces[0].evaluations < 1000);
     assert_ne!(found.traces[0].stop, Stop::Budget);
-    // Nothing at all: the gradient is zero.
+    // A function of zeros: the gradient is zero.
     for method in [Method::VariableProjection, FLOW] {
         let nothing = Problem::new(3, 60, 2, |_| 0.0);
         let found = nothing.learn(&Options { method, ..options.clone() }).unwrap();

@@ -1,4 +1,4 @@
-//! A function in its file, as the run time evaluates it, beside the f64 one that was fitted.
+//! A function in its file: the runtime, compared with the fitted f64 function.
 
 use crate::common::random;
 use sinew_runtime::Model;
@@ -13,8 +13,8 @@ use sinew_trainer::scattered::model::{
 use sinew_trainer::scattered::problem::{Learn, Problem, ProblemOptions};
 use sinew_trainer::scattered::train::train;
 
-/// Of each number over 1, or over itself: features, coefficients, sums of f32 and what is made of them,
-/// for functions whose coefficients are about as large as their values.
+/// Tolerance relative to the larger of 1 and the value. It covers f32 features, coefficients and
+/// sums, for functions whose coefficients are about as large as their values.
 const TOLERANCE: f64 = 5e-5;
 const SAMPLES: usize = 60;
 const AXIS: [f64; 3] = [0.6, 0.0, 0.8];
@@ -49,7 +49,7 @@ fn outputs() -> Vec<Output> {
     kinds.into_iter().enumerate().map(output).collect()
 }
 
-/// Queries, a row each: numbers between -1 and 1, rotations of any size up to 115 degrees.
+/// Draws queries, one per row: numbers between -1 and 1, rotations of up to 115 degrees.
 fn queries(seed: u64, reach: f64) -> Vec<Vec<f64>> {
     let quaternion = |of: &[f64]| [of[0], of[1], of[2], 1.0];
     random(seed, SAMPLES, 22)
@@ -92,7 +92,7 @@ fn problem(options: ProblemOptions) -> Problem {
     }
 }
 
-/// Asserts that the file gives what the function gives, near its samples and far from them.
+/// Asserts that the file gives the function's values, near its samples and far from them.
 fn assert_same(model: &KernelModel, about: &str) {
     let bytes = bake(Space::default(), &[part(model).unwrap()]).unwrap();
     let file = Model::from_bytes(bytes).unwrap();
@@ -118,7 +118,7 @@ fn assert_same(model: &KernelModel, about: &str) {
 }
 
 #[test]
-fn the_file_gives_what_was_fitted() {
+fn the_file_gives_the_fitted_values() {
     for (kernel, degree) in [("gaussian", 0), ("thin plate", 1), ("matern 5/2", -1)] {
         for query in [QueryRule::Free, QueryRule::Clamp, QueryRule::Fade] {
             for normalise in [Normalise::Never, Normalise::Always, Normalise::AboveOne] {
@@ -138,7 +138,7 @@ fn the_file_gives_what_was_fitted() {
 }
 
 #[test]
-fn the_file_gives_what_was_learned() {
+fn the_file_gives_the_learned_values() {
     let learn =
         Learn { centres: Some(6), seeds: 1, evaluations: 60, ridge: 1e-6, ..Learn::default() };
     let options = ProblemOptions { learn: Some(learn), ..ProblemOptions::default() };
@@ -148,7 +148,7 @@ fn the_file_gives_what_was_learned() {
 }
 
 #[test]
-fn a_query_that_is_none_is_refused_by_input() {
+fn invalid_queries_are_refused_by_input() {
     let model =
         train(&problem(ProblemOptions { epsilon: Some(2.0), ..ProblemOptions::default() }), false)
             .unwrap()

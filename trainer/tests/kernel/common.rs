@@ -1,4 +1,4 @@
-//! Points, functions and files that several of these tests read.
+//! Points, functions and files that several of these tests use.
 
 use crate::shared::shared;
 use faer::Mat;
@@ -10,7 +10,7 @@ use sinew_trainer::scattered::solver::scaling::Block;
 use sinew_trainer::scattered::sum::KernelSum;
 use std::fs;
 
-/// Reads a JSON file beside the shared data.
+/// Reads a JSON file of the shared data.
 pub(crate) fn json(file: &str) -> Option<Value> {
     let text = fs::read_to_string(shared(file)?).unwrap();
     Some(serde_json::from_str(&text).unwrap())
@@ -22,7 +22,7 @@ pub(crate) fn matrix(value: &Value) -> Mat<f64> {
     Mat::from_fn(rows.len(), rows[0].len(), |i, c| rows[i][c])
 }
 
-/// Reads a number, or a list of them.
+/// Reads a number or a list of numbers.
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     match value.as_array() {
         Some(list) => list.iter().map(|x| x.as_f64().unwrap()).collect(),
@@ -30,7 +30,7 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
-/// Points of the Halton sequence from the given element on, n x d.
+/// Returns n points of the Halton sequence from element `from` on, n x d.
 pub(crate) fn halton(from: usize, n: usize, d: usize) -> Mat<f64> {
     const PRIMES: [usize; 5] = [2, 3, 5, 7, 11];
     Mat::from_fn(n, d, |i, c| {
@@ -44,7 +44,7 @@ pub(crate) fn halton(from: usize, n: usize, d: usize) -> Mat<f64> {
     })
 }
 
-/// Numbers between -1 and 1, n x d.
+/// Draws numbers between -1 and 1, n x d.
 pub(crate) fn random(seed: u64, n: usize, d: usize) -> Mat<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     Mat::from_fn(n, d, |_, _| 2.0 * random.random::<f64>() - 1.0)
@@ -65,17 +65,17 @@ pub(crate) fn wahba(x: f64) -> f64 {
     4.26 * ((-x).exp() - 4.0 * (-2.0 * x).exp() + 3.0 * (-3.0 * x).exp())
 }
 
-/// Values of Franke's function at points, n x 1.
+/// Evaluates Franke's function at points, n x 1.
 pub(crate) fn franke_at(points: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(points.nrows(), 1, |i, _| franke(points[(i, 0)], points[(i, 1)]))
 }
 
-/// Values of Wahba's function at points, n x 1.
+/// Evaluates Wahba's function at points, n x 1.
 pub(crate) fn wahba_at(points: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(points.nrows(), 1, |i, _| wahba(points[(i, 0)]))
 }
 
-/// Takes samples whose inputs are scalars.
+/// Makes samples with scalar inputs.
 pub(crate) fn samples(sites: &Mat<f64>, values: &Mat<f64>) -> Samples {
     let blocks = vec![Block { len: 1, weight: 1.0 }; sites.ncols()];
     Samples::new(sites, values, &blocks, Conflicts::Refuse).unwrap()
@@ -92,7 +92,7 @@ pub(crate) fn rows(of: &Mat<f64>) -> Vec<Vec<f64>> {
     of.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// Returns the largest difference of two matrices; one of no entries is a failure.
+/// Returns the largest difference of two matrices; empty matrices fail.
 pub(crate) fn apart(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     assert_eq!(a.shape(), b.shape());
     assert!(a.nrows() * a.ncols() > 0);

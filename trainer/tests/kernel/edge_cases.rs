@@ -1,4 +1,4 @@
-//! Data that has no function, or none that is obvious: what others make of it, and what we do.
+//! Data without a function, or without an obvious function: results of other libraries, and ours.
 
 use crate::common::{apart, evaluate, franke_at, halton, json, matrix, numbers, samples};
 use faer::{Mat, Side};
@@ -44,7 +44,7 @@ fn a_thin_plate_without_a_polynomial_vanishes_at_some_radius() {
     let found = Published::new(&two, &values, &options).unwrap();
     let expected = &file["tps_two_points_radius_inv_sqrt2"]["at_samples"];
     assert!(apart(&evaluate(&found.sum, &two).transpose().to_owned(), &matrix(expected)) < 1e-12);
-    // With its polynomial it interpolates.
+    // With a polynomial, the function interpolates.
     let ours = Fit::new(&samples(&two, &values), &Options::new(Kernel::ThinPlate)).unwrap();
     assert!(apart(&evaluate(&ours.sum, &two), &values) < 1e-14);
 }
@@ -65,7 +65,7 @@ fn an_equilateral_thin_plate_is_rounding_as_published_and_a_plane_with_its_polyn
     assert!(apart(&evaluate(&scipy.whole().unwrap().0, &triangle), &expected) < 1e-12);
 }
 
-/// The post's samples, the first of them twice, with another value.
+/// Returns the post's samples, with a sixth sample at the first site and another value.
 fn conflicting() -> (Mat<f64>, Mat<f64>) {
     let sites = [[0.0, 0.0], [2.0, 3.0], [3.0, -1.0], [-4.0, -2.0], [-2.0, 3.0], [0.0, 0.0]];
     (Mat::from_fn(6, 2, |i, c| sites[i][c]), column(&[3.0, 0.5, 1.0, -1.0, 1.0, 5.0]))
@@ -103,7 +103,8 @@ fn repetitions_are_singular_by_scipys_rules_until_they_are_smoothed() {
     options.smoothing = Smoothing::All(1e-9);
     let found = RbfInterpolator::new(&sites, &values, &options).unwrap();
     let expected = column(&numbers(&file["duplicate_scipy_smoothing_1e-9"]));
-    // Coefficients are 1e9 there, and rounding is 1e-6 of theirs and of ours; the pair has its mean.
+    // The published coefficients are 1e9, so rounding is 1e-6 in both; our function takes the mean
+    // of the pair.
     let found = evaluate(&found.whole().unwrap().0, &sites);
     assert!(apart(&found, &expected) < 1e-5);
     assert!((found[(0, 0)] - 4.0).abs() < 1e-5 && (found[(5, 0)] - 4.0).abs() < 1e-5);
@@ -112,7 +113,8 @@ fn repetitions_are_singular_by_scipys_rules_until_they_are_smoothed() {
 #[test]
 fn a_radius_of_zero_is_guarded_as_in_the_posts_own_language() {
     let Some(file) = file() else { return };
-    // Its Python divides by zero, all but the multiquadric, which is the distance then.
+    // The published Python divides by zero, except for the multiquadric, which then equals the
+    // distance.
     let (sites, values) = conflicting();
     let (sites, values) = (sites.subrows(0, 5).to_owned(), values.subrows(0, 5).to_owned());
     let solve = |kernel| Published::new(&sites, &values, &published(kernel, 0.0));
@@ -147,7 +149,7 @@ fn a_single_sample_has_no_norm_as_published_and_is_a_constant_here() {
 }
 
 #[test]
-fn what_is_not_a_number_is_an_error_with_its_place() {
+fn nans_are_errors_with_their_place() {
     let Some(file) = file() else { return };
     assert!(file["nan_feature"].is_string());
     let (mut sites, values) = conflicting();
@@ -165,14 +167,14 @@ fn what_is_not_a_number_is_an_error_with_its_place() {
 #[test]
 fn distances_are_blind_to_origins_and_to_the_number_of_samples() {
     let Some(file) = file() else { return };
-    // As published, a column that is shifted by 1000 loses all of its spread.
+    // As published, a column shifted by 1000 loses its whole spread.
     let spreads = |name: &str| numbers(&file["feature_norm_translation"][name]);
     assert!(spreads("spread_after_shifted")[1] < 1e-5 * spreads("spread_after_original")[1]);
     let blocks = [Block { len: 1, weight: 1.0 }; 2];
     let near = halton(0, 20, 2);
     let far = Mat::from_fn(20, 2, |i, c| near[(i, c)] + 1000.0);
     let of = |sites: &Mat<f64>| Scaling::new(sites, &blocks).unwrap().apply(sites);
-    // Each shift is rounded to f32 by itself, which moves all places alike.
+    // Each shift is rounded to f32, which moves all sites equally.
     let from_first = |of: Mat<f64>| Mat::from_fn(20, 2, |i, c| of[(i, c)] - of[(0, c)]);
     assert!(apart(&from_first(of(&near)), &from_first(of(&far))) < 1e-11);
     // As published, distances shrink with n.
@@ -206,7 +208,7 @@ fn fits_that_rounding_decides_are_refused_with_the_remedy() {
     for remedy in ["smooth more", "narrower kernel", "fewer centres"] {
         assert!(text.contains(remedy), "{text}");
     }
-    // A system may have a condition and its samples be missed all the same.
+    // A system may have an acceptable condition and still miss its samples.
     let flat = Options { degree: Some(2), ..Options::new(Kernel::Matern52) };
     let refused = Fit::new(&samples, &Options { epsilon: 0.05, ..flat }).err();
     let Some(KernelError::IllConditioned { rcond, missed }) = refused else {

@@ -1,4 +1,4 @@
-//! Samples left out in closed form, against fits that have never seen them.
+//! Samples left out in closed form, against fits without them.
 
 use crate::common::{franke_at, halton, random, samples};
 use crate::reproduction::fitted;
@@ -13,13 +13,13 @@ use sinew_trainer::scattered::solver::solve::solve;
 
 const TOLERANCE: f64 = 1e-10;
 
-/// Rows of a matrix that are not in a group.
+/// Returns the rows of a matrix that are not in a group.
 fn without(of: &Mat<f64>, group: &[usize]) -> Mat<f64> {
     let kept: Vec<usize> = (0..of.nrows()).filter(|i| !group.contains(i)).collect();
     Mat::from_fn(kept.len(), of.ncols(), |i, c| of[(kept[i], c)])
 }
 
-/// Errors of a group by a fit to the other points.
+/// Returns the errors of a group under a fit to the other points.
 fn brute(
     kernel: Kernel,
     points: &Mat<f64>,
@@ -55,7 +55,7 @@ fn brute(
     Mat::from_fn(group.len(), values.ncols(), |i, o| errors[i][o])
 }
 
-/// Sites in space, and on a plane in it, whose polynomials are deficient.
+/// Returns sites in space, and sites on a plane in space, where polynomials are deficient.
 fn sites() -> [Mat<f64>; 2] {
     let space = halton(1, 24, 3);
     let plane = Mat::from_fn(24, 3, |i, c| match c {
@@ -128,7 +128,7 @@ fn freedom_is_the_trace_of_the_smoother() {
         [(Kernel::Gaussian, 0.1), (Kernel::ThinPlate, 0.02), (Kernel::Cubic, 0.0)]
     {
         let options = Options { smoothing, ..Options::new(kernel) };
-        // The value at a sample that 1 there alone gives it.
+        // Response at a sample to a value of 1 at this sample alone.
         let own = |i: usize| {
             let unit = Mat::from_fn(15, 1, |k, _| f64::from(u8::from(i == k)));
             let fit = Fit::new(&samples(&sites, &unit), &options).unwrap();
@@ -152,7 +152,7 @@ fn fewer_centres_are_left_out_as_by_brute_force() {
         let options = Options { smoothing, epsilon: 2.0, ..Options::new(kernel) };
         let fit = FewerFit::new(&samples, &options, &Centres::Greedy(7)).unwrap();
         let left_out = fit.leave_one_out();
-        // The same columns, λ n of all samples, without the rows of the group.
+        // The columns, with λ n of all samples, without the rows of the group.
         let bases: Vec<Vec<f64>> = (0..30)
             .map(|i| {
                 let x: Vec<f64> = sites.row(i).iter().copied().collect();
@@ -190,8 +190,8 @@ fn fewer_centres_are_left_out_as_by_brute_force() {
 }
 
 #[test]
-fn what_the_others_do_not_determine_has_no_error() {
-    // Three samples of a plane: without one of them there is no plane.
+fn samples_that_the_others_do_not_determine_have_no_error() {
+    // Three samples define a plane; two do not.
     let sites = halton(1, 3, 2);
     let fit =
         Fit::new(&samples(&sites, &franke_at(&sites)), &Options::new(Kernel::ThinPlate)).unwrap();

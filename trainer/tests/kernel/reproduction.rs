@@ -1,4 +1,5 @@
-//! Samples and polynomials are reproduced; fewer centres, weights, widths and smoothing do what they say.
+//! Samples and polynomials are reproduced; fewer centres, weights, widths and smoothing have their
+//! documented effects.
 
 use crate::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
 use faer::Mat;
@@ -17,7 +18,7 @@ use sinew_trainer::scattered::solver::scaling::Block;
 use sinew_trainer::scattered::solver::variance::Variance;
 use sinew_trainer::scattered::sum::{monomials, powers};
 
-/// Every kernel that is fitted with, in d inputs.
+/// Lists the kernels for fits in d inputs.
 pub(crate) fn fitted(d: usize) -> impl Iterator<Item = Kernel> {
     let own = |kernel: &Kernel| !matches!(kernel, Kernel::Wendland { .. } | Kernel::Hat { .. });
     Kernel::ALL.into_iter().filter(own).chain(wendland(d))
@@ -66,7 +67,7 @@ fn polynomials_are_reproduced_by_every_kernel_smoothed_or_not() {
 
 #[test]
 fn degenerate_sites_keep_their_polynomials() {
-    // Nine entries of a hinge's matrix: four move, in a plane.
+    // Nine entries of a hinge's rotation matrix: four vary, in a plane.
     let turn = |i: usize| from_euler(EulerOrder::Xyz, [0.0, 0.0, 7.0 * i as f64]);
     let sites: Vec<Vec<f64>> = (0..14).map(|i| Feature::Matrix.of(turn(i)).unwrap()).collect();
     let sites = Mat::from_fn(14, 9, |i, c| sites[i][c]);
@@ -146,7 +147,8 @@ fn few_centres_are_the_least_squares_of_the_penalty() {
     let all = Centres::Given((0..30).collect());
     let refused = FewerFit::new(&samples, &more, &all).err();
     assert!(matches!(refused, Some(KernelError::IllConditioned { .. })), "33 unknowns, 30 samples");
-    // The power function chooses as many as samples determine: with three polynomials 27.
+    // The power function chooses at most as many centres as the samples determine: with three
+    // polynomials 27.
     let most = FewerFit::new(&samples, &more, &Centres::Greedy(30)).unwrap();
     assert_eq!(most.centres.len(), 27);
     assert!(apart(&evaluate(&most.sum, &sites), &franke_at(&sites)) < 1e-10);
@@ -166,14 +168,14 @@ fn more_centres_come_nearer() {
 }
 
 #[test]
-fn samples_that_say_nothing_of_each_other_are_still_joined() {
+fn uncorrelated_samples_are_still_joined() {
     let sites = Mat::from_fn(5, 1, |i, _| i as f64);
     let samples = samples(&sites, &Mat::from_fn(5, 1, |i, _| [0.2, 0.8, 0.1, 0.9, 0.3][i]));
     let groups: Vec<Vec<usize>> = (0..5).map(|i| vec![i]).collect();
     for kernel in [Kernel::Gaussian, Kernel::Matern52, Kernel::Wendland { l: 3 }] {
         let epsilons = Freedom { epsilon: true, smoothing: false };
         let choice = Choice::new(&samples, &Options::new(kernel), epsilons, &groups, None).unwrap();
-        // Sites are 1 apart, and 2 on average.
+        // Neighbouring sites are 1 apart; the mean distance is 2.
         let next = kernel.exact((choice.options.epsilon / 2.0).powi(2)) / kernel.exact(0.0);
         assert!(next >= (-1f64).exp(), "{kernel:?}: {}", choice.options.epsilon);
     }
@@ -185,17 +187,17 @@ fn widths_are_chosen_whatever_the_spacing_and_whether_samples_can_be_left_out_or
         let free = Freedom { epsilon: true, smoothing: false };
         Choice::new(&samples(sites, values), &options, free, groups, None).unwrap().options.epsilon
     };
-    // 400 samples of a line: every width of the mean distance is singular.
+    // 400 samples on a line: every width relative to the mean distance is singular.
     let line = Mat::from_fn(400, 1, |i, _| i as f64);
     let wave = Mat::from_fn(400, 1, |i, _| (0.05 * i as f64).sin());
     let each: Vec<Vec<usize>> = (0..400).map(|i| vec![i]).collect();
     assert!(width(&line, &wave, &each, Options::new(Kernel::Gaussian)) > 8.0);
-    // Wendland's kernel of 40 inputs has fallen below 1/e at an eighth of the mean distance.
+    // Wendland's kernel of 40 inputs falls below 1/e at an eighth of the mean distance.
     let many = random(8, 50, 40);
     let each: Vec<Vec<usize>> = (0..50).map(|i| vec![i]).collect();
     let kernel = sinew_trainer::scattered::solver::options::wendland(40).unwrap();
     assert!(width(&many, &random(9, 50, 1), &each, Options::new(kernel)) < 0.125);
-    // One group of all leaves nothing to predict it: the width asked for stays.
+    // One group of all samples leaves none to predict it: the requested width stays.
     let (few, own) = (halton(1, 5, 2), random(10, 5, 1));
     let all = [(0..5).collect::<Vec<usize>>()];
     assert_eq!(width(&few, &own, &all, Options::new(Kernel::Gaussian)), 1.0);
@@ -285,7 +287,7 @@ fn variances_are_those_of_the_conditioned_process() {
     }
 }
 
-/// `G(0) - [g; p]ᵀ S⁻¹ [g; p]`, by elimination of the whole system.
+/// Computes `G(0) - [g; p]ᵀ S⁻¹ [g; p]`, by elimination of the whole system.
 fn textbook(fit: &Fit, kernel: Kernel, sites: &Mat<f64>, smoothing: f64, query: &[f64]) -> f64 {
     use faer::linalg::solvers::Solve;
     use sinew_trainer::regression::function::Exact;
@@ -304,21 +306,22 @@ fn textbook(fit: &Fit, kernel: Kernel, sites: &Mat<f64>, smoothing: f64, query: 
 
 #[test]
 fn deviations_are_those_of_the_likeliest_process() {
-    // Values of twice the size have twice the deviation; constants have none beside a constant.
+    // Values of twice the size have twice the deviation; a constant has none besides a constant
+    // term.
     let sites = halton(1, 20, 1);
     let y = wahba_at(&sites);
     let values = Mat::from_fn(20, 3, |i, o| [y[(i, 0)], 2.0 * y[(i, 0)], 5.0][o]);
     let options = Options { epsilon: 4.0, ..Options::new(Kernel::Matern32) };
     let fit = Fit::new(&samples(&sites, &values), &options).unwrap();
     let [one, two, none] = Variance::new(&fit, &values).unwrap().deviations[..] else { panic!() };
-    // 20 samples, a constant: 19 are free.
+    // 20 samples and a constant term: 19 degrees of freedom.
     let energy: f64 = (0..20).map(|k| fit.sum.coefficients[(0, k)] * y[(k, 0)]).sum();
     assert!((one * one / (energy / 19.0) - 1.0).abs() < 1e-9);
     assert!((two / one - 2.0).abs() < 1e-9 && none < 1e-6 * one);
 }
 
 #[test]
-fn reports_say_what_was_merged_dropped_and_left() {
+fn reports_list_merged_rows_dropped_inputs_and_residuals() {
     let sites = Mat::from_fn(12, 3, |i, c| match c {
         0 => (0.7 * (i % 11) as f64).sin(),
         1 => 4.0,
@@ -353,5 +356,51 @@ fn values_far_from_zero_are_no_worse_conditioned() {
         let fit =
             Fit::new(&samples(&sites, &far), &Options { epsilon: 3.0, ..Options::new(kernel) });
         assert!(apart(&evaluate(&fit.unwrap().sum, &sites), &far) < 1e-5, "{kernel:?}");
+    }
+}
+
+#[test]
+fn jacobians_are_central_differences_away_from_samples() {
+    for d in 1..=4 {
+        let sites = halton(1, 30, d);
+        let values = Mat::from_fn(30, 2, |i, o| {
+            (0..d).map(|c| (2.0 * sites[(i, c)] + (c + o) as f64).sin()).sum()
+        });
+        let samples = samples(&sites, &values);
+        for kernel in fitted(d) {
+            for degree in [0, 1, 2] {
+                let options =
+                    Options { degree: Some(degree), epsilon: 5.0, ..Options::new(kernel) };
+                if options.check().is_err() {
+                    continue;
+                }
+                let sum = Fit::new(&samples, &options).unwrap().sum;
+                for query in rows(&random(d as u64, 20, d)) {
+                    let near = |site: &Vec<f64>| {
+                        site.iter().zip(&query).map(|(a, b)| (a - b).powi(2)).sum::<f64>() < 1e-4
+                    };
+                    if rows(&sites).iter().any(near) {
+                        continue;
+                    }
+                    let found = sum.jacobian(&query);
+                    for c in 0..d {
+                        let at = |h: f64| {
+                            let mut moved = query.clone();
+                            moved[c] += h;
+                            sum.evaluate(&moved)
+                        };
+                        let (after, before) = (at(1e-5), at(-1e-5));
+                        for o in 0..2 {
+                            let expected = (after[o] - before[o]) / 2e-5;
+                            let missed = (found[(o, c)] - expected).abs();
+                            assert!(
+                                missed < 1e-6 * (1.0 + expected.abs()),
+                                "{kernel:?} {d} {degree} {missed:.1e}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
     }
 }

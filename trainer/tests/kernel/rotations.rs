@@ -12,7 +12,7 @@ use sinew_trainer::scattered::solver::options::Options;
 use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
 use sinew_trainer::scattered::solver::scaling::Block;
 
-/// The least eigenvalue of a symmetric matrix.
+/// Returns the smallest eigenvalue of a symmetric matrix.
 fn least(of: &Mat<f64>) -> f64 {
     of.self_adjoint_eigenvalues(Side::Lower).unwrap()[0]
 }
@@ -21,7 +21,7 @@ fn quaternions(count: usize) -> Vec<Xyzw> {
     rows(&random(8, count, 4)).iter().map(|q| [q[0], q[1], q[2], q[3]]).collect()
 }
 
-/// A feature of each rotation, a row each.
+/// Computes a feature of each rotation, one per row.
 fn features(feature: Feature, rotations: &[Xyzw]) -> Mat<f64> {
     let all: Vec<Vec<f64>> = rotations.iter().map(|q| feature.of(*q).unwrap()).collect();
     Mat::from_fn(all.len(), feature.number_len(), |i, c| all[i][c])
@@ -73,7 +73,7 @@ fn twists_about_one_axis_have_the_references_eigenvalues() {
 
 #[test]
 fn a_rotation_drives_another_whatever_its_quaternions_sign() {
-    // The output turns half as far about the same axis, from a neutral of its own.
+    // The output rotates half as far about the same axis, from a separate neutral rotation.
     let neutral = from_euler(EulerOrder::Zyx, [20.0, -35.0, 50.0]);
     let pose = |x: f64, y: f64| from_euler(EulerOrder::Xyz, [x, y, 0.0]);
     let driven = |q: Xyzw| {

@@ -1,4 +1,4 @@
-//! How far f32 arithmetic is from a function: never farther than METHOD §2.7's E.
+//! Error of f32 arithmetic: at most METHOD §2.7's E.
 
 use crate::common::{halton, json, random, rows};
 use faer::Mat;
@@ -17,7 +17,7 @@ use sinew_trainer::scattered::sum::{KernelSum, Term, monomials};
 
 const IEEE: Arithmetic = Arithmetic::IEEE;
 
-/// The function in f32, one operation after the other, in the order of the file's format.
+/// Evaluates the function in f32, one operation after another, in the order of the file's format.
 fn in_f32(sum: &KernelSum, x: &[f32]) -> Vec<f32> {
     let f32s = |of: &[f64]| of.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let (shift, scale) = (f32s(&sum.shift), f32s(&sum.scale));
@@ -85,7 +85,7 @@ fn kernel_in_f32(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
-/// METHOD's formula, without polynomials, shift and scale, by its text.
+/// Evaluates METHOD's formula as written, without polynomials, shift and scale.
 fn methods(sum: &KernelSum, x: &[f64]) -> f64 {
     let u = 2f64.powi(-24);
     let roundings = match sum.kernel {
@@ -125,7 +125,8 @@ fn the_references_configurations_stay_within_methods_bound_and_ours() {
             "wendland_c2" => Kernel::Wendland { l: 3 },
             name => panic!("{name}"),
         };
-        // Of numbers between -1 and 1 the mean squared distance is 2 d / 3; the reference's is scale².
+        // For numbers between -1 and 1 the mean squared distance is 2 d / 3; the reference's is
+        // scale².
         let spread = scale / (2.0 * d as f64 / 3.0).sqrt();
         let weight = case["sum_abs_c"].as_f64().unwrap() / n as f64;
         let sum = rounded(&KernelSum {
@@ -143,7 +144,7 @@ fn the_references_configurations_stay_within_methods_bound_and_ours() {
             let error = (f64::from(in_f32(&sum, &query)[0]) - sum.evaluate(&x)[0]).abs();
             let (method, own) = (methods(&sum, &x), bound(&sum, &x, &vec![0.0; d], IEEE)[0]);
             assert!(error <= method, "{kernel:?} {n} {d} {scale}: {:.2}", error / method);
-            // Ours adds what underflows, and the steepest slope of where the distance may be.
+            // Our bound adds underflow, and the steepest slope over the possible distances.
             assert!(
                 (own / method - 1.0).abs() < 1e-3 || own < 1e-30,
                 "{kernel:?} {}",
@@ -182,7 +183,7 @@ fn a_hundred_thousand_queries_of_every_kernel_stay_within_the_bound() {
             });
             for q in 0..32 {
                 let x: Vec<f32> = match q % 4 {
-                    // On a centre, where there is no metric.
+                    // On a centre, if there is no metric.
                     0 if sum.metric.is_none() => (0..d)
                         .map(|i| (sum.shift[i] + sum.centres[(i, 0)] / sum.scale[i]) as f32)
                         .collect(),
@@ -257,14 +258,14 @@ fn the_largest_bound_is_over_the_samples_and_their_box() {
     for (o, found) in found.iter().enumerate() {
         assert!(*found >= at_samples(o) && *found < 2.0 * at_samples(o));
     }
-    // Of the box's inside a dense grid is no worse, of its corners hardly.
+    // On a dense grid the bound is hardly larger than at the samples, even at the corners.
     let dense =
         (0..=40).flat_map(|i| (0..=40).map(move |k| [f64::from(i) / 40.0, f64::from(k) / 40.0]));
     let most = dense.map(|x| bound(&sum, &x, &[0.0, 0.0], IEEE)[0]).fold(0.0, f64::max);
     assert!(found[0] > 0.6 * most);
 }
 
-/// `a + b x` of one number, beside a kernel that weighs nothing.
+/// Makes `a + b x` of one number, with a kernel of weight 0.
 fn line(a: f64, b: f64) -> KernelSum {
     KernelSum {
         kernel: Kernel::Gaussian,
@@ -287,7 +288,7 @@ fn a_files_deviation_is_measured_and_refused_above_the_limit() {
         let sites: Vec<Vec<f64>> = sites.iter().map(|x| vec![*x]).collect();
         Probe::new(&scalar(), &sites, vec![range], limit).unwrap()
     };
-    // 2^24 + 1 is 2^24 in a file: it is off by 1.
+    // 2^24 + 1 becomes 2^24 in a file: an error of 1.
     let odd = line(16_777_217.0, 0.0);
     let of =
         |range: f64, limit: f64| probe(&[0.0, 1.0], range, limit).check(&odd, |x| odd.evaluate(x));
@@ -298,16 +299,16 @@ fn a_files_deviation_is_measured_and_refused_above_the_limit() {
     let text = refused.to_string();
     assert!(text.contains("off by 2.0e-3 of its values' range, more than 1.0e-3: take"), "{text}");
     assert!(text.ends_with("allow it by --f32-error"), "{text}");
-    // Samples that f32 cannot tell apart: from 1e8 on its numbers are 8 apart. Between them it is asked at
-    // numbers that it has.
+    // Samples that are equal in f32: from 1e8 on, its numbers are 8 apart. Queries between the
+    // samples are rounded to f32 numbers.
     let far = line(-1e8, 1.0);
     let found = probe(&[1e8, 1e8 + 3.0], 3.0, 1.0).deviation(&far, |x| far.evaluate(x));
     assert_eq!(found, 1.0);
     let near = probe(&[1e8, 1e8 + 16.0], 16.0, 1.0).deviation(&far, |x| far.evaluate(x));
     assert_eq!(near, 0.0);
-    // A reference that is no number is near nothing.
+    // A NaN in the reference is an infinite deviation.
     assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&odd, |_| vec![f64::NAN]), f64::INFINITY);
-    // What f32 has no number for is off without end.
+    // A number outside the range of f32 has an infinite deviation.
     let huge = line(1e39, 0.0);
     assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&huge, |x| huge.evaluate(x)), f64::INFINITY);
 }
@@ -316,8 +317,9 @@ fn a_files_deviation_is_measured_and_refused_above_the_limit() {
 fn rotations_are_measured_between_their_samples_whatever_their_signs() {
     let kind = InputKind::Rotation { feature: Feature::Matrix, order: None };
     let inputs = [Input { name: "q".to_owned(), kind, weight: 1.0 }];
-    // 20 and 22 degrees about z, the second by the quaternion of the other sign; the kernel is about 21 degrees,
-    // and falls to 0.9994 at either. The longer way between the two it is nothing.
+    // 20 and 22 degrees about z, the second by the quaternion of the other sign. The kernel is
+    // centred at 21 degrees, and falls to 0.9994 at both. On the longer arc between the two it is
+    // 0.
     let turned = |degrees: f64| {
         let half = 0.5 * degrees.to_radians();
         [0.0, 0.0, half.sin(), half.cos()]

@@ -1,4 +1,4 @@
-//! What is refused, and that nothing is written then.
+//! Refused calls, which write nothing.
 
 use super::common::*;
 use sinew_runtime::prior::{Pin, PinJob, Pins, Temporal};

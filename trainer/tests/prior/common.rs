@@ -1,4 +1,4 @@
-//! Small faces with known numbers, and dense solves of the same.
+//! Small faces with known numbers, and dense solves of their pins.
 
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
@@ -7,7 +7,7 @@ use sinew_runtime::{CallError, Model, Prior, Skin};
 use sinew_trainer::envelope::model::{FileModel, PriorModel, Shapes, SkinModel};
 use sinew_trainer::face::prior::{Pairs, learned};
 
-/// Numbers in [-1, 1], the same for a seed on every machine.
+/// Numbers in [-1, 1], reproducible on every machine.
 pub(crate) struct Numbers(u64);
 
 impl Numbers {
@@ -32,19 +32,19 @@ impl Numbers {
     }
 }
 
-/// A face of V vertices and S shapes, as single precision has it, and its prior.
+/// A face of V vertices and S shapes in single precision, and its prior.
 pub(crate) struct Face {
     pub(crate) file: Vec<u8>,
     pub(crate) skin: SkinModel,
     pub(crate) prior: PriorModel,
 }
 
-/// How many vertices a face of these tests has; the last one nothing moves.
+/// Number of vertices of a face; no shape moves the last one.
 pub(crate) const VERTICES: usize = 130;
 
 impl Face {
-    /// Makes a face of S shapes: of 30 vertices in a row each, and a prior of 200 frames of weights that depend on
-    /// each other.
+    /// Makes a face of S shapes and its prior. Each shape moves 30 consecutive vertices; the prior
+    /// is of 200 frames of correlated weights.
     pub(crate) fn new(s: usize, seed: u64) -> Self {
         let mut numbers = Numbers::new(seed);
         let skin = skin(s, &mut numbers);
@@ -64,7 +64,7 @@ impl Face {
         Self::of(skin, learned(&frames, vec![[0.0, 1.0]; s], &pairs, 0.01))
     }
 
-    /// Bakes a face and reads back what single precision leaves of it.
+    /// Bakes a face and reads it back, rounded to single precision.
     pub(crate) fn of(skin: SkinModel, prior: PriorModel) -> Self {
         let skin = SkinModel { influences: Vec::new(), ..skin };
         let model = FileModel { skins: vec![skin], priors: vec![prior], ..FileModel::default() };
@@ -90,7 +90,7 @@ impl Face {
         self.solve_in(&mut scratch, pins, weights, set)
     }
 
-    /// Makes scratch for so many pins.
+    /// Makes scratch for a number of pins.
     pub(crate) fn scratch(&self, pins: usize) -> Vec<f64> {
         let model = Model::from_bytes(&self.file).unwrap();
         vec![f64::NAN; model.prior().unwrap().counts().pin_scratch_len(3 * pins)]
@@ -117,7 +117,7 @@ impl Face {
         Ok((weights.into_iter().map(f64::from).collect(), edit))
     }
 
-    /// Moves all vertices at rest.
+    /// Applies weights to all vertices at rest.
     pub(crate) fn moved(&self, weights: &[f64]) -> Vec<[f64; 3]> {
         let mut out = self.skin.rest_positions.clone();
         for (weight, deltas) in weights.iter().zip(&self.skin.shapes.deltas) {
@@ -128,7 +128,7 @@ impl Face {
         out
     }
 
-    /// Gives what rows of pins look at: B, and the numbers at weights of 0; at rest.
+    /// Returns the rows of pins at rest: B, and the values at weights of 0.
     pub(crate) fn rows(&self, pins: &[Pin]) -> (Mat<f64>, Vec<f64>) {
         let all: Vec<(usize, [f32; 4])> = pins
             .iter()
@@ -177,7 +177,7 @@ pub(crate) fn skin(s: usize, numbers: &mut Numbers) -> SkinModel {
     }
 }
 
-/// What pins are to give.
+/// Returns the targets of pins.
 pub(crate) fn targets(pins: &[Pin]) -> Vec<f64> {
     let looks = |row: &[f32; 4]| row[..3] != [0.0; 3];
     let of = |pin: &Pin| {
@@ -190,7 +190,8 @@ pub(crate) fn targets(pins: &[Pin]) -> Vec<f64> {
     pins.iter().flat_map(of).collect()
 }
 
-/// The dual form: `anchor + Σ Bᵀ (B Σ Bᵀ + N)⁻¹ (target - rest - B anchor)`, of k x k (METHOD §5.1).
+/// Solves the dual form: `anchor + Σ Bᵀ (B Σ Bᵀ + N)⁻¹ (target - rest - B anchor)`, of k x k
+/// (METHOD §5.1).
 pub(crate) fn dual(
     covariance: &Mat<f64>,
     b: &Mat<f64>,
@@ -208,7 +209,7 @@ pub(crate) fn dual(
     anchor.iter().enumerate().map(|(i, a)| a + step[(i, 0)]).collect()
 }
 
-/// Solves a square system of a symmetric matrix.
+/// Solves a square system with a symmetric matrix.
 pub(crate) fn solved(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
     let right = Mat::from_fn(right.len(), 1, |i, _| right[i]);
     let x = matrix.llt(Side::Lower).unwrap().solve(right);
@@ -220,16 +221,17 @@ pub(crate) fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
     matrix.llt(Side::Lower).unwrap().inverse()
 }
 
-/// The largest difference between two lists, in the largest number of the second.
+/// Returns the largest difference between two lists, relative to the largest number of the second.
 pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert!(a.len() == b.len() && !a.is_empty());
     let scale = b.iter().fold(1e-300, |most: f64, x| most.max(x.abs()));
     let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    // A number that is none is far from every other.
+    // NaN counts as an infinite difference.
     each.fold(0.0, |most: f64, x| if x <= most { most } else { x }) / scale
 }
 
-/// The pins of these tests: one whole, one of two coordinates, one on a screen, at places that no weights reach.
+/// The pins of these tests: one in space, one of two coordinates, one on a screen, at places that
+/// no weights reach.
 pub(crate) fn three() -> Vec<Pin> {
     let screen = [[0.8, 0.1, 0.0, 0.3], [0.0, 0.9, -0.2, -0.1]];
     vec![
@@ -239,20 +241,20 @@ pub(crate) fn three() -> Vec<Pin> {
     ]
 }
 
-/// What each scalar of pins weighs: N's diagonal.
+/// Returns the noise of each scalar of the pins: the diagonal of N.
 pub(crate) fn noise(pins: &[Pin], beta: f64) -> Vec<f64> {
     let looks = |pin: &Pin| pin.rows.iter().filter(|row| row[..3] != [0.0; 3]).count();
     let of = |pin: &Pin| vec![beta / f64::from(pin.stiffness); looks(pin)];
     pins.iter().flat_map(of).collect()
 }
 
-/// Sorts pins as a list has them, so that rows come in one order.
+/// Sorts pins in the order of a list, so that rows have the same order.
 pub(crate) fn sorted(mut pins: Vec<Pin>) -> Vec<Pin> {
     pins.sort_by_key(|pin| pin.vertex);
     pins
 }
 
-/// Weights of a face that are in its bounds.
+/// Draws weights of a face within its bounds.
 pub(crate) fn weights(s: usize, seed: u64) -> Vec<f64> {
     Numbers::new(seed).list(s).iter().map(|x| f64::from((0.5 + 0.5 * x) as f32)).collect()
 }

@@ -1,4 +1,4 @@
-//! A prior of a real take: ICT FaceKit driven by ARKit weights, in the protocol of METHOD §5.1.
+//! A prior of a real take: ICT FaceKit driven by ARKit weights, by the protocol of METHOD §5.1.
 
 use super::common::*;
 use super::shared::shared;
@@ -8,7 +8,7 @@ use sinew_trainer::face::prior::{learned, pairs, slider};
 use sinew_trainer::face::source::{Source, read};
 use sinew_trainer::face::take;
 
-/// Vertices that a face of this test has: every so many of the head's.
+/// One vertex of the head in this many is in the face of this test.
 const EVERY: usize = 16;
 
 #[test]
@@ -52,7 +52,7 @@ fn a_prior_of_one_half_of_a_take_beats_the_slider_norm_on_the_other() {
     let prior = learned(first, bounds.clone(), &pairs, 0.02);
     let faces = [Face::of(skin.clone(), prior), Face::of(skin, slider(bounds, 0.02))];
     let neutral = vec![0.0; names.len()];
-    // Handles far from each other, the same on every frame.
+    // Handles far apart, the same in every frame.
     let handles: Vec<u32> = (0..8).map(|i| (i * kept.len() / 8 + 11) as u32).collect();
     let (mut errors, mut frames, mut outside) = ([0.0f64; 3], 0, 0);
     for weights in second.iter().skip(20).step_by(100) {

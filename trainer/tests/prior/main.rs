@@ -1,4 +1,5 @@
-//! What pins do with a prior: against dense solves, every way to hold weights, and the identities of S0 §3.
+//! Pins with a prior: against dense solves, for every way to hold weights, and by the identities of
+//! S0 §3.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod bad_calls;

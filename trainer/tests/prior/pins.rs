@@ -1,11 +1,11 @@
-//! Pins of the runtime against dense f64, bounded and not.
+//! Pins of the runtime against dense f64, with and without bounds.
 
 use super::common::*;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::prior::{Anchor, Pin};
 
-/// What single precision of the weights leaves.
+/// Tolerance for weights in single precision.
 const CLOSE: f64 = 1e-4;
 
 #[test]
@@ -27,13 +27,13 @@ fn weights_are_those_of_the_dual_form() {
             "{anchor:?} {beta}: {}",
             apart(&found, &expected)
         );
-        // The norm of the edit: what Eq. 5 makes of it.
+        // The norm of the edit, by Eq. 5.
         let step: Vec<f64> = expected.iter().zip(from).map(|(w, a)| w - a).collect();
         let whitened = solved(&face.prior.covariance, &step);
         let norm = step.iter().zip(&whitened).map(|(a, b)| a * b).sum::<f64>().sqrt();
         assert!((f64::from(edit.norm) / norm - 1.0).abs() < CLOSE);
         assert_eq!((edit.unreachable_len, edit.round_len, edit.is_least), (0, 1, true));
-        // The control: with another stiffness they are others.
+        // Control: another stiffness gives other weights.
         let others = dual(&face.prior.covariance, &b, &[0.5; 7], &missing, from);
         assert!(apart(&found, &others) > 1e-2);
     }
@@ -62,7 +62,7 @@ fn bounded_weights_are_the_least_of_every_way_to_hold_them() {
     assert!(held > 30, "pins pull at the bounds: {held}");
 }
 
-/// Solves for every choice of weights held at 0 or 1, and returns the least in the box.
+/// Solves for every choice of weights held at 0 or 1; returns the minimum in the box.
 fn least_in_box(face: &Face, pins: &[Pin], anchor: &[f64]) -> Vec<f64> {
     let (b, rest) = face.rows(pins);
     let strength = 1.0 / f64::from(face.prior.fit.beta);
@@ -103,10 +103,10 @@ fn least_in_box(face: &Face, pins: &[Pin], anchor: &[f64]) -> Vec<f64> {
 #[test]
 fn without_a_pin_weights_stay_as_they_are() {
     let face = Face::new(8, 3);
-    // Beyond the bounds, too.
+    // Includes weights outside the bounds.
     let now: Vec<f64> = (0..8).map(|i| f64::from(i as f32 * 0.3 - 0.7)).collect();
     for anchor in ANCHORS {
-        // The last vertex nothing moves; the second looks at a coordinate of it alone.
+        // No shape moves the last vertex; the second pin constrains only one of its coordinates.
         let last = VERTICES as u32 - 1;
         let fixed =
             [Pin::new(last, [9.0; 3]), Pin::new(last, [1.0; 3]).masked([false, true, false])];
@@ -117,7 +117,7 @@ fn without_a_pin_weights_stay_as_they_are() {
             assert_eq!(found, now);
             assert_eq!((edit.unreachable_len, edit.norm, edit.round_len), (unreachable, 0.0, 0));
         }
-        // Among others it changes nothing.
+        // Among other pins, the fixed pin changes nothing.
         let pins = three();
         let (alone, _) = face.solve(&pins, &now, |job| job.anchor = anchor).unwrap();
         let with: Vec<Pin> = pins.into_iter().chain(fixed).collect();
@@ -143,7 +143,7 @@ fn pins_on_one_vertex_count_as_their_mean_by_stiffness() {
 
 #[test]
 fn conflicting_pins_end_where_least_squares_do() {
-    // One shape that moves two vertices, which are to go different ways: half of each, and of the third's.
+    // One shape moves all pinned vertices, whose targets differ: the solution is their mean.
     let mut skin = skin(1, &mut Numbers::new(7));
     skin.rest_positions = vec![[0.0; 3]; VERTICES];
     skin.shapes.deltas[0] = vec![[1.0, 0.0, 0.0]; VERTICES];
@@ -193,7 +193,7 @@ fn a_drag_is_a_solve_anew_to_the_last_bit() {
         }
         assert!(!is_bounded || rounds[0] < rounds[1], "held weights are remembered: {rounds:?}");
     }
-    // What was kept of other pins, terms and priors is not used.
+    // Factors that were kept for other pins, terms and priors are not reused.
     let other = Face::new(25, 60);
     let pins = three();
     for (name, set) in CHANGES {
@@ -235,7 +235,7 @@ fn a_sticky_pin_moves_nothing() {
 fn stiff_pins_are_met_and_soft_ones_ignored() {
     let face = Face::new(20, 9);
     let now = weights(20, 5);
-    // Three scalars, which 20 shapes can meet.
+    // Three scalars, which 20 shapes can satisfy.
     let pins = [Pin::new(30, [0.3, 0.2, -0.4])];
     let (b, rest) = face.rows(&pins);
     let miss = |w: &[f64]| {

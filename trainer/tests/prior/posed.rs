@@ -1,4 +1,4 @@
-//! Pins on a posed skin: rows act on M U, the vertex's own transform.
+//! Pins on a posed skin: rows act on M U, where M is the vertex's transform.
 
 use super::common::*;
 use sinew_runtime::prior::{Anchor, Pin, PinJob, Pins};
@@ -8,7 +8,7 @@ use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, SkinModel};
 use sinew_trainer::face::prior::slider;
 use std::path::Path;
 
-/// A palette of transforms that turn, stretch and shift.
+/// Makes a palette of transforms that rotate, stretch and shift.
 fn palette(len: usize) -> Vec<Matrix3x4> {
     let mut numbers = Numbers::new(5);
     let mut row = |i: usize| {
@@ -72,7 +72,7 @@ fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
         let place = skin.place(vertex as u32, &palette, &now).unwrap();
         assert!((0..3).all(|i| (place[i] - x[i]).abs() < 1e-5), "{vertex}: {place:?} {x:?}");
     }
-    // Vertices that several shapes move: two coordinates of one, all of another.
+    // Vertices that several shapes move: two coordinates of one vertex, all of another.
     let moved = |vertex: usize| skin.deltas_of(vertex).count();
     let busy: Vec<usize> = (0..v).filter(|vertex| moved(*vertex) >= 4).collect();
     let [a, b] = [busy[2], busy[busy.len() - 1]];
@@ -96,7 +96,7 @@ fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
     let off = |x: f32, y: f32| (x - y).abs();
     assert!((0..3).all(|i| off(after[a][i], goals[0][i]) < 1e-4), "{:?} {goals:?}", after[a]);
     assert!([0, 2].iter().all(|&i| off(after[b][i], goals[1][i]) < 1e-4));
-    // With rows of the rest pose they miss.
+    // Control: rows of the rest pose miss the targets.
     let mut other = now.clone();
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let rest = vec![identity; palette.len()];

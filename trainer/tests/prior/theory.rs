@@ -1,4 +1,5 @@
-//! The identities of S0 §3 in f64: what the reference's numbers are differences of, with other random faces.
+//! The identities of S0 §3 in f64, on random faces; the reference states differences on other
+//! random faces.
 
 use super::common::*;
 use faer::linalg::solvers::Solve;
@@ -6,11 +7,12 @@ use faer::{Mat, Side};
 use serde_json::Value;
 use std::path::Path;
 
-/// A prior over N coordinates of rank r, by samples; pins on some of them, and blendshapes that span it.
+/// A prior over N coordinates of rank r, from samples; pins on some coordinates, and blendshapes
+/// that span the prior.
 struct Edit {
     /// A, N x N.
     a: Mat<f64>,
-    /// Its eigenvectors and eigenvalues that are positive.
+    /// Eigenvectors and eigenvalues of A that are positive.
     u: Mat<f64>,
     values: Vec<f64>,
     /// Blendshapes, N x r, and the covariance of their weights.
@@ -44,7 +46,7 @@ impl Edit {
         Mat::from_fn(self.moved.len(), 1, |i, _| self.moved[i])
     }
 
-    /// Eq. 10 as it stands: r x r.
+    /// Solves Eq. 10 as it is written: r x r.
     fn primal(&self, beta: f64) -> Vec<f64> {
         let u = self.pick(&self.u);
         let r = self.values.len();
@@ -56,7 +58,7 @@ impl Edit {
         list(&(&self.u * c))
     }
 
-    /// The same by k x k.
+    /// Solves the dual of Eq. 10: k x k.
     fn dual(&self, beta: f64) -> Vec<f64> {
         let r = self.values.len();
         let u = self.pick(&self.u);
@@ -65,21 +67,21 @@ impl Edit {
         list(&(&self.u * (l * u.transpose() * kernel.partial_piv_lu().solve(self.right()))))
     }
 
-    /// In weights of the blendshapes.
+    /// Solves for weights of the blendshapes.
     fn weights(&self, beta: f64) -> Vec<f64> {
         let b = self.pick(&self.b);
         let zero = vec![0.0; b.ncols()];
         dual(&self.covariance, &b, &[beta; 6], &self.moved, &zero)
     }
 
-    /// Eq. 9 over H_A: f = A x, by the kernel's columns at the pins.
+    /// Solves Eq. 9 over H_A: f = A x, with the kernel's columns at the pins.
     fn kernel(&self, beta: f64) -> Vec<f64> {
         let at_pins = Mat::from_fn(self.a.nrows(), 6, |i, j| self.a[(i, self.rows[j])]);
         let kernel = self.pick(&at_pins) + Mat::<f64>::identity(6, 6) * faer::Scale(beta);
         list(&(at_pins * kernel.llt(Side::Lower).unwrap().solve(self.right())))
     }
 
-    /// ‖f‖_A by Eq. 5.
+    /// Computes ‖f‖_A by Eq. 5.
     fn norm(&self, f: &[f64]) -> f64 {
         let f = Mat::from_fn(f.len(), 1, |i, _| f[i]);
         let c = self.u.transpose() * f;
@@ -115,7 +117,7 @@ fn primal_dual_kernel_and_weights_are_one_solution() {
         ] {
             assert!(apart(&found, &primal) < most, "{name} {beta}: {}", apart(&found, &primal));
         }
-        // The norm of the edit is that of the weights: A = B Σ Bᵀ.
+        // The norm of the edit equals the norm of the weights: A = B Σ Bᵀ.
         let whitened = solved(&edit.covariance, &by_weights);
         let norm = inner(&by_weights, &whitened).sqrt();
         assert!((norm / edit.norm(&primal) - 1.0).abs() < 1e-8);
@@ -130,7 +132,7 @@ fn the_limits_in_beta_are_the_pins_and_nothing() {
         let mut last = (0.0, f64::INFINITY);
         for power in -8..9 {
             let f = edit.kernel(10f64.powi(power));
-            // The pins' error grows, the norm falls.
+            // The error at the pins grows, the norm falls.
             let next = (edit.miss(&f), edit.norm(&f));
             assert!(next.0 > last.0 && next.1 < last.1, "{power}: {next:?} {last:?}");
             last = next;
@@ -150,7 +152,7 @@ fn the_inner_product_does_not_depend_on_preimages_and_the_kernel_reproduces() {
         let scale = edit.a.norm_max();
         for _ in 0..10 {
             let (x, y, noise) = (numbers.list(n), numbers.list(n), numbers.list(n));
-            // Another preimage of A x: what A does not see is added.
+            // Another preimage of A x: x plus a vector in the null space of A.
             let seen = edit.u.transpose() * Mat::from_fn(n, 1, |i, _| noise[i]);
             let seen = list(&(&edit.u * seen));
             let other: Vec<f64> = (0..n).map(|i| x[i] + noise[i] - seen[i]).collect();
@@ -160,7 +162,7 @@ fn the_inner_product_does_not_depend_on_preimages_and_the_kernel_reproduces() {
             let size = inner(&x, &f).abs().max(inner(&y, &g).abs());
             assert!((inner(&x, &g) - inner(&other, &g)).abs() < 1e-12 * size);
             assert!((inner(&x, &g) - inner(&f, &y)).abs() < 1e-12 * size);
-            // ⟨f, A e_i⟩ = f_i, of which Eq. 5 is the square: c² / λ.
+            // ⟨f, A e_i⟩ = f_i. Eq. 5 is the square: c² / λ.
             for (i, at) in f.iter().enumerate() {
                 let e: Vec<f64> = (0..n).map(|j| f64::from(i == j)).collect();
                 let column = image(&e);
@@ -190,7 +192,7 @@ fn the_prior_finds_its_edit_likelier_than_any_other_of_the_same_pins() {
     }
 }
 
-/// The numbers of the reference are of another random face; what they say of it holds of these.
+/// The reference's numbers are of another random face; its identities hold for these faces too.
 #[test]
 fn the_reference_has_the_same_identities() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
@@ -210,7 +212,7 @@ fn the_reference_has_the_same_identities() {
         let next = (number(&row["pin_error_rms"]), number(&row["norm_A"]));
         assert!(next.0 > last.0 && next.1 < last.1);
         last = next;
-        // Ours are no farther from each other than theirs, with room.
+        // Our differences do not exceed the reference's, with room.
         let edit = Edit::new(1);
         assert!(apart(&edit.dual(beta), &edit.primal(beta)) < 1e-9);
     }

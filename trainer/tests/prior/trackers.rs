@@ -1,4 +1,4 @@
-//! The terms of trackers: the frame before, symmetry, pairs that cancel.
+//! Terms for trackers: the previous frame, symmetry, cancelling pairs.
 
 use super::common::*;
 use faer::Mat;
@@ -15,12 +15,12 @@ fn the_frame_before_is_a_prior_combined_once() {
     let (found, _) = face
         .solve(&pins, &now, |job| {
             job.anchor = Anchor::Mean;
-            // It outlives the job.
+            // The weights must outlive the job.
             let weights = Vec::leak(narrow.clone());
             job.temporal = Some(Temporal { weights, stiffness: stiffness as f32 });
         })
         .unwrap();
-    // (Σ⁻¹ + s I)⁻¹, and the mean that belongs to it.
+    // (Σ⁻¹ + s I)⁻¹, and its mean.
     let precision = inverse(&face.prior.covariance);
     let combined = inverse(&(&precision + Mat::<f64>::identity(n, n) * faer::Scale(stiffness)));
     let right = |i: usize| {
@@ -47,7 +47,7 @@ fn symmetry_is_rows_of_observations() {
     let ([first, second], stiffness) = face.prior.symmetry[0];
     for by in [1.0, 30.0] {
         let (found, _) = face.solve(&pins, &now, |job| job.symmetry = by as f32).unwrap();
-        // One row more: w_a - w_b is to be 0.
+        // One more row: w_a - w_b has the target 0.
         let (b, rest) = face.rows(&pins);
         let k = b.nrows();
         let rows = Mat::from_fn(k + 1, n, |i, j| match i < k {
@@ -89,7 +89,7 @@ fn of_a_pair_that_cancels_the_smaller_is_held_at_0() {
             let smaller = if free[a].abs() < free[b].abs() { a } else { b };
             assert_eq!(found[smaller], 0.0, "{free:?}");
             if !is_bounded {
-                // The others are as if the shape were not there: bounds of 0 say the same.
+                // The other weights are as without the shape, which equals bounds of 0.
                 let mut prior = face.prior.clone();
                 prior.bounds = vec![[-1e6, 1e6]; 12];
                 prior.bounds[smaller] = [0.0; 2];

@@ -1,9 +1,9 @@
-//! The sets of `../shared/data`, for the tests that read them.
+//! The sets of `../shared/data`, for tests.
 
 use std::path::{Path, PathBuf};
 
-/// Gives the place of a file or folder; none where there is no shared data, which continuous
-/// integration must have.
+/// Returns the path of a file or folder; `None` without shared data, which continuous integration
+/// must have.
 pub(crate) fn shared(file: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
     if path.exists() {

@@ -1,4 +1,4 @@
-//! Filters of a file: what the runtime makes of a signal in f32 is what f64 does.
+//! Filters of a file: the runtime in f32 must match f64.
 
 use super::common::*;
 use sinew_runtime::Model;
@@ -62,7 +62,7 @@ fn the_runtime_makes_the_same_signal() {
 }
 
 #[test]
-fn variances_are_left_out_where_none_asks_for_them() {
+fn variances_are_omitted_unless_requested() {
     let grid = Grid { factor: 2, taps: 3, sample: Sample::Value };
     let filter = GridFilter::new(&process(families().remove(1), Mean::Constant), grid).unwrap();
     let model = FilterModel { name: "s".to_owned(), filter, variance: 1.0, fit: None };

@@ -1,4 +1,4 @@
-//! Processes, their samples, and what else is made of the same.
+//! Processes, their samples, and other models of these samples.
 
 use faer::{Mat, Side};
 use rand::{Rng, SeedableRng};
@@ -9,7 +9,7 @@ use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::{Process, gram};
 use sinew_trainer::signal::table::Table;
 
-/// A process of no noise.
+/// Makes a process without noise.
 pub(crate) fn process(covariance: Covariance, mean: Mean) -> Process {
     Process { covariance, mean, noise: 0.0 }
 }
@@ -18,7 +18,7 @@ pub(crate) fn values(places: &[f64]) -> Vec<Functional> {
     places.iter().map(|&at| Functional::Value { at }).collect()
 }
 
-/// One of each family.
+/// Lists one covariance of each family.
 pub(crate) fn families() -> Vec<Covariance> {
     vec![
         Covariance::SquaredExponential { length: 0.9 },
@@ -30,7 +30,7 @@ pub(crate) fn families() -> Vec<Covariance> {
     ]
 }
 
-/// Normal numbers of a seed.
+/// Normal numbers from a seed.
 pub(crate) struct Numbers(ChaCha8Rng);
 
 impl Numbers {
@@ -48,14 +48,14 @@ impl Numbers {
     }
 }
 
-/// Draws functions of a process at places, by a factor of their covariance.
+/// Draws functions of a process at given places, by a factor of their covariance.
 pub(crate) struct Drawn {
     factor: Mat<f64>,
 }
 
 impl Drawn {
     pub(crate) fn new(covariance: &Covariance, places: &[f64]) -> Self {
-        // Without a trace of noise rounding would make smooth ones indefinite.
+        // Without a little noise, rounding would make smooth covariances indefinite.
         let process = Process { covariance: covariance.clone(), mean: Mean::Zero, noise: 1e-12 };
         let llt = gram(&process, &values(places)).llt(Side::Lower).unwrap();
         Self { factor: llt.L().to_owned() }
@@ -67,7 +67,7 @@ impl Drawn {
     }
 }
 
-/// A natural cubic spline through values at 0, 1, 2, ...
+/// Evaluates a natural cubic spline through values at 0, 1, 2, ...
 pub(crate) fn spline(values: &[f64], at: f64) -> f64 {
     let n = values.len();
     // Second derivatives, by elimination of a tridiagonal system.

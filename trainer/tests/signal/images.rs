@@ -1,4 +1,5 @@
-//! Images, 8-bit sRGB over one grey, made coarser by boxes of two and finer again: by us and by three resamplers.
+//! Images, 8-bit sRGB over one grey, reduced by boxes of two and enlarged again: by us and by three
+//! resamplers.
 
 use super::common::process;
 use super::shared::shared;
@@ -8,12 +9,12 @@ use sinew_trainer::signal::image::Image;
 use sinew_trainer::signal::kriging::Mean;
 use std::f64::consts::PI;
 
-/// What the images lie on.
+/// Grey behind the images.
 const GREY: f64 = 128.0;
 /// Pixels at each side that are not compared.
 const BORDER: usize = 6;
 
-/// A kernel of a resampler, and how far it reaches.
+/// A kernel of a resampler, and its radius.
 type Resampler = (&'static str, fn(f64) -> f64, usize);
 
 const RESAMPLERS: [Resampler; 3] =
@@ -50,7 +51,7 @@ fn spline36(x: f64) -> f64 {
     }
 }
 
-/// Resamples columns to twice as many, each pixel where its middle lies, then turns the image about its diagonal.
+/// Doubles the columns, each pixel at its centre, then transposes the image.
 fn columns(image: &Image, (_, kernel, reach): Resampler) -> Image {
     let Image { width, height, channels, .. } = *image;
     let mut samples = vec![0.0; 2 * image.samples.len()];
@@ -81,7 +82,7 @@ fn rounded(mut image: Image) -> Image {
     image
 }
 
-/// Returns how far an image, rounded, is from the truth, dB.
+/// Returns the PSNR of a rounded image, in dB.
 fn psnr(truth: &Image, found: Image) -> f64 {
     let found = rounded(found);
     assert_eq!((truth.width, truth.height), (found.width, found.height));
@@ -99,7 +100,7 @@ fn psnr(truth: &Image, found: Image) -> f64 {
     10.0 * (255.0 * 255.0 / (sum / f64::from(count))).log10()
 }
 
-/// Lays an image with alpha on the grey.
+/// Composes an image with alpha over the grey.
 fn on_grey(image: &Image) -> Image {
     assert!(image.has_alpha && image.channels == 4, "colours are covered already");
     let pixel = |pixel: &[f64]| [0, 1, 2].map(|c| pixel[c] + GREY * (1.0 - pixel[3] / 255.0));
@@ -107,7 +108,7 @@ fn on_grey(image: &Image) -> Image {
     rounded(Image { channels: 3, has_alpha: false, samples, ..image.clone() })
 }
 
-/// Rings about the middle whose frequency grows to a share of a cycle a pixel at the sides.
+/// Makes rings about the centre whose frequency grows to `frequency` cycles per pixel at the sides.
 fn zone_plate(frequency: f64) -> Image {
     let side = 256;
     let at = |i: usize| i as f64 - 127.5;
@@ -120,14 +121,14 @@ fn zone_plate(frequency: f64) -> Image {
     rounded(Image { width: side, height: side, channels: 3, has_alpha, most: 255.0, samples })
 }
 
-/// Our filter for an image, by what `auto` takes.
+/// Returns our filter for an image, with the choices of `auto`.
 fn filter() -> GridFilter {
     let grid =
         Grid { factor: 2, taps: sinew_trainer::signal::choose::TAPS, sample: Sample::Average };
     GridFilter::new(&process(of_images(), Mean::Constant), grid).unwrap()
 }
 
-/// Compares one image: ours, then the three, dB.
+/// Compares one image: our PSNR, then the PSNR of the three resamplers, in dB.
 fn compared(truth: &Image, filter: &GridFilter) -> [f64; 4] {
     let coarse = rounded(truth.coarser(2).unwrap());
     let fine = coarse.finer(filter).unwrap();
@@ -165,7 +166,7 @@ fn faces_are_better_than_by_three_resamplers() {
 }
 
 #[test]
-fn a_zone_plate_is_better_up_to_where_the_coarse_grid_tells_rings_apart() {
+fn a_zone_plate_is_better_up_to_the_resolution_of_the_coarse_grid() {
     let filter = filter();
     for frequency in [0.2, 0.25] {
         let [own, others @ ..] = compared(&zone_plate(frequency), &filter);
@@ -174,7 +175,7 @@ fn a_zone_plate_is_better_up_to_where_the_coarse_grid_tells_rings_apart() {
             assert!(own >= other + bar, "{frequency}: {own} {other}");
         }
     }
-    // Beyond, every resampler shows rings that are not there.
+    // At higher frequencies, every resampler shows false rings.
     let [own, others @ ..] = compared(&zone_plate(0.5), &filter);
     println!("zone plate to 0.5: ours {own:.2}, {others:.2?}");
     assert!(others.iter().all(|other| (own - other).abs() < 0.1));

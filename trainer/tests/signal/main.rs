@@ -1,4 +1,5 @@
-//! What signals reach: against the reference's numbers, another library's, closed forms and other resamplers.
+//! Tests of signals: against the reference's numbers, another library, closed forms and other
+//! resamplers.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 mod baked;

@@ -1,4 +1,4 @@
-//! The same by others: scikit-learn, the kernel library, and direct manipulation.
+//! Comparison with others: scikit-learn, the kernel library, and direct manipulation.
 
 use super::common::*;
 use faer::Mat;
@@ -14,18 +14,18 @@ use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::{Kriging, Process};
 use sinew_trainer::signal::solved::Solved;
 
-/// Places of the samples that scikit-learn was given; their values are sin(1.3 x) + 0.2 x.
+/// Sites of scikit-learn's samples; their values are sin(1.3 x) + 0.2 x.
 const X: [f64; 10] = [0.0, 0.4, 1.1, 1.9, 2.2, 3.7, 5.0, 5.1, 7.3, 8.0];
-/// Where it was asked.
+/// Queries of scikit-learn.
 const Q: [f64; 7] = [-0.5, 0.2, 1.5, 3.0, 4.4, 6.2, 8.8];
 
 fn curve() -> Vec<f64> {
     X.iter().map(|x| (1.3 * x).sin() + 0.2 * x).collect()
 }
 
-/// scikit-learn 1.9.1, numpy 2.4.6: `GaussianProcessRegressor(K(1.2), alpha=1e-3, optimizer=None).fit(x, y)
-/// .predict(q, return_std=True)`, K `RBF`, `Matern(nu=0.5)`, `Matern(nu=1.5)`, `Matern(nu=2.5)`: mean, then deviation
-/// squared.
+/// scikit-learn 1.9.1, numpy 2.4.6: `GaussianProcessRegressor(K(1.2), alpha=1e-3,
+/// optimizer=None).fit(x, y) .predict(q, return_std=True)`, K `RBF`, `Matern(nu=0.5)`,
+/// `Matern(nu=1.5)`, `Matern(nu=2.5)`: mean, then squared deviation.
 const SCIKIT: [[[f64; 7]; 2]; 4] = [
     [
         [
@@ -181,7 +181,7 @@ fn on_a_finite_set_it_is_direct_manipulation() {
         let right = Mat::from_fn(pins.len(), 1, |i, _| moved[i]);
         let weights = &covariance * picked.transpose() * inner.partial_piv_lu().solve(right);
         let expected = &b * weights;
-        // The same by the covariance of the face's own coordinates, which is all that is known of them here.
+        // The same solution by the covariance of the face's coordinates, the only input here.
         let a = &b * &covariance * b.transpose();
         let at_pins =
             Mat::from_fn(4, 4, |i, k| a[(pins[i], pins[k])] + if i == k { beta } else { 0.0 });

@@ -1,4 +1,4 @@
-//! The numbers of `rkhs_reference.json`. Its part on direct manipulation is `tests/prior`'s.
+//! The numbers of `rkhs_reference.json`, except direct manipulation, which `tests/prior` checks.
 
 use super::common::*;
 use serde_json::Value;
@@ -28,7 +28,7 @@ fn half(i: usize) -> Functional {
     Functional::Value { at: i as f64 + 0.5 }
 }
 
-/// Samples of the reference's Ornstein and Uhlenbeck process, fitted.
+/// Fits samples of the reference's Ornstein-Uhlenbeck process.
 fn fitted(samples: &[f64], mean: Mean) -> Kriging {
     let places: Vec<f64> = (0..samples.len()).map(|i| i as f64).collect();
     let process = process(Covariance::OrnsteinUhlenbeck { length: 3.0 }, mean);
@@ -43,7 +43,7 @@ fn ornstein_and_uhlenbeck_between_their_samples() {
     let fit = fitted(&samples, Mean::Zero);
     let expected = numbers(&known["at_half"]);
     assert_eq!(expected.len(), samples.len() - 1);
-    // They know their neighbours alone, each by a ratio of hyperbolic sines.
+    // Left-out samples depend only on their neighbours, each with a ratio of hyperbolic sines.
     let l = known["ell"].as_f64().unwrap();
     let weight = (0.5 / l).sinh() / (1.0 / l).sinh();
     for (i, expected) in expected.iter().enumerate() {
@@ -151,7 +151,7 @@ fn the_biased_estimator_is_definite_and_the_other_is_not() {
 }
 
 #[test]
-fn what_was_indefinite_is_definite_when_it_is_clipped() {
+fn indefinite_matrices_are_definite_after_clipping() {
     let covariance = Covariance::OrnsteinUhlenbeck { length: 3.0 };
     let places: Vec<f64> = (0..60).map(f64::from).collect();
     let samples = Drawn::new(&covariance, &places).one(&mut Numbers::new(3));
@@ -163,7 +163,7 @@ fn what_was_indefinite_is_definite_when_it_is_clipped() {
     assert!(least(&gram(&process, &values(&places))) > -1e-12);
 }
 
-/// Returns the least eigenvalue.
+/// Returns the smallest eigenvalue.
 pub(crate) fn least(matrix: &faer::Mat<f64>) -> f64 {
     let values = matrix.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
     values.into_iter().fold(f64::INFINITY, f64::min)

@@ -1,4 +1,4 @@
-//! METHOD §4's identities.
+//! The identities of METHOD §4.
 
 use super::common::*;
 use super::reference::least;
@@ -40,7 +40,7 @@ fn matrices_of_every_covariance_are_definite() {
         assert!(least >= -1e-12, "{name}: {least}");
         println!("{name}: {least:.1e}");
     }
-    // The comparison can fail: an angle's gaussian on a circle is not definite.
+    // Control: a gaussian of the angle on a circle is not positive definite.
     let angles = Mat::from_fn(24, 24, |i, k| {
         let d = 2.0 * f64::from((i.abs_diff(k)).min(24 - i.abs_diff(k)) as u32) / 24.0;
         (-0.5 * (d / 0.9) * (d / 0.9)).exp()
@@ -85,7 +85,7 @@ fn any_definite_norm_reproduces_by_its_own_kernel() {
             let found = norm.inner(&f, &norm.reproducing(&h(q)));
             assert!((found - at_q).abs() < 1e-12, "⟨f, K(·, q)⟩ = f(q): {found} {at_q}");
         }
-        // No other coefficients do better by the energy that is minimised.
+        // No other coefficients have a smaller energy.
         let energy = |f: &[f64]| {
             let column = Mat::from_fn(n, 1, |i, _| f[i]);
             let misses = &c * column - Mat::from_fn(n, 1, |i, _| values[i]);
@@ -134,7 +134,7 @@ fn all_neighbours_are_the_whole_and_few_of_ornstein_and_uhlenbeck_are_enough() {
 }
 
 #[test]
-fn variance_gains_what_an_unknown_mean_costs() {
+fn variance_grows_by_the_cost_of_an_unknown_mean() {
     // METHOD's formula, by plain elimination.
     let places: Vec<f64> = vec![0.0, 1.0, 2.5, 4.0, 4.2];
     let process = Process {

@@ -1,4 +1,4 @@
-//! An image that does nothing, against which another is weighed.
+//! Does nothing: the baseline for the sizes of other images.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 firmware::image!(run);

@@ -1,4 +1,4 @@
-//! Allocates, which the search for an allocator must see.
+//! Allocates: the control that the search for an allocator must detect.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 extern crate alloc;
@@ -16,10 +16,10 @@ fn run() -> bool {
     list.try_reserve(black_box(3)).is_err() && black_box(list).is_empty()
 }
 
-/// Gives out one address, and null after that.
+/// Allocator that returns one address, and null after that.
 struct Once(AtomicPtr<u8>);
 
-// SAFETY: nothing is given out but null, unless someone has stored an address, which nobody does.
+// SAFETY: `alloc` returns null unless an address was stored, and no code stores one.
 unsafe impl GlobalAlloc for Once {
     #[inline(never)]
     unsafe fn alloc(&self, _: Layout) -> *mut u8 {

@@ -1,4 +1,4 @@
-//! Must not link: one index of this image may be out of range.
+//! Must not link: an index of this image may be out of range.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

@@ -1,4 +1,4 @@
-//! The least that firmware does: a model in flash, a pose, a palette, a skin.
+//! The smallest firmware: a model in flash, a pose, a palette, a skin.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use sinew_runtime::envelope::scratch_len;
@@ -7,11 +7,11 @@ use sinew_runtime::{LocalTransform, Matrix3x4, Model, Workspace, model_space_pos
 firmware::image!(run);
 firmware::may_panic!();
 
-/// In flash: read where it lies, never copied.
+/// In flash: read in place, never copied.
 static MODEL: &[u8] = include_bytes!("../../../golden/envelope-8-rotational.snw");
 
-/// Joints, transforms and vertices that this firmware has room for. A model with kernel maps has more
-/// transforms, the joints' among them, and its scratch is the last argument of `scratch_len`.
+/// Room for joints, transforms and vertices. A model with kernel maps has more transforms, which
+/// include the joints; its scratch is the last argument of `scratch_len`.
 const JOINTS: usize = 8;
 const TRANSFORMS: usize = 8;
 const VERTICES: usize = 32;
@@ -25,7 +25,7 @@ fn run() -> bool {
 }
 
 fn frame() -> Option<()> {
-    // Once: all of the file is checked here, and evaluation cannot fail for its sake.
+    // Once: loading checks the whole file, so evaluation cannot fail because of the file.
     let model = Model::from_bytes(MODEL).ok()?;
     let (envelope, skin) = (model.envelope()?, model.skin()?);
     let (mut local, mut pose) = ([STILL; JOINTS], [REST; JOINTS]);
@@ -35,7 +35,7 @@ fn frame() -> Option<()> {
     let pose = pose.get_mut(..envelope.joint_len())?;
     let palette = palette.get_mut(..envelope.palette_len())?;
 
-    // Each frame: the joints' rotations against their parents, then two calls.
+    // Each frame: the joints' rotations relative to their parents, then two calls.
     local.first_mut()?.rotation = [0.0, 0.0, 0.6, 0.8];
     model_space_pose(&envelope, local, pose).ok()?;
     let confidence = envelope.rotational_palette(pose, &mut scratch, palette).ok()?;

@@ -1,5 +1,5 @@
-//! Calls all of the runtime with arguments that the compiler knows nothing of, and links only
-//! if none of it can panic.
+//! Calls the whole runtime with arguments unknown to the compiler, and links only if no call can
+//! panic.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;
@@ -156,17 +156,17 @@ fn tell(outcome: Result<(), CallError>) {
     }
 }
 
-/// Returns a slice of which only the type is known.
+/// Returns a slice; the compiler knows only its type.
 fn some<T>(slice: &[T]) -> &[T] {
     black_box(slice)
 }
 
-/// Likewise, to write to.
+/// Returns a mutable slice; the compiler knows only its type.
 fn some_mut<T>(slice: &mut [T]) -> &mut [T] {
     black_box(slice)
 }
 
-/// Any index.
+/// Returns an index unknown to the compiler.
 fn index() -> usize {
     black_box(0)
 }
@@ -294,7 +294,7 @@ fn mesh(skin: Skin<'_>) {
     }
 }
 
-/// Reads a prior, and solves for pins.
+/// Reads a prior and solves for pins.
 #[inline(never)]
 fn pinned(prior: Prior<'_>, skin: Skin<'_>) -> Result<(), CallError> {
     let counts = prior.counts();
@@ -333,7 +333,7 @@ fn pinned(prior: Prior<'_>, skin: Skin<'_>) -> Result<(), CallError> {
     Ok(())
 }
 
-/// Shapes vertices, and bounds what comes of it.
+/// Applies shapes to vertices and computes bounds.
 fn shaped(skin: Skin<'_>) -> Result<(), CallError> {
     let weights = some::<f32>(&[]);
     let floats = cells(some_mut(&mut []));
@@ -354,7 +354,7 @@ fn shaped(skin: Skin<'_>) -> Result<(), CallError> {
     Ok(())
 }
 
-/// Skins with and without a remap and a mesh of the caller's.
+/// Skins with and without a remap and a mesh of the caller.
 fn skinned(skin: Skin<'_>) -> Result<(), CallError> {
     let palette = some::<Matrix3x4>(&[]);
     let bounds = skin.bounds(palette, black_box(0.5))?;

@@ -1,4 +1,4 @@
-//! Makes a sensor's signal four times as fine: a filter in flash, a block of samples at a time.
+//! Multiplies the sample rate of a sensor's signal by four, one block at a time: a filter in flash.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use sinew_runtime::Model;
@@ -7,10 +7,10 @@ use sinew_runtime::filter::Samples;
 firmware::image!(run);
 firmware::may_panic!();
 
-/// In flash: read where it lies, never copied.
+/// In flash: read in place, never copied.
 static MODEL: &[u8] = include_bytes!("../../../golden/filter-8.snw");
 
-/// Samples of a block, and how many times as fine they become.
+/// Samples per block, and the factor of the sample rate.
 const BLOCK: usize = 16;
 const FACTOR: usize = 4;
 
@@ -19,12 +19,12 @@ fn run() -> bool {
 }
 
 fn block() -> Option<()> {
-    // Once: all of the file is checked here.
+    // Once: loading checks the whole file.
     let model = Model::from_bytes(MODEL).ok()?;
     let filter = model.filter_named("sensor")?;
     let mut fine = [0.0; FACTOR * BLOCK];
 
-    // Each block: here the squares of its samples' numbers. Two samples at either end see fewer beyond them, so
+    // Each block: here sample k is k². The two samples at either end have fewer neighbours, so
     // blocks of a long signal overlap by four.
     let mut samples = [0.0; BLOCK];
     for (number, sample) in samples.iter_mut().enumerate() {

@@ -1,4 +1,5 @@
-//! Drives a servo from two levers and the twist of a joint: a kernel in flash, three inputs, one number.
+//! Drives a servo from two levers and the twist of a joint: a kernel in flash, three inputs, one
+//! output.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use sinew_runtime::kernel::KernelCounts;
@@ -7,10 +8,10 @@ use sinew_runtime::{Model, Workspace};
 firmware::image!(run);
 firmware::may_panic!();
 
-/// In flash: read where it lies, never copied.
+/// In flash: read in place, never copied.
 static MODEL: &[u8] = include_bytes!("../../../golden/kernel-8-servo.snw");
 
-/// The largest kernel that this firmware has room for.
+/// Largest kernel that fits in this firmware.
 const ROOM: KernelCounts = KernelCounts {
     input_len: 3,
     output_len: 1,
@@ -27,13 +28,13 @@ fn run() -> bool {
 }
 
 fn step() -> Option<()> {
-    // Once: all of the file is checked here.
+    // Once: loading checks the whole file.
     let model = Model::from_bytes(MODEL).ok()?;
     let servo = model.kernel_named("servo")?;
     let mut scratch = Workspace::<{ ROOM.scratch_len() }>::new();
 
-    // Each step: two levers, and the wrist's rotation as a quaternion of any length. The number stays within
-    // what the file says that the servo takes.
+    // Each step: two levers, and the wrist's rotation as a quaternion of any length. The output
+    // stays within the servo's range, which the file states.
     let query = [0.25, -0.5, 0.3, 0.0, 0.1, 1.0];
     let mut angle = [0.0];
     let confidence = servo.evaluate(&query, &mut scratch, &mut angle).ok()?;

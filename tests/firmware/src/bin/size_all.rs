@@ -1,4 +1,5 @@
-//! All that firmware calls, for models of every predictor: its weight beyond that of `bare` is the runtime's.
+//! Calls every function that firmware uses, for models of every predictor. The runtime's size is
+//! the difference from `bare`.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

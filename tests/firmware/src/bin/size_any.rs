@@ -1,4 +1,4 @@
-//! What firmware with models of any predictor calls: loading, their palette, the skin.
+//! Calls the functions for models of any predictor: loading, palette, skin.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use firmware::frame::skinned_by;

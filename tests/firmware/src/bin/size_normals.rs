@@ -1,4 +1,4 @@
-//! What `size_all` calls, of skins with tangent coefficients.
+//! Calls the functions of `size_all`, for skins with tangent coefficients.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

@@ -1,5 +1,5 @@
-//! What firmware with rotational models calls: loading, their palette, the skin. Kernel maps, which
-//! `Envelope::palette` would bring along, are left out.
+//! Calls the functions for rotational models: loading, palette, skin. Kernel maps are not linked;
+//! `Envelope::palette` would link them.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use firmware::frame::skinned_by;

@@ -1,4 +1,4 @@
-//! What firmware with filters calls: loading, and a signal made finer.
+//! Calls the functions of filters: loading, and filtering a signal.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

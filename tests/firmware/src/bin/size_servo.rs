@@ -1,4 +1,4 @@
-//! What firmware with kernels calls: loading, and their outputs.
+//! Calls the functions of kernels: loading, and outputs.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

@@ -1,4 +1,4 @@
-//! What `size_all` calls, of skins with shapes, and shapes them.
+//! Calls the functions of `size_all` on a skin with shapes, and applies the shapes.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

@@ -1,4 +1,4 @@
-//! What firmware with views calls: loading, frames, and pictures.
+//! Calls the functions of views: loading, frames, and pictures.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

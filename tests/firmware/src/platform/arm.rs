@@ -2,8 +2,8 @@
 
 use core::arch::{asm, global_asm};
 
-// The vector table: stack, reset, and every exception a failure. The reset handler lets the FPU
-// run (CPACR, full access to CP10 and CP11) before any code could use it, and clears `.bss`.
+// The vector table: stack, reset, and a failure for every exception. The reset handler enables the
+// FPU (CPACR, full access to CP10 and CP11) before any code can use it, and clears `.bss`.
 global_asm!(
     ".section .start, \"a\"",
     ".word _stack_start",
@@ -36,21 +36,21 @@ global_asm!(
 /// Makes a semihosting call.
 ///
 /// # Safety
-/// `argument` must be what the operation takes.
+/// `argument` must be valid for the operation.
 pub(super) unsafe fn call(operation: usize, argument: usize) {
-    // SAFETY: the debugger changes r0 alone, and memory as the caller has promised.
+    // SAFETY: the debugger changes only r0, and memory as the caller has promised.
     unsafe { asm!("bkpt 0xAB", inout("r0") operation => _, in("r1") argument) }
 }
 
-/// Instructions of a tick of the system timer, under `-icount shift=0` on QEMU's mps2 boards: an
+/// Instructions per tick of the system timer, under `-icount shift=0` on QEMU's mps2 boards: an
 /// instruction takes 1 ns there, and the timer runs at 25 MHz.
 pub const TICK: u32 = 40;
 
-/// Starts the system timer, which counts 24 bits down.
+/// Starts the system timer, which counts down from 2^24 - 1.
 pub fn start_timer() {
     const CONTROL: *mut u32 = core::ptr::without_provenance_mut(0xE000_E010);
     const RELOAD: *mut u32 = core::ptr::without_provenance_mut(0xE000_E014);
-    // SAFETY: these are the registers of every Cortex-M's system timer; no interrupt is asked for.
+    // SAFETY: these are the system timer's registers on every Cortex-M; no interrupt is enabled.
     unsafe {
         RELOAD.write_volatile(0x00FF_FFFF);
         VALUE.write_volatile(0);
@@ -60,7 +60,7 @@ pub fn start_timer() {
 
 const VALUE: *mut u32 = core::ptr::without_provenance_mut(0xE000_E018);
 
-/// Counts the instructions of some work, to within a tick; up to 2^24 ticks.
+/// Counts the instructions of `work`, to within a tick; up to 2^24 ticks.
 pub fn instructions_of(work: impl FnOnce()) -> u32 {
     // SAFETY: the register can be read at any time.
     let before = unsafe { VALUE.read_volatile() };
@@ -70,14 +70,14 @@ pub fn instructions_of(work: impl FnOnce()) -> u32 {
     (before.wrapping_sub(after) & 0x00FF_FFFF) * TICK
 }
 
-/// Runs two instructions, `times` times over.
+/// Runs two instructions `times` times.
 pub fn count_down(times: u32) {
-    // SAFETY: it changes a register that nothing else is in, and the flags.
+    // SAFETY: the code changes only its own register and the flags.
     unsafe { asm!("0: subs {0}, {0}, #1", "bne 0b", inout(reg) times => _) }
 }
 
-/// Measures the stack that some work takes, in bytes: what lies below is painted before and looked
-/// through after.
+/// Measures the stack used by `work`, in bytes: paints the memory below before, and searches it
+/// after.
 #[inline(never)]
 pub fn stack_of(work: &mut dyn FnMut()) -> usize {
     const PAINT: u32 = 0x5AFE_5AFE;
@@ -86,8 +86,8 @@ pub fn stack_of(work: &mut dyn FnMut()) -> usize {
     }
     let end = &raw mut _stack_end;
     let top: *mut u32;
-    // SAFETY: from the stack's end up to its pointer nothing lives; the loop touches no more, and
-    // has no frame of its own there.
+    // SAFETY: the memory from the end of the stack to the stack pointer is unused. The loop touches
+    // only this memory, and has no frame in it.
     unsafe {
         asm!(
             "mov {top}, sp",
@@ -104,7 +104,7 @@ pub fn stack_of(work: &mut dyn FnMut()) -> usize {
     }
     work();
     let mut at = end;
-    // SAFETY: as above; what the work left there is plain words.
+    // SAFETY: as above; the words that the work left there are plain data.
     while at < top && unsafe { at.read_volatile() } == PAINT {
         at = at.wrapping_add(1);
     }

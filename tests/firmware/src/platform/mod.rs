@@ -1,22 +1,31 @@
-//! How each target starts, prints and ends.
+//! Start, output and end of the image on each target.
 
 #[cfg(target_os = "none")]
 mod semihosting;
+#[cfg(any(target_os = "none", target_family = "wasm"))]
 #[cfg_attr(all(target_os = "none", target_arch = "arm"), path = "arm.rs")]
 #[cfg_attr(all(target_os = "none", target_arch = "riscv32"), path = "riscv.rs")]
 #[cfg_attr(target_family = "wasm", path = "wasm.rs")]
-#[cfg_attr(not(any(target_os = "none", target_family = "wasm")), path = "host.rs")]
 mod target;
+
+/// The host, which builds the images.
+#[cfg(not(any(target_os = "none", target_family = "wasm")))]
+mod target {
+    /// Prints a text.
+    pub fn print(text: &str) {
+        std::print!("{text}");
+    }
+}
 
 #[cfg(target_os = "none")]
 pub use semihosting::{end, print};
-// A RISC-V has nothing to add to semihosting.
+// RISC-V needs only semihosting.
 #[cfg(any(not(target_os = "none"), target_arch = "arm"))]
 pub use target::*;
 
 use core::fmt;
 
-/// Formats to where [`print`] prints.
+/// Formats text for [`print`].
 #[derive(Debug)]
 pub struct Console;
 

@@ -2,7 +2,7 @@
 
 use core::arch::{asm, global_asm};
 
-// The reset handler: traps are failures, the stack, `.bss`.
+// The reset handler: sets traps as failures, sets the stack, clears `.bss`.
 global_asm!(
     ".section .start, \"ax\"",
     ".global _start",
@@ -22,10 +22,10 @@ global_asm!(
 /// Makes a semihosting call.
 ///
 /// # Safety
-/// `argument` must be what the operation takes.
+/// `argument` must be valid for the operation.
 pub(super) unsafe fn call(operation: usize, argument: usize) {
-    // SAFETY: the debugger changes a0 alone, and memory as the caller has promised. The three
-    // instructions are what it knows a call by: uncompressed, in one page.
+    // SAFETY: the debugger changes only a0, and memory as the caller has promised. The debugger
+    // recognises a call by these three instructions: uncompressed, in one page.
     unsafe {
         asm!(
             ".option push",

@@ -1,4 +1,4 @@
-//! Semihosting: the debugger, or QEMU in its place, prints and ends for the image.
+//! Semihosting: the debugger, or QEMU, prints and ends for the image.
 
 use super::target::call;
 
@@ -12,14 +12,14 @@ unsafe extern "C" {
     fn image() -> bool;
 }
 
-/// Runs the image; the reset handlers come here.
+/// Runs the image; called by the reset handlers.
 #[unsafe(no_mangle)]
 extern "C" fn run_image() -> ! {
-    // SAFETY: every image defines it by the macro `image`, with this type.
+    // SAFETY: every image defines the function by the macro `image`, with this type.
     end(unsafe { image() })
 }
 
-/// Ends as failed; exceptions come here.
+/// Ends with a failure; called by exceptions.
 #[unsafe(no_mangle)]
 extern "C" fn fault() -> ! {
     print("fault\n");
@@ -28,13 +28,13 @@ extern "C" fn fault() -> ! {
 
 /// Prints a text.
 pub fn print(text: &str) {
-    // The call takes a text that ends in a zero.
+    // The call takes a zero-terminated text.
     let mut buffer = [0u8; 65];
     for chunk in text.as_bytes().chunks(64) {
         for (to, from) in buffer.iter_mut().zip(chunk.iter().chain(&[0])) {
             *to = *from;
         }
-        // SAFETY: the buffer ends in a zero, and the call only reads it.
+        // SAFETY: the buffer is zero-terminated, and the call only reads it.
         unsafe { call(WRITE0, buffer.as_ptr().addr()) };
     }
 }
@@ -43,7 +43,7 @@ pub fn print(text: &str) {
 pub fn end(success: bool) -> ! {
     let [success_code, failure] = STOPPED;
     loop {
-        // SAFETY: the call takes a number.
+        // SAFETY: the argument of the call is a number.
         unsafe { call(EXIT, if success { success_code } else { failure }) };
     }
 }

@@ -1,9 +1,7 @@
 //! The memory of one call.
 
-use super::filtered::Filtered;
+use super::expected::{FilterCase, PINS, PriorCase, ViewsCase};
 use super::frame::Frame;
-use super::pinned::{PINS, Pinned};
-use super::viewed::Viewed;
 use models::GOLDEN;
 use sinew_capi::*;
 use std::mem::MaybeUninit;
@@ -13,35 +11,37 @@ use std::ptr::{null, null_mut};
 /// Bytes between results: more than any element has.
 const RESULTS_APART: usize = 64;
 
-/// What memory holds that nothing was written to.
+/// Byte value of memory that was never written.
 pub(super) const BLANK: u8 = 0xa5;
 
-/// Places start on multiples of this, which suffices for every type.
+/// Alignment of every place, enough for every type.
 pub(super) const ALIGNMENT: usize = align_of::<u128>();
 
-/// Objects that a file may give.
+/// Number of objects that a file may hold.
 pub(super) const OBJECTS: usize = 7;
 
 /// Poses of a batch.
 pub(super) const BATCH: usize = 2;
 
-/// What became of the model after its parts were opened.
+/// Fate of the model after its parts were opened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Since {
     Nothing,
-    /// Its memory was loaded with another file.
+    /// Another file was loaded into the memory of the model.
     Reloaded,
-    /// Its memory was emptied.
+    /// The memory of the model was cleared.
     Emptied,
 }
 
-/// All memory that a call is given, in one allocation: whatever it writes where it must not is seen,
-/// and arguments drawn anywhere in it overlap in every way. Places are bytes from its start.
+/// All memory that a call is given, in one allocation. A write to a wrong place is therefore
+/// detected, and arguments drawn anywhere in the arena overlap in every way. Places are byte
+/// offsets from the start.
 pub(super) struct Arena {
     memory: Vec<u128>,
     /// The loaded model; blank where the file was refused.
     pub(super) model: Range<usize>,
-    /// Its first envelope, skin, kernel, prior, views and filter; blank where it has none.
+    /// First envelope, skin, kernel, prior, views and filter of the model; blank if the model has
+    /// none.
     pub(super) envelope: Range<usize>,
     pub(super) skin: Range<usize>,
     pub(super) kernel: Range<usize>,
@@ -49,9 +49,9 @@ pub(super) struct Arena {
     pub(super) views: Range<usize>,
     pub(super) filter: Range<usize>,
     pub(super) file: Range<usize>,
-    /// The file that takes its place, where one does.
+    /// The file that replaces the first file, if one does.
     other: Range<usize>,
-    /// The frame's inputs; of poses as many as a batch has.
+    /// Inputs of the frame; as many poses as a batch has.
     pub(super) local: Range<usize>,
     pub(super) poses: Range<usize>,
     pub(super) skin_palette: Range<usize>,
@@ -74,20 +74,21 @@ pub(super) struct Arena {
     pub(super) argument: Range<usize>,
     /// Room for results.
     pub(super) results: Range<usize>,
-    /// What the file gives; an empty frame of one that is refused.
+    /// Expected results; an empty frame if the file is refused.
     pub(super) frame: Frame,
     pub(super) since: Since,
 }
 
 impl Arena {
-    /// Lays out a file, what is loaded of it, and a frame; then lets happen what happens since.
+    /// Lays out a file, its loaded objects and a frame; then applies `since`.
     ///
     /// # Panics
-    /// Where the C ABI refuses what the runtime accepts, or the other way round.
+    /// If the C ABI refuses a file that the runtime accepts, or accepts one that the runtime
+    /// refuses.
     pub(super) fn new(file: &[u8], pose_number: usize, since: Since) -> Self {
         let frame = Frame::new(file, pose_number);
         let other = GOLDEN.into_iter().find(|golden| *golden != file).unwrap_or_default();
-        // A file that was refused is none to begin with.
+        // A refused file holds no model that could be reloaded or cleared.
         let since = if frame.refusal.is_some() { Since::Nothing } else { since };
         let mut end = 0;
         let mut place = |bytes: usize| {
@@ -95,7 +96,7 @@ impl Arena {
             end = (start + bytes).next_multiple_of(ALIGNMENT);
             start..start + bytes
         };
-        // More than the results of any one call.
+        // More than any one call returns.
         let ways = frame.ways.iter().map(|way| way.scratch_len + way.found.len());
         let results = sinew_model_bytes()
             + sinew_envelope_bytes()
@@ -104,9 +105,9 @@ impl Arena {
             + sinew_prior_bytes()
             + sinew_views_bytes()
             + sinew_filter_bytes()
-            + frame.filter.as_ref().map_or(0, Filtered::result_bytes)
-            + frame.prior.as_ref().map_or(0, Pinned::result_bytes)
-            + frame.views.as_ref().map_or(0, Viewed::result_bytes)
+            + frame.filter.as_ref().map_or(0, FilterCase::result_bytes)
+            + frame.prior.as_ref().map_or(0, PriorCase::result_bytes)
+            + frame.views.as_ref().map_or(0, ViewsCase::result_bytes)
             + 4 * ways.max().unwrap_or_default()
             + size_of_val(&*frame.weights)
             + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
@@ -137,7 +138,7 @@ impl Arena {
             scores: place(frame.views.as_ref().map_or(0, |views| 4 * views.scores.len())),
             layers: place(frame.views.as_ref().map_or(0, |views| 8 * views.layers.len())),
             parameters: place(frame.views.as_ref().map_or(0, |views| 4 * views.parameter_len())),
-            samples: place(frame.filter.as_ref().map_or(0, Filtered::sample_bytes)),
+            samples: place(frame.filter.as_ref().map_or(0, FilterCase::sample_bytes)),
             argument: place(
                 [size_of::<sinew_skin_job>(), size_of::<sinew_pin_job>()]
                     .into_iter()
@@ -160,7 +161,7 @@ impl Arena {
             Since::Reloaded => {
                 arena.write(arena.other.start, other);
                 assert_eq!(arena.load(arena.other.clone()), sinew_status::Ok);
-                // The file that the parts were opened in is gone.
+                // The parts were opened in this file, which is now overwritten.
                 arena.write(arena.file.start, &vec![BLANK; file.len()]);
             }
         }
@@ -172,7 +173,7 @@ impl Arena {
         let local = frame.local.iter().flat_map(|l| l.rotation.into_iter().chain(l.translation));
         let poses = floats(&frame.pose).collect::<Vec<_>>().repeat(BATCH);
         let remap = frame.remap.iter().flat_map(|vertex| vertex.to_ne_bytes());
-        let views = |floats: &dyn Fn(&Viewed) -> &[f32]| {
+        let views = |floats: &dyn Fn(&ViewsCase) -> &[f32]| {
             frame.views.as_ref().map_or(Vec::new(), |views| floats(views).to_vec())
         };
         let [positions, normals, tangents] = self.rest.clone().map(|place| place.start);
@@ -196,14 +197,15 @@ impl Arena {
         self.frame = frame;
     }
 
-    /// Loads the model and opens its first part of each kind, as far as there are any.
+    /// Loads the model and opens its first part of each kind, if it has one.
     fn open(&mut self) {
         let refusal = self.frame.refusal.map_or(sinew_status::Ok, |error| error.status);
         assert_eq!(self.load(self.file.clone()), refusal, "C and Rust do not agree on a file");
         let model = self.at(self.model.start);
         let (place, bytes) = (self.at(self.envelope.start), self.envelope.len());
         let (mut envelope, error) = (null(), null_mut());
-        // SAFETY: places of the arena with their lengths; that of the model is blank or holds one.
+        // SAFETY: places of the arena with their lengths; the place of the model is blank or holds
+        // one.
         let opened = unsafe {
             let out = &raw mut envelope;
             sinew_envelope_open(model, null(), 0, 0, place, bytes, out, error)
@@ -257,35 +259,35 @@ impl Arena {
         if self.since == Since::Reloaded { self.other.clone() } else { self.file.clone() }
     }
 
-    /// Returns the content of the file that the parts were opened in.
+    /// Returns the bytes of the file that the parts were opened in.
     pub(super) fn file_bytes(&self) -> &[u8] {
         &self.content().1[..self.file.len()]
     }
 
-    /// Lists the places of objects: the model's, then the parts'.
+    /// Lists the places of objects: first the model, then its parts.
     pub(super) fn objects(&self) -> [&Range<usize>; OBJECTS] {
         let Self { model, envelope, skin, kernel, prior, views, filter, .. } = self;
         [model, envelope, skin, kernel, prior, views, filter]
     }
 
-    /// Points to a place.
+    /// Returns a pointer to a place.
     pub(super) fn at<T>(&mut self, place: usize) -> *mut T {
         self.memory.as_mut_ptr().wrapping_byte_add(place).cast()
     }
 
-    /// Returns the place of some values, whose pointer is null or into the arena.
+    /// Returns the place of `len` values; the pointer is null or points into the arena.
     pub(super) fn place<T>(&self, at: *const T, len: usize) -> Option<Range<usize>> {
         let start = at.addr().checked_sub(self.memory.as_ptr().addr())?;
         Some(start..start.saturating_add(len.saturating_mul(size_of::<T>())))
     }
 
-    /// Returns how many bytes it has.
+    /// Returns the length in bytes.
     pub(super) fn len(&self) -> usize {
         size_of_val(&*self.memory)
     }
 
-    /// Returns what lies behind the objects, and where that starts. Objects have padding, which nobody
-    /// may read; [`Arena::told`] tells whether they are as they were.
+    /// Returns the bytes behind the objects, and the place where those bytes start. Objects have
+    /// padding, which must not be read; [`Arena::descriptions`] detects changes of objects.
     pub(super) fn content(&self) -> (usize, &[u8]) {
         let (start, len) = (self.file.start, self.len() - self.file.start);
         let at = self.memory.as_ptr().wrapping_byte_add(start).cast();
@@ -293,11 +295,11 @@ impl Arena {
         (start, unsafe { std::slice::from_raw_parts(at, len) })
     }
 
-    /// Asks the objects that are as they were for what they tell of themselves: the model for its blob, the
-    /// parts for what describes them. Of those that are not there it is nothing.
-    pub(super) fn told(&mut self, kept: [bool; OBJECTS]) -> Told {
+    /// Describes the unchanged objects: the blob of the model and the info of each part. Objects
+    /// that are missing have no description.
+    pub(super) fn descriptions(&mut self, kept: [bool; OBJECTS]) -> Descriptions {
         let [model, envelope, skin, kernel, prior, views, filter] = kept;
-        let mut told = Told::default();
+        let mut descriptions = Descriptions::default();
         let (mut blob, mut blob_bytes, error) = (null(), 0, null_mut());
         let (mut envelope_info, mut skin_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
         let (mut prior_info, mut views_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
@@ -309,52 +311,52 @@ impl Arena {
         // SAFETY: a place that is blank, empty or holds a model, and two values to be written.
         if model && done(unsafe { sinew_model_blob(at, &raw mut blob, &raw mut blob_bytes, error) })
         {
-            told.blob = Some((blob, blob_bytes));
+            descriptions.blob = Some((blob, blob_bytes));
         }
         let (at, out) = (self.at(at_envelope), envelope_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds an envelope, whose model is as it was.
         if model && envelope && done(unsafe { sinew_envelope_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.envelope = Some(unsafe { envelope_info.assume_init() });
+            descriptions.envelope = Some(unsafe { envelope_info.assume_init() });
         }
         let (at, out) = (self.at(at_skin), skin_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds a skin, whose model is as it was.
         if model && skin && done(unsafe { sinew_skin_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.skin = Some(unsafe { skin_info.assume_init() });
+            descriptions.skin = Some(unsafe { skin_info.assume_init() });
         }
         let (at, out) = (self.at(at_kernel), kernel_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds a kernel, whose model is as it was.
         if model && kernel && done(unsafe { sinew_kernel_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.kernel = Some(unsafe { kernel_info.assume_init() });
+            descriptions.kernel = Some(unsafe { kernel_info.assume_init() });
         }
         let (at, out) = (self.at(at_prior), prior_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds a prior, whose model is as it was.
         if model && prior && done(unsafe { sinew_prior_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.prior = Some(unsafe { prior_info.assume_init() });
+            descriptions.prior = Some(unsafe { prior_info.assume_init() });
         }
         let (at, out) = (self.at(at_views), views_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds views, whose model is as it was.
         if model && views && done(unsafe { sinew_views_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.views = Some(unsafe { views_info.assume_init() });
+            descriptions.views = Some(unsafe { views_info.assume_init() });
         }
         let (at, out) = (self.at(at_filter), filter_info.as_mut_ptr());
         // SAFETY: a place that is blank or holds a filter, whose model is as it was.
         if model && filter && done(unsafe { sinew_filter_describe(at, out, error) }) {
             // SAFETY: the call has succeeded and written it.
-            told.filter = Some(unsafe { filter_info.assume_init() });
+            descriptions.filter = Some(unsafe { filter_info.assume_init() });
         }
-        told
+        descriptions
     }
 
     /// Writes bytes to a place.
     pub(super) fn write(&mut self, place: usize, bytes: &[u8]) {
         assert!(bytes.len() <= self.len().saturating_sub(place));
         let at = self.at(place);
-        // SAFETY: the bytes fit, and come from elsewhere.
+        // SAFETY: the bytes fit, and come from another allocation.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), at, bytes.len()) };
     }
 }
@@ -364,9 +366,9 @@ pub(super) const fn result_after(end: usize) -> usize {
     end.next_multiple_of(ALIGNMENT) + RESULTS_APART
 }
 
-/// What objects tell of themselves.
+/// Descriptions of objects, as the C ABI returns them.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Told {
+pub(super) struct Descriptions {
     blob: Option<(*const u8, usize)>,
     envelope: Option<sinew_envelope_info>,
     skin: Option<sinew_skin_info>,

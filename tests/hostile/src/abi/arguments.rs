@@ -1,5 +1,5 @@
-//! The arguments of a call: mostly as they should be, else with a fault that a library can see, or
-//! anywhere in the arena.
+//! Draws the arguments of a call. Most arguments are correct. Others have a fault that a library
+//! can detect, or lie anywhere in the arena.
 
 use super::arena::{Since, result_after};
 use super::call::Call;
@@ -13,11 +13,11 @@ use std::ptr::{null, null_mut};
 use sinew_argument as Argument;
 use sinew_status as Status;
 
-/// Numbers at which something ends.
+/// Boundary values of counts.
 const NUMBERS: [usize; 8] =
     [0, 1, 2, 0xffff, u32::MAX as usize, isize::MAX as usize, usize::MAX - 1, usize::MAX];
 
-/// How long an array must be.
+/// Constraint on the length of an array.
 #[derive(Clone, Copy)]
 enum Must {
     Be(usize),
@@ -26,7 +26,7 @@ enum Must {
 }
 
 impl Call<'_, '_> {
-    /// Draws a number that should be below another.
+    /// Draws a number that should be less than `below`.
     pub(super) fn number(&mut self, below: usize, argument: Argument) -> Result<usize> {
         let number = match self.u.int_in_range(0..=7)? {
             0 => *self.u.choose(&NUMBERS)?,
@@ -38,7 +38,8 @@ impl Call<'_, '_> {
         Ok(number)
     }
 
-    /// Draws the start and the end of a range of vertices, and how many it has if there are so many.
+    /// Draws the start and the end of a range of vertices. Also returns the length of the range,
+    /// at most `vertex_len`.
     pub(super) fn vertices(&mut self, vertex_len: usize) -> Result<(usize, usize, usize)> {
         if self.one_in(2)? {
             return Ok((0, vertex_len, vertex_len));
@@ -49,9 +50,9 @@ impl Call<'_, '_> {
         Ok((start, end, end.saturating_sub(start).min(vertex_len)))
     }
 
-    /// Draws any number; whether it is one of those that are right is not known.
+    /// Draws any number; the call may or may not accept the number.
     pub(super) fn any(&mut self) -> Result<u32> {
-        self.vague = true;
+        self.maybe_faulty = true;
         let small: bool = self.u.arbitrary()?;
         if small { self.u.int_in_range(0..=31) } else { self.u.arbitrary() }
     }
@@ -106,7 +107,7 @@ impl Call<'_, '_> {
         self.handle(places, fault, Argument::Skin)
     }
 
-    /// Tells what is wrong with a part.
+    /// Returns the fault of a part's handle, if there is one.
     fn part_fault(&mut self, is_there: bool, own: Argument) -> Option<(Status, Argument)> {
         match self.arena.since {
             _ if !is_there => Some((Status::NotLoaded, own)),
@@ -116,8 +117,8 @@ impl Call<'_, '_> {
         }
     }
 
-    /// Draws where a handle points: to its object, to one of another kind, to what was never loaded,
-    /// beside it, or nowhere.
+    /// Draws a handle: to its object, to an object of another kind, to memory that was never
+    /// loaded, next to the object, or null.
     fn handle<T>(
         &mut self,
         [own, other]: [Range<usize>; 2],
@@ -139,7 +140,7 @@ impl Call<'_, '_> {
         Ok(place.map_or(null(), |place| self.arena.at::<T>(place).cast_const()))
     }
 
-    /// Draws an array that is read, of a length that must be right.
+    /// Draws an input array whose length must be correct.
     pub(super) fn input<T>(
         &mut self,
         place: Range<usize>,
@@ -151,7 +152,7 @@ impl Call<'_, '_> {
         Ok((at.cast_const(), len))
     }
 
-    /// Draws an array that is read, of any length.
+    /// Draws an input array of any length.
     pub(super) fn input_any<T>(
         &mut self,
         place: Range<usize>,
@@ -162,14 +163,14 @@ impl Call<'_, '_> {
         Ok((at.cast_const(), len))
     }
 
-    /// Draws one value that is read.
+    /// Draws a pointer to one input value.
     pub(super) fn input_one<T>(&mut self, place: usize, argument: Argument) -> Result<*const T> {
         let at = self.one::<T>(place, argument)?;
         self.read.extend(self.arena.place(at, 1));
         Ok(at.cast_const())
     }
 
-    /// Draws one value that is read where it stands: no other bytes will do for it.
+    /// Draws a pointer to one input value at its place: other bytes would not be a valid value.
     pub(super) fn input_fixed<T>(&mut self, place: usize, argument: Argument) -> Result<*const T> {
         self.read.push(place..place + size_of::<T>());
         Ok(match self.u.int_in_range(0..=31)? {
@@ -190,7 +191,7 @@ impl Call<'_, '_> {
         self.output_least(len, len, argument)
     }
 
-    /// Draws an array for at least `least` results; room is for `len`.
+    /// Draws an array for at least `least` results, with room for `len`.
     pub(super) fn output_least<T>(
         &mut self,
         len: usize,
@@ -200,7 +201,7 @@ impl Call<'_, '_> {
         self.output_of(len, Must::HoldAtLeast(least), argument)
     }
 
-    /// Draws an array for exactly `right` results; room is for `len`.
+    /// Draws an array for exactly `right` results, with room for `len`.
     pub(super) fn output_exact<T>(
         &mut self,
         len: usize,
@@ -210,7 +211,7 @@ impl Call<'_, '_> {
         self.output_of(len, Must::Be(right), argument)
     }
 
-    /// Draws an array for about as many results.
+    /// Draws an array for about `len` results.
     pub(super) fn output_any<T>(
         &mut self,
         len: usize,
@@ -240,7 +241,7 @@ impl Call<'_, '_> {
         Ok((at, len))
     }
 
-    /// Draws where one result goes.
+    /// Draws the pointer to one result.
     pub(super) fn output_one<T>(&mut self, argument: Argument) -> Result<*mut T> {
         let place = self.result_place(size_of::<T>());
         let over =
@@ -266,7 +267,7 @@ impl Call<'_, '_> {
                 return Ok((null_mut(), object_bytes));
             }
             1 => {
-                self.vague = true;
+                self.maybe_faulty = true;
                 (self.u.int_in_range(0..=self.arena.len() - object_bytes)?, object_bytes)
             }
             2 => (self.beside(object_bytes)?, object_bytes),
@@ -290,7 +291,8 @@ impl Call<'_, '_> {
         Ok((self.arena.at(at), bytes))
     }
 
-    /// Draws an array of a caller's rest mesh, whose length goes for three: all floats of it are read.
+    /// Draws an array of the caller's rest mesh. One length counts for three arrays, and every
+    /// float is read.
     pub(super) fn rest_array(
         &mut self,
         place: usize,
@@ -313,8 +315,8 @@ impl Call<'_, '_> {
         Ok(at.cast_const())
     }
 
-    /// Draws an output of a job within its room: at its place, with a length that is less than what
-    /// holds `least`, or elsewhere. A stride that is wrong is told first.
+    /// Draws an output of a job within its room: at its place with a length that may be below
+    /// `least`, or at another place. A wrong stride is reported first.
     pub(super) fn output_at(
         &mut self,
         place: Range<usize>,
@@ -323,7 +325,8 @@ impl Call<'_, '_> {
         is_wrong: bool,
         argument: Argument,
     ) -> Result<(*mut f32, usize)> {
-        // Outputs of a job may overlap each other, and so lie over an input and on.
+        // Outputs of a job may overlap each other, so an output may start in an input and end after
+        // it.
         let end = self.arena.len();
         let over = if self.one_in(16)? { self.over(place.len(), 4, end)? } else { None };
         let (at, len) = match over {
@@ -342,7 +345,8 @@ impl Call<'_, '_> {
         Ok((at, len))
     }
 
-    /// Takes the next room for results, some way behind the last: one result too many is no overlap.
+    /// Reserves room for results, with a gap after the last results: one result too many does not
+    /// overlap them.
     pub(super) fn result_place(&mut self, bytes: usize) -> Range<usize> {
         let start = self.next_result;
         self.next_result = result_after(start + bytes);
@@ -350,8 +354,8 @@ impl Call<'_, '_> {
         start..start + bytes
     }
 
-    /// Draws a pointer and a length: as they should be, or with a fault that a library can see, or
-    /// anywhere else in the arena.
+    /// Draws a pointer and a length: correct, with a fault that a library can detect, or anywhere
+    /// else in the arena.
     fn array<T>(
         &mut self,
         place: Range<usize>,
@@ -361,7 +365,7 @@ impl Call<'_, '_> {
         let (size, end) = (size_of::<T>(), self.arena.len());
         let len = place.len() / size;
         let drawn = self.u.int_in_range(0..=31)?;
-        self.vague |= matches!(drawn, 1..=3);
+        self.maybe_faulty |= matches!(drawn, 1..=3);
         let (start, len) = match drawn {
             0 => {
                 self.fault_if(len > 0, Status::Null, argument);
@@ -376,7 +380,8 @@ impl Call<'_, '_> {
             3 => (self.beside(place.len())?, len),
             4 => (place.start, self.u.int_in_range(0..=len)?),
             5 => {
-                // A length that no array has is told before one that is not this array's.
+                // A length that no array can have is reported before a length that is wrong for
+                // this array.
                 self.fault(Status::TooLong, argument);
                 return Ok((
                     self.arena.at(place.start),
@@ -384,7 +389,7 @@ impl Call<'_, '_> {
                 ));
             }
             6 => {
-                self.vague = true;
+                self.maybe_faulty = true;
                 (place.start, (len + 1).min((end - place.start) / size))
             }
             7 if align_of::<T>() > 1 && len > 0 => {
@@ -394,8 +399,8 @@ impl Call<'_, '_> {
             _ => (place.start, len),
         };
         self.check_len(len, must, argument);
-        // A shorter array that need not be of any length is another array.
-        self.vague |= drawn == 4 && matches!(must, Must::BeAny);
+        // If any length is allowed, a shorter array is a different valid array.
+        self.maybe_faulty |= drawn == 4 && matches!(must, Must::BeAny);
         Ok((self.arena.at(start), len))
     }
 
@@ -418,7 +423,7 @@ impl Call<'_, '_> {
                 return Ok(null_mut());
             }
             1 => {
-                self.vague = true;
+                self.maybe_faulty = true;
                 self.u.int_in_range(0..=most)?
             }
             2 => self.beside(size_of::<T>())?,
@@ -431,9 +436,9 @@ impl Call<'_, '_> {
         Ok(self.arena.at(place))
     }
 
-    /// Draws where some bytes touch an argument drawn before, or overlap it by a few bytes.
+    /// Draws a place that touches an argument drawn before, or overlaps it by a few bytes.
     fn beside(&mut self, bytes: usize) -> Result<usize> {
-        self.vague = true;
+        self.maybe_faulty = true;
         let others = self.read.iter().chain(&self.written).cloned().collect::<Vec<_>>();
         let other = others.get(self.u.choose_index(others.len().max(1))?).cloned();
         let other = other.unwrap_or_else(|| self.arena.file.clone());
@@ -447,12 +452,12 @@ impl Call<'_, '_> {
         Ok(start.unwrap_or_default().min(self.arena.len() - bytes))
     }
 
-    /// Draws where some bytes lie over an argument that is read, and over none that is written.
+    /// Draws a place that overlaps an input and no output.
     fn over_inputs(&mut self, bytes: usize, align: usize) -> Result<Option<usize>> {
         self.over(bytes, align, self.arena.results.start)
     }
 
-    /// Draws where some bytes lie over an argument that is read, and end before a place.
+    /// Draws a place that overlaps an input and ends before `end`.
     fn over(&mut self, bytes: usize, align: usize, end: usize) -> Result<Option<usize>> {
         let read = self.read.get(self.u.choose_index(self.read.len().max(1))?).cloned();
         Ok(read
@@ -461,17 +466,17 @@ impl Call<'_, '_> {
             .map(|read| read.start))
     }
 
-    /// Puts something else into one of a place's floats, or not.
+    /// Overwrites one float of a place in some calls.
     pub(super) fn spoil(&mut self, place: Range<usize>) -> Result<()> {
         if self.one_in(4)? && !place.is_empty() {
             let at = place.start + 4 * self.u.choose_index(place.len() / 4)?;
             self.arena.write(at, &recipe::float(self.u)?.to_ne_bytes());
-            self.vague = true;
+            self.maybe_faulty = true;
         }
         Ok(())
     }
 
-    /// Whether something that happens in one of so many calls does.
+    /// Returns true in one of `calls` calls on average.
     pub(super) fn one_in(&mut self, calls: u8) -> Result<bool> {
         Ok(self.u.int_in_range(1..=calls)? == 1)
     }

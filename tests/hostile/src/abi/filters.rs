@@ -1,8 +1,8 @@
-//! The functions of filters, with the arguments that they take.
+//! The filter functions and their arguments.
 
 use super::arena::bytes;
 use super::call::Call;
-use super::filtered::MOST;
+use super::expected::SAMPLES_MAX;
 use super::shared::{unknown, wanted};
 use crate::recipe;
 use arbitrary::Result;
@@ -21,9 +21,7 @@ pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (memory, bytes) = call.memory(sinew_filter_bytes())?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_filter_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
@@ -53,7 +51,7 @@ pub(super) fn apply(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let at = call.arena.at::<sinew_samples>(place);
     // SAFETY: the place is aligned and large enough, and the structure has no padding.
     unsafe { at.write(sinew_samples { signal_len, sample_len, lane_len }) };
-    // Any other bytes would be numbers that nothing is known of.
+    // Other bytes would be numbers whose effect is unknown.
     let at_shape = call.input_fixed(place, Argument::Shape)?;
     let (given, given_len) = call.input(start..start + 4 * len, len, Argument::Samples)?;
     let (out, out_len) = call.output_exact(factor * len, factor * len, Argument::Outputs)?;
@@ -69,9 +67,9 @@ pub(super) fn apply(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_filter_apply(filter, at_shape, given, given_len, out, out_len, error) })
 }
 
-/// Draws how samples lie.
+/// Draws the shape of samples.
 fn shape(call: &mut Call<'_, '_>, tap_len: usize) -> Result<Samples> {
-    let [signals, more, lanes] = MOST;
+    let [signals, more, lanes] = SAMPLES_MAX;
     let is_short = tap_len > 0 && call.one_in(8)?;
     call.fault_if(is_short, Status::TooShort, Argument::Samples);
     let sample_len =

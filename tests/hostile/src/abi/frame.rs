@@ -1,9 +1,7 @@
-//! What the runtime makes of a file: the inputs of its calls, and what they must give.
+//! Inputs of calls on a file, and the results that the runtime gives for them.
 
-use super::filtered::Filtered;
-use super::pinned::Pinned;
-use super::viewed::Viewed;
-use crate::kernels::query;
+use super::expected::{FilterCase, PriorCase, ViewsCase};
+use crate::parts::query;
 use crate::poses;
 use sinew_capi::sinew_error;
 use sinew_runtime::envelope::Predictor;
@@ -13,12 +11,12 @@ use sinew_runtime::{
 };
 use std::ops::Range;
 
-/// The inputs of a file's first part of each kind, and results of its calls.
+/// Inputs for the first part of each kind of a file, and results of its calls.
 #[derive(Default)]
 pub(super) struct Frame {
-    /// Why the file is refused.
+    /// Reason why the file is refused.
     pub(super) refusal: Option<sinew_error>,
-    /// Whether there is an envelope, a skin, and a kernel.
+    /// Whether the file has an envelope, a skin and a kernel.
     pub(super) has_envelope: bool,
     pub(super) has_skin: bool,
     pub(super) has_kernel: bool,
@@ -37,11 +35,11 @@ pub(super) struct Frame {
     pub(super) influence_len: usize,
     pub(super) range_len: usize,
     pub(super) has_tangents: bool,
-    /// Weights of its shapes.
+    /// Weights of the skin's shapes.
     pub(super) weights: Vec<f32>,
-    /// The palette of the skin's own envelope.
+    /// Palette of the skin's envelope.
     pub(super) skin_palette: Vec<Matrix3x4>,
-    /// A remap, and a rest mesh of another shape.
+    /// A remap, and a rest mesh of a different shape.
     pub(super) remap: Vec<u32>,
     pub(super) rest_positions: Vec<[f32; 3]>,
     pub(super) rest_normals: Vec<[f32; 3]>,
@@ -54,28 +52,28 @@ pub(super) struct Frame {
     /// An evaluation, a Jacobian and a variance.
     pub(super) ways: [Evaluated; 3],
 
-    pub(super) prior: Option<Pinned>,
-    pub(super) views: Option<Viewed>,
-    pub(super) filter: Option<Filtered>,
+    pub(super) prior: Option<PriorCase>,
+    pub(super) views: Option<ViewsCase>,
+    pub(super) filter: Option<FilterCase>,
 }
 
-/// What comes of one way to evaluate a kernel.
+/// Result of one way to evaluate a kernel.
 #[derive(Default)]
 pub(super) struct Evaluated {
-    /// Floats of scratch.
+    /// Length of the scratch, in floats.
     pub(super) scratch_len: usize,
-    /// The result; not numbers where it is refused.
+    /// Result; NaN if the runtime refuses the call.
     pub(super) found: Vec<f32>,
     pub(super) refusal: Option<sinew_error>,
 }
 
-/// What a skin job is asked for.
-pub(super) struct Asked {
+/// Arguments of a skin job.
+pub(super) struct SkinArguments {
     pub(super) vertices: Range<usize>,
     pub(super) has_remap: bool,
-    /// Whether positions, normals and tangents have a rest mesh of the caller's.
+    /// Whether the caller gives rest positions, normals and tangents.
     pub(super) has_rest: [bool; 3],
-    /// First float and stride of the attributes wanted.
+    /// First float and stride of each requested attribute.
     pub(super) outputs: [Option<(usize, usize)>; 3],
 }
 
@@ -83,7 +81,7 @@ impl Frame {
     /// Loads a file and evaluates a pose.
     ///
     /// # Panics
-    /// Where a call is refused.
+    /// If the runtime refuses a call.
     pub(super) fn new(file: &[u8], pose_number: usize) -> Self {
         let model = match Model::from_bytes(file) {
             Ok(model) => model,
@@ -104,9 +102,9 @@ impl Frame {
         if let Some(map) = model.kernel() {
             frame.add_kernel(&map, pose_number);
         }
-        frame.prior = model.prior().map(|prior| Pinned::new(&prior));
-        frame.views = model.views().map(|views| Viewed::new(&model, &views, pose_number));
-        frame.filter = model.filter().map(|filter| Filtered::new(&filter));
+        frame.prior = model.prior().map(|prior| PriorCase::new(&prior));
+        frame.views = model.views().map(|views| ViewsCase::new(&model, &views, pose_number));
+        frame.filter = model.filter().map(|filter| FilterCase::new(&filter));
         frame
     }
 
@@ -140,7 +138,7 @@ impl Frame {
         self.has_tangents = skin.has_tangents();
         self.skin_palette = palette;
         self.weights = (0..skin.shape_len()).map(|shape| 0.75 - 0.5 * shape as f32).collect();
-        // Every vertex twice, the last one first.
+        // Every vertex twice, in reverse order.
         self.remap = (0..v as u32).rev().flat_map(|vertex| [vertex; 2]).collect();
         let positions = (0..v).filter_map(|vertex| skin.rest_position(vertex));
         self.rest_positions = positions.map(|[x, y, z]| [0.5 * y, x, z]).collect();
@@ -169,23 +167,23 @@ impl Frame {
         self.query = query;
     }
 
-    /// Skins into floats that hold something.
+    /// Skins into floats that already have content.
     ///
     /// # Panics
-    /// Where the runtime refuses that.
-    pub(super) fn skin(&self, file: &[u8], asked: &Asked, floats: &mut [f32]) {
+    /// If the runtime refuses the job.
+    pub(super) fn skin(&self, file: &[u8], arguments: &SkinArguments, floats: &mut [f32]) {
         let Some(skin) = self.layout.and_then(|layout| layout.open(file)) else { return };
         let floats = cells(floats);
-        let [positions, normals, tangents] = asked.outputs.map(|output| {
+        let [positions, normals, tangents] = arguments.outputs.map(|output| {
             let (first, stride) = output?;
             Some(Output { floats: floats.get(first..).unwrap_or_default(), stride })
         });
-        let [has_positions, has_normals, has_tangents] = asked.has_rest;
+        let [has_positions, has_normals, has_tangents] = arguments.has_rest;
         let job = SkinJob {
             skin,
             palette: &self.skin_palette,
-            vertices: asked.vertices.clone(),
-            remap: asked.has_remap.then_some(&self.remap),
+            vertices: arguments.vertices.clone(),
+            remap: arguments.has_remap.then_some(&self.remap),
             rest: Rest {
                 positions: has_positions.then_some(&self.rest_positions),
                 normals: has_normals.then_some(&self.rest_normals),
@@ -200,10 +198,10 @@ impl Frame {
         }
     }
 
-    /// Shapes vertices into floats that hold something.
+    /// Applies shapes to vertices, into floats that already have content.
     ///
     /// # Panics
-    /// Where the runtime refuses that.
+    /// If the runtime refuses the job.
     pub(super) fn shape(
         &self,
         file: &[u8],

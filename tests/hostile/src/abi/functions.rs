@@ -1,15 +1,14 @@
-//! Every function that can fail, with the arguments that it takes.
+//! Every function that can fail, with its arguments.
 
 use super::arena::{BATCH, BLANK, bytes, floats};
 use super::call::Call;
 use super::filters;
-use super::frame::Asked;
+use super::frame::SkinArguments;
 use super::kernels;
-use super::outputs::{FLOATS, outputs};
 use super::posed;
 use super::priors;
 use super::shapes;
-use super::shared::{optional, spoilt_pose, unknown, wanted};
+use super::shared::{FLOATS, optional, outputs, spoilt_pose, unknown, wanted};
 use super::views;
 use crate::recipe;
 use arbitrary::Result;
@@ -20,10 +19,10 @@ use std::ptr::{null, null_mut};
 use sinew_argument as Argument;
 use sinew_status as Status;
 
-/// Draws a function's arguments and calls it.
+/// Draws the arguments of a function and calls the function.
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
-/// The functions by their names.
+/// The functions and their names.
 pub(super) const FUNCTIONS: [(&str, Function); 55] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
@@ -85,9 +84,10 @@ pub(super) const FUNCTIONS: [(&str, Function); 55] = [
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of this module: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of this module. Pointers are null, misaligned, or into the arena;
+    // their lengths stay within the arena or reach beyond the address space. Handles are null,
+    // misaligned, or point to enough of the arena, where an object is loaded or the memory is blank
+    // or empty.
     Ok(unsafe { sinew_limits_default(out, error) })
 }
 
@@ -96,8 +96,8 @@ fn load(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (file, file_bytes) = call.input_any(call.arena.held(), Argument::File)?;
     let limits = if call.one_in(4)? { limits(call)? } else { null() };
     match call.arena.frame.refusal {
-        // With other limits it may be refused for something else, or not.
-        Some(_) if !limits.is_null() => call.vague = true,
+        // With other limits the model may be accepted, or refused for another reason.
+        Some(_) if !limits.is_null() => call.maybe_faulty = true,
         Some(refusal) => call.fault(refusal.status, refusal.argument),
         None => {}
     }
@@ -124,10 +124,10 @@ fn limits(call: &mut Call<'_, '_>) -> Result<*const sinew_limits> {
         [vertices, joints, proxies, u32::MAX, u32::MAX].into_iter().flat_map(u32::to_ne_bytes),
     );
     call.arena.write(place, &content);
-    // Other bytes are other limits; and a null pointer is none.
+    // Other bytes are other limits; a null pointer means default limits.
     let drawn = call.faults.len();
     let limits = call.input_one::<sinew_limits>(place, Argument::Limits)?;
-    call.vague |= limits.is_null();
+    call.maybe_faulty |= limits.is_null();
     call.faults.truncate(if limits.is_null() { drawn } else { call.faults.len() });
     Ok(limits)
 }
@@ -222,7 +222,7 @@ fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     palette_by(call, sinew_envelope_rotational_palette)
 }
 
-/// What computes a palette.
+/// A function that computes a palette.
 type PaletteCall = unsafe extern "C" fn(
     *const sinew_envelope,
     *const sinew_matrix,
@@ -255,7 +255,7 @@ fn palettes(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.spoil(call.arena.poses.clone())?;
     let envelope = call.envelope()?;
     let (j, p) = (call.arena.frame.pose.len(), call.arena.frame.palette.len());
-    // Their number says how many poses there are.
+    // The number of confidences is the number of poses.
     let (confidences, n) = call.output_any(BATCH, Argument::Confidences)?;
     let n_or_more = n.min(usize::MAX / 2);
     let (poses, poses_len) =
@@ -310,7 +310,7 @@ fn rest_tangents(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     rest(call, 4, sinew_skin_rest_tangents, Argument::Tangents)
 }
 
-/// What copies an attribute of the rest pose.
+/// A function that copies an attribute of the rest pose.
 type RestCall = unsafe extern "C" fn(
     *const sinew_skin,
     usize,
@@ -357,11 +357,11 @@ fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let vertex_len = call.arena.frame.vertex_len;
     let most = if remap.is_null() { vertex_len } else { remap_len };
     let (start, end, n) = call.vertices(most)?;
-    // Of more there is no room: such a remap is another than the frame's.
+    // The arena has no room for a longer remap: a longer remap is not the frame's.
     let n = n.min(2 * vertex_len);
     let (rest, rest_len) = rest_mesh(call)?;
     let has_tangents = call.arena.frame.has_tangents || !rest[2].is_null();
-    let (outputs, asked) = outputs(call, n, has_tangents)?;
+    let (outputs, requested) = outputs(call, n, has_tangents)?;
     let [positions, normals, tangents] = outputs;
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_skin_job>(place);
@@ -384,35 +384,35 @@ fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             tangents,
         });
     }
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let job = call.input_fixed(place, Argument::Job)?;
     call.shared = true;
-    let asked = Asked {
+    let arguments = SkinArguments {
         vertices: start..end,
         has_remap: !remap.is_null(),
         has_rest: rest.map(|array| !array.is_null()),
-        outputs: asked,
+        outputs: requested,
     };
     let error = call.ready(|arena| {
         let mut skin = vec![f32::from_ne_bytes([BLANK; 4]); FLOATS * n];
-        arena.frame.skin(arena.file_bytes(), &asked, &mut skin);
+        arena.frame.skin(arena.file_bytes(), &arguments, &mut skin);
         bytes(skin)
     });
     // SAFETY: as above.
     Ok(unsafe { sinew_skin_run(job, error) })
 }
 
-/// Draws a remap: the frame's, or a shorter one, or one with a vertex that is not there.
+/// Draws a remap: the frame's remap, a shorter one, or one with a missing vertex.
 fn remap(call: &mut Call<'_, '_>) -> Result<(*const u32, usize)> {
     let place = call.arena.remap.clone();
     if call.one_in(8)? && !place.is_empty() {
         call.arena.write(place.start, &u32::MAX.to_ne_bytes());
-        call.vague = true;
+        call.maybe_faulty = true;
     }
     call.input_any(place, Argument::Remap)
 }
 
-/// Draws a rest mesh of the caller's: each of its arrays may be left out.
+/// Draws a rest mesh of the caller; each array may be missing.
 fn rest_mesh(call: &mut Call<'_, '_>) -> Result<([*const f32; 3], usize)> {
     let v = call.arena.frame.vertex_len;
     let len = if call.one_in(16)? { call.u.int_in_range(0..=v)? } else { v };

@@ -1,4 +1,4 @@
-//! The functions of kernels, with the arguments that they take.
+//! The kernel functions and their arguments.
 
 use super::arena::bytes;
 use super::call::Call;
@@ -17,9 +17,7 @@ pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (memory, bytes) = call.memory(sinew_kernel_bytes())?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_kernel_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
@@ -78,7 +76,7 @@ pub(super) fn variance(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     by(call, 2, sinew_kernel_variance, Argument::Variances)
 }
 
-/// What computes something of a query.
+/// A function that evaluates a query.
 type Way = unsafe extern "C" fn(
     *const sinew_kernel,
     *const f32,
@@ -103,7 +101,7 @@ fn by(
     Ok(unsafe { function(kernel, query, query_len, scratch, scratch_len, out, out_len, error) })
 }
 
-/// The arguments of an evaluation.
+/// Arguments of an evaluation.
 struct Drawn {
     kernel: *const sinew_kernel,
     query: *const f32,
@@ -114,7 +112,7 @@ struct Drawn {
     out_len: usize,
 }
 
-/// Draws the arguments of one of the ways to evaluate a kernel.
+/// Draws the arguments for one way to evaluate a kernel.
 fn drawn(call: &mut Call<'_, '_>, way: usize, argument: Argument) -> Result<Drawn> {
     let way = &call.arena.frame.ways[way];
     let (refusal, len, least) = (way.refusal, way.found.len(), way.scratch_len);
@@ -122,8 +120,8 @@ fn drawn(call: &mut Call<'_, '_>, way: usize, argument: Argument) -> Result<Draw
         Some(refusal) if refusal.status == Status::NoAttribute => {
             call.fault(refusal.status, refusal.argument);
         }
-        // Of another query, which may be drawn, there may be a result.
-        refusal => call.vague |= refusal.is_some(),
+        // The drawn query may differ from the frame's, and then have a result.
+        refusal => call.maybe_faulty |= refusal.is_some(),
     }
     call.spoil(call.arena.query.clone())?;
     let (kernel, r) = (call.kernel()?, call.arena.frame.query.len());

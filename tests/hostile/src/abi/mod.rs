@@ -1,25 +1,21 @@
-//! The C ABI, called as no careful caller calls it: with pointers that are null, misaligned or into
-//! other memory of the call, with wrong lengths, on files from strangers.
+//! Calls the C ABI as no careful caller does: with pointers that are null, misaligned or into other
+//! memory of the call, with wrong lengths, and on untrusted files.
 //!
-//! What no library can see stays true, as `sinew.h` asks: a pointer and its length describe memory of
-//! the caller, and a handle points to enough of it.
+//! Preconditions that no library can check hold, as `sinew.h` demands: a pointer and its length
+//! describe memory of the caller, and a handle points to enough memory.
 
 mod arena;
 mod arguments;
 mod call;
-mod filtered;
+mod expected;
 mod filters;
 mod frame;
 mod functions;
-mod header;
 mod kernels;
-mod outputs;
-mod pinned;
 mod posed;
 mod priors;
 mod shapes;
 mod shared;
-mod viewed;
 mod views;
 
 use crate::recipe;
@@ -31,29 +27,30 @@ use functions::FUNCTIONS;
 use sinew_capi::sinew_status;
 use sinew_runtime::{FileError, Model};
 
-/// The last number of a pose that the frame may have.
+/// Largest number of a frame's pose.
 const POSES: usize = 7;
 
-/// Calls of one input.
+/// Calls per input.
 const CALLS: usize = 8;
 
-/// Reads the first half of some bytes as calls and the second as the [`recipe`] of the file that they
-/// work on.
+/// Reads the first half of the bytes as calls and the second half as the [`recipe`] of the file
+/// that they work on.
 ///
 /// # Errors
-/// Why the file was refused; it is called all the same.
+/// The reason why the file was refused; the functions are called on a refused file too.
 ///
 /// # Panics
-/// Where a status is not one that the header names for the function, or not that of a fault among the
-/// arguments, or is told of another argument than the fault's; where a call that failed has written,
-/// where one that succeeded has written elsewhere than to its results, and where one with a fault
-/// succeeds, or one without fails or gives other bits than the runtime.
+/// - If a status is not in the function's comment in the header, is not the status of a fault among
+///   the arguments, or is reported for another argument than the faulty argument.
+/// - If a failed call has written, or a successful call has written outside its results.
+/// - If a call with a fault succeeds.
+/// - If a call without a fault fails or gives other bits than the runtime.
 pub fn calls(data: &[u8]) -> std::result::Result<(), FileError> {
     let (script, recipe) = data.split_at(data.len() / 2);
     let file = recipe::file(recipe);
     let mut u = Unstructured::new(script);
     for _ in 0..CALLS {
-        // A script that ends early has called what it could.
+        // A script that ends early has made all its calls.
         if u.is_empty() || one_call(&mut u, &file).is_err() {
             break;
         }
@@ -61,7 +58,7 @@ pub fn calls(data: &[u8]) -> std::result::Result<(), FileError> {
     Model::from_bytes(&file).map(|_| ())
 }
 
-/// Makes one call in memory of its own; returns the function and what it said.
+/// Makes one call in separate memory; returns the name of the function and its status.
 fn one_call(u: &mut Unstructured<'_>, file: &[u8]) -> Result<(&'static str, sinew_status)> {
     let pose_number = u.int_in_range(0..=POSES)?;
     let since = match u.int_in_range(0..=15)? {
@@ -79,8 +76,8 @@ fn one_call(u: &mut Unstructured<'_>, file: &[u8]) -> Result<(&'static str, sine
 
 #[cfg(test)]
 mod tests {
+    use super::call::promises;
     use super::functions::FUNCTIONS;
-    use super::header::promises;
     use super::one_call;
     use crate::recipe;
     use arbitrary::Unstructured;
@@ -98,7 +95,7 @@ mod tests {
         assert_eq!(called, promises().keys().copied().collect());
     }
 
-    /// An object whose map goes by a rotation, and a layer of which has depth.
+    /// Makes an object whose map has a rotation as input, and whose first layer has depth.
     fn turned() -> Pieces {
         let mut map = KernelContent::map("walk", 51);
         map.inputs = KernelContent::servo().inputs.split_off(2);
@@ -110,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_the_header_promises_of_calls_happens() {
+    fn every_status_in_the_header_occurs() {
         let golden = |index: usize| Pieces::of(GOLDEN[index]).unwrap();
         let (mut empty, mut bare, mut loose) = (golden(1), golden(0), golden(0));
         empty.keep_vertices(0);

@@ -1,4 +1,4 @@
-//! Calls about a pose of the caller's skeleton: gathered, checked, scaled, at levels.
+//! Calls about a pose of the caller's skeleton: gather, check, scale, levels.
 
 use super::arena::{bytes, floats};
 use super::call::Call;
@@ -17,9 +17,7 @@ pub(super) fn rest_locals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Local)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of this module: pointers are null, misaligned, or into the arena, with lengths that
-    // stay within it or reach beyond the address space; handles are null, misaligned, or point to enough of
-    // it, where an object is loaded or the memory is blank or empty; names point into the arena.
+    // SAFETY: as for each call of `functions`; names also point into the arena.
     Ok(unsafe { sinew_envelope_rest_locals(envelope, out, out_len, error) })
 }
 
@@ -27,8 +25,8 @@ pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let j = call.arena.frame.pose.len();
     let (names, names_len) = names(call)?;
-    // Whether the root is among them is not known.
-    call.vague = true;
+    // The root may be among the names that are not found.
+    call.maybe_faulty = true;
     let (out, out_len) = call.output_exact(j, j, Argument::Joints)?;
     let bound = optional(call, Argument::Result)?;
     let error = call.ready(unknown);
@@ -38,7 +36,7 @@ pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
-    // Each joint's own frame, or a number that is none, or that folds it.
+    // The joint's frame, or a missing joint, or a joint that makes the map singular.
     let place = call.arena.local.start;
     let mut map: Vec<u32> = (0..j as u32).collect();
     let one = if j > 0 { call.u.choose_index(j)? } else { 0 };
@@ -48,7 +46,7 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let content: Vec<u8> = map.iter().flat_map(|number| number.to_ne_bytes()).collect();
     call.arena.write(place, &content);
     call.spoil(call.arena.poses.clone())?;
-    call.vague = true;
+    call.maybe_faulty = true;
     let (map, map_len) = call.input::<u32>(place..place + content.len(), j, Argument::Joints)?;
     let (world, world_len) = call.input_any(call.arena.poses.clone(), Argument::World)?;
     let root: *const sinew_matrix = match j {
@@ -66,7 +64,7 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 pub(super) fn check_pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let one = one_pose(call);
     if call.one_in(2)? && !one.is_empty() {
-        // A fault of the pose is none of the call.
+        // A fault of the pose is not a fault of the call.
         let at = one.start + 4 * call.u.choose_index(one.len() / 4)?;
         call.arena.write(at, &call.u.arbitrary::<f32>()?.to_ne_bytes());
     }
@@ -159,7 +157,7 @@ pub(super) fn skeleton_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.read.push(place..place + 4 * len);
     let parents = if len == 0 { null() } else { call.input_fixed(place, Argument::Joints)? };
     let out = call.output_one(Argument::Result)?;
-    // More than there is room for at any address.
+    // More names than any address leaves room for.
     let is_too_long = len > 0 && call.one_in(8)?;
     call.fault_if(is_too_long, Status::TooLong, Argument::Names);
     let len = if is_too_long { usize::MAX / 4 } else { len };
@@ -184,8 +182,8 @@ pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_mesh_hash(positions.cast(), len, out, error) })
 }
 
-/// Draws names, as many as there are joints or fewer: the joints' own, one with a prefix, pieces of the file, or
-/// one that is nowhere.
+/// Draws at most J names: names of the joints, a name with a prefix, pieces of the file, or a name
+/// at a wrong address.
 fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     let (place, file) = (call.arena.local.start, call.arena.file.clone());
     let most = call.arena.frame.pose.len();
@@ -217,12 +215,13 @@ fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     }
     call.arena.write(place, &content);
     call.read.push(place..place + content.len());
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let names = if len == 0 { null() } else { call.input_fixed(place, Argument::Names)? };
     Ok((names, len))
 }
 
-/// Writes a name of the file with a prefix where poses end, and gives its place and length; as it is where there is no room.
+/// Writes a name of the file with a prefix behind the poses. Returns its place and length; returns
+/// the original name if there is no room.
 fn prefixed(call: &mut Call<'_, '_>, name: Range<usize>) -> (usize, usize) {
     let (file, poses) = (call.arena.file.start, call.arena.poses.clone());
     let text = [b"rig:", &call.arena.file_bytes()[name.clone()]].concat();
@@ -234,7 +233,7 @@ fn prefixed(call: &mut Call<'_, '_>, name: Range<usize>) -> (usize, usize) {
     (start, text.len())
 }
 
-/// Finds where the names of the joints stand in a file.
+/// Finds the places of the joints' names in a file.
 fn joint_names(file: &[u8]) -> Vec<Range<usize>> {
     let Ok(model) = Model::from_bytes(file) else { return Vec::new() };
     let Some(envelope) = model.envelope() else { return Vec::new() };

@@ -1,8 +1,8 @@
-//! The functions of priors and pins, with the arguments that they take.
+//! The functions of priors and pins, and their arguments.
 
 use super::arena::bytes;
 use super::call::Call;
-use super::pinned::{AskedPins, FEW_PINS, PINS};
+use super::expected::{FEW_PINS, PINS, PinArguments};
 use super::shared::{laid, optional, unknown, wanted};
 use crate::recipe;
 use arbitrary::Result;
@@ -20,9 +20,7 @@ pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (memory, bytes) = call.memory(sinew_prior_bytes())?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_prior_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
@@ -61,22 +59,22 @@ pub(super) fn solve(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let p = call.arena.frame.skin_palette.len();
     let (palette, palette_len) =
         call.input(call.arena.skin_palette.clone(), p, Argument::Palette)?;
-    let asked = asked(call)?;
-    let (pins, pins_len) = given(call, &asked.pins)?;
+    let arguments = arguments(call)?;
+    let (pins, pins_len) = pins_pointer(call, &arguments.pins)?;
     let n = call.arena.frame.weights.len();
     let place = call.arena.weights.clone();
-    let (last_weights, last_len) = match &asked.last {
+    let (last_weights, last_len) = match &arguments.last {
         Some(last) => {
             call.arena.write(place.start, &bytes(last.iter().copied()));
             call.input(place, n, Argument::ShapeWeights)?
         }
         None => (null(), 0),
     };
-    call.arena.write(call.next_result, &bytes(asked.weights.iter().copied()));
+    call.arena.write(call.next_result, &bytes(arguments.weights.iter().copied()));
     let (weights, weights_len) = call.output_exact::<f32>(n, n, Argument::ShapeWeights)?;
     let edit: *mut sinew_edit =
         if call.one_in(4)? { null_mut() } else { optional(call, Argument::Result)? };
-    let least = call.arena.frame.prior.as_ref().map_or(0, |prior| asked.scratch_len(prior));
+    let least = call.arena.frame.prior.as_ref().map_or(0, |prior| arguments.scratch_len(prior));
     let (scratch, scratch_len) = call.output::<f64>(least, Argument::Scratch)?;
     call.used = call.arena.place(scratch, scratch_len);
     let place = call.arena.argument.start;
@@ -90,12 +88,12 @@ pub(super) fn solve(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             palette_len,
             pins,
             pins_len,
-            is_from_mean: asked.is_from_mean.into(),
-            is_bounded: asked.is_bounded.into(),
-            cancels: asked.cancels.into(),
-            beta: asked.beta,
-            symmetry: asked.symmetry,
-            temporal: asked.temporal,
+            is_from_mean: arguments.is_from_mean.into(),
+            is_bounded: arguments.is_bounded.into(),
+            cancels: arguments.cancels.into(),
+            beta: arguments.beta,
+            symmetry: arguments.symmetry,
+            temporal: arguments.temporal,
             last_weights,
             last_len,
             scratch,
@@ -104,30 +102,30 @@ pub(super) fn solve(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             weights_len,
         });
     }
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let job = call.input_fixed(place, Argument::Job)?;
     let right = call.by_runtime(|arena| {
-        let (weights, done) = asked.solve(arena.file_bytes(), &arena.frame.skin_palette)?;
+        let (weights, done) = arguments.solve(arena.file_bytes(), &arena.frame.skin_palette)?;
         let numbers = [done.unreachable_len as u32, done.round_len, done.is_least.into()];
         let numbers = numbers.into_iter().flat_map(u32::to_ne_bytes);
-        let told = bytes([done.norm]).into_iter().chain(numbers);
-        let told = if edit.is_null() { Vec::new() } else { told.collect() };
-        Ok(laid([bytes(weights), told]))
+        let edit_bytes = bytes([done.norm]).into_iter().chain(numbers);
+        let edit_bytes = if edit.is_null() { Vec::new() } else { edit_bytes.collect() };
+        Ok(laid([bytes(weights), edit_bytes]))
     });
     let error = call.ready(|_| right);
     // SAFETY: as above.
     Ok(unsafe { sinew_pins_solve(job, edit, error) })
 }
 
-/// Draws what a job is asked for: mostly pins near vertices of the skin, and terms that are sound.
-fn asked(call: &mut Call<'_, '_>) -> Result<AskedPins> {
+/// Draws a pin job: mostly pins near vertices of the skin, and valid weights of the terms.
+fn arguments(call: &mut Call<'_, '_>) -> Result<PinArguments> {
     let frame = &call.arena.frame;
     let (v, own_beta) = (frame.vertex_len, frame.prior.as_ref().map_or(1.0, |prior| prior.beta));
     let mut weights = [frame.weights.clone(), frame.weights.clone()];
     let pin_len = if call.one_in(16)? { PINS } else { call.u.int_in_range(0..=FEW_PINS)? };
     let mut pins = Vec::new();
     for at in 0..pin_len {
-        // Many are alike, for they take of what the call is drawn from.
+        // Most pins are copies, because each drawn pin uses up input bytes.
         let pin = if at < FEW_PINS { pin(call, v)? } else { pins[at - 1] };
         pins.push(pin);
     }
@@ -144,7 +142,7 @@ fn asked(call: &mut Call<'_, '_>) -> Result<AskedPins> {
         }
     }
     let [last, weights] = weights;
-    Ok(AskedPins {
+    Ok(PinArguments {
         pins,
         is_from_mean: call.one_in(2)?,
         is_bounded: call.one_in(2)?,
@@ -175,8 +173,8 @@ fn pin(call: &mut Call<'_, '_>, vertex_len: usize) -> Result<sinew_pin> {
     Ok(sinew_pin { vertex, rows, target, stiffness })
 }
 
-/// Draws where the pins are.
-fn given(call: &mut Call<'_, '_>, pins: &[sinew_pin]) -> Result<(*const sinew_pin, usize)> {
+/// Draws the pointer to the pins.
+fn pins_pointer(call: &mut Call<'_, '_>, pins: &[sinew_pin]) -> Result<(*const sinew_pin, usize)> {
     let start = call.arena.pins.start;
     let content = pins.iter().flat_map(|pin| {
         let floats = bytes(pin.rows.as_flattened().iter().chain(&pin.target).copied());
@@ -185,7 +183,7 @@ fn given(call: &mut Call<'_, '_>, pins: &[sinew_pin]) -> Result<(*const sinew_pi
     });
     let content = content.collect::<Vec<_>>();
     if call.arena.frame.prior.is_none() {
-        // There is no room for them, and no prior to solve for.
+        // There is no room for the pins, and no prior to solve for.
         return Ok((null(), 0));
     }
     call.arena.write(start, &content);

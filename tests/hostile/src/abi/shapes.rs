@@ -1,9 +1,8 @@
-//! The functions of shapes, with the arguments that they take.
+//! The shape functions and their arguments.
 
 use super::arena::{BLANK, bytes};
 use super::call::Call;
-use super::outputs::{FLOATS, outputs};
-use super::shared::unknown;
+use super::shared::{FLOATS, outputs, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
 
@@ -15,13 +14,11 @@ pub(super) fn shape(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let shape = call.number(call.arena.frame.weights.len(), Argument::Shape)?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_skin_shape(skin, shape, out, error) })
 }
 
-/// Draws weights: the frame's, or with one that is no number.
+/// Draws weights: the frame's, or the frame's with one NaN.
 fn weights(call: &mut Call<'_, '_>) -> Result<(*const f32, usize)> {
     let (place, len) = (call.arena.weights.clone(), call.arena.frame.weights.len());
     let is_spoilt = call.one_in(8)? && len > 0;
@@ -29,7 +26,7 @@ fn weights(call: &mut Call<'_, '_>) -> Result<(*const f32, usize)> {
         call.arena.write(place.start, &f32::NAN.to_ne_bytes());
     }
     let (weights, weights_len) = call.input::<f32>(place.clone(), len, Argument::ShapeWeights)?;
-    // An array elsewhere does not hold it.
+    // An array at another place does not contain the NaN.
     let is_read = is_spoilt && weights == call.arena.at::<f32>(place.start).cast_const();
     call.fault_if(is_read, Status::NonFinite, Argument::ShapeWeights);
     Ok((weights, weights_len))
@@ -39,7 +36,7 @@ pub(super) fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let skin = call.skin()?;
     let (weights, weights_len) = weights(call)?;
     let (start, end, n) = call.vertices(call.arena.frame.vertex_len)?;
-    let (outputs, asked) = outputs(call, n, call.arena.frame.has_tangents)?;
+    let (outputs, requested) = outputs(call, n, call.arena.frame.has_tangents)?;
     let [positions, normals, tangents] = outputs;
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_shapes_job>(place);
@@ -56,12 +53,12 @@ pub(super) fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             tangents,
         });
     }
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let job = call.input_fixed(place, Argument::Job)?;
     call.shared = true;
     let error = call.ready(|arena| {
         let mut floats = vec![f32::from_ne_bytes([BLANK; 4]); FLOATS * n];
-        arena.frame.shape(arena.file_bytes(), start..end, asked, &mut floats);
+        arena.frame.shape(arena.file_bytes(), start..end, requested, &mut floats);
         bytes(floats)
     });
     // SAFETY: as above.

@@ -1,4 +1,5 @@
-//! What functions of several parts take: which part is wanted, results that may go nowhere.
+//! Arguments that functions of several parts share: the requested part, optional results, outputs
+//! of jobs.
 
 use super::arena::{Arena, BATCH, BLANK, Since, result_after};
 use super::call::Call;
@@ -6,41 +7,41 @@ use arbitrary::Result;
 use sinew_capi::*;
 use std::ffi::c_char;
 use std::ops::Range;
-use std::ptr::null;
+use std::ptr::{null, null_mut};
 
 use sinew_argument as Argument;
 use sinew_status as Status;
 
-/// Nothing that this module compares: the C ABI's own tests do.
+/// Expected bytes of a result that this module does not compare: the C ABI's tests do.
 pub(super) fn unknown(_: &Arena) -> Vec<u8> {
     Vec::new()
 }
 
-/// The place of the first pose.
+/// Returns the place of the first pose.
 pub(super) fn one_pose(call: &Call<'_, '_>) -> Range<usize> {
     let Range { start, end } = call.arena.poses;
     start..start + (end - start) / BATCH
 }
 
-/// The same, with a float in it that may be none.
+/// Returns the place of the first pose, after possibly making one of its floats invalid.
 pub(super) fn spoilt_pose(call: &mut Call<'_, '_>) -> Result<Range<usize>> {
     let one = one_pose(call);
     call.spoil(one.clone())?;
     Ok(one)
 }
 
-/// Draws which part is wanted: any or one of the part's own name, or of bytes that are none; the first,
-/// or one beyond all.
+/// Draws the requested part. Its name is null, the part's name, or bytes that name no part; its
+/// index is 0 or too large.
 pub(super) fn wanted(
     call: &mut Call<'_, '_>,
     is_there: bool,
     own: String,
     argument: Argument,
 ) -> Result<(*const c_char, usize, usize)> {
-    // The other file has parts of its own, by the same names or others.
+    // The other file has other parts, with equal or different names.
     let is_other = call.arena.since != Since::Nothing;
     call.fault_if(!is_there && !is_other, Status::NotFound, argument);
-    call.vague |= is_other;
+    call.maybe_faulty |= is_other;
     let index = if call.one_in(8)? { usize::MAX } else { 0 };
     call.fault_if(index > 0, Status::NotFound, argument);
     if call.one_in(2)? {
@@ -52,19 +53,19 @@ pub(super) fn wanted(
     let mut name = own.into_bytes();
     if call.one_in(4)? {
         name.reverse();
-        call.vague = true;
+        call.maybe_faulty = true;
     }
     call.arena.write(start, &name);
     let drawn = call.faults.len();
     let (at, len) = call.input_any::<c_char>(start..start + name.len(), Argument::Name)?;
     if at.is_null() && len == 0 {
-        // That is any name, and no fault.
+        // A null name of length 0 matches every part: not a fault.
         call.faults.truncate(drawn);
     }
     Ok((at, len, index))
 }
 
-/// Draws one value that is read, or none, which is no fault.
+/// Draws one optional input value; a null pointer is not a fault.
 pub(super) fn optional_input<T>(
     call: &mut Call<'_, '_>,
     place: usize,
@@ -78,7 +79,7 @@ pub(super) fn optional_input<T>(
     Ok(at)
 }
 
-/// Draws where one result goes that may go nowhere.
+/// Draws the pointer to one optional result.
 pub(super) fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result<*mut T> {
     let drawn = call.faults.len();
     let out = call.output_one::<T>(argument)?;
@@ -88,7 +89,7 @@ pub(super) fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result
     Ok(out)
 }
 
-/// Lays out what results must hold, in the order in which they were drawn.
+/// Lays out the expected results in the order in which they were drawn.
 pub(super) fn laid<const N: usize>(results: [Vec<u8>; N]) -> Vec<u8> {
     let mut out = Vec::new();
     for (at, result) in results.into_iter().enumerate() {
@@ -98,4 +99,46 @@ pub(super) fn laid<const N: usize>(results: [Vec<u8>; N]) -> Vec<u8> {
         out.extend(result);
     }
     out
+}
+
+/// Floats per vertex in the room of the outputs.
+pub(super) const FLOATS: usize = 12;
+
+pub(super) type Outputs = ([sinew_output; 3], [Option<(usize, usize)>; 3]);
+
+/// Draws outputs: interleaved in one room, overlapping, missing, or at a wrong address. Also
+/// returns the first float and the stride of each output.
+pub(super) fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> Result<Outputs> {
+    let room = call.result_place(4 * FLOATS * n);
+    let mut outputs = [sinew_output { floats: null_mut(), len: 0, stride: 0 }; 3];
+    let mut requested = [None; 3];
+    for (i, (own, first, argument)) in
+        [(3, 0, Argument::Positions), (3, 3, Argument::Normals), (4, 6, Argument::Tangents)]
+            .into_iter()
+            .enumerate()
+    {
+        if call.one_in(3)? || (own == 4 && !has_tangents && !call.one_in(8)?) {
+            continue;
+        }
+        let mut stride = call.u.int_in_range(own..=FLOATS - 2)?;
+        if call.one_in(16)? {
+            stride = call.u.int_in_range(0..=own)?;
+        }
+        // Every output stays within the room for every stride; without vertices the room is empty.
+        let first = if call.one_in(8)? { call.u.int_in_range(0..=2)? } else { first };
+        let first = if n == 0 { 0 } else { first.min(FLOATS - own) };
+        let place = room.start + 4 * first..room.end;
+        let len = place.len() / 4;
+        let least = n.checked_sub(1).map_or(0, |last| last * stride + own);
+        let (floats, len) = call.output_at(place, len, least, stride < own, argument)?;
+        outputs[i] = sinew_output { floats, len, stride };
+        requested[i] = (!floats.is_null() || len > 0).then_some((first, stride));
+        let is_requested = requested[i].is_some();
+        call.fault_if(!is_requested && stride > 0, Status::Null, argument);
+        call.fault_if(is_requested && stride < own, Status::Stride, argument);
+        call.fault_if(is_requested && own == 4 && !has_tangents, Status::NoAttribute, argument);
+    }
+    let nothing = requested.iter().all(Option::is_none);
+    call.fault_if(nothing, Status::NoOutput, Argument::Call);
+    Ok((outputs, requested))
 }

@@ -1,9 +1,9 @@
-//! The functions of views, with the arguments that they take.
+//! The functions of views and their arguments.
 
 use super::arena::{BLANK, bytes};
 use super::call::Call;
+use super::expected::{FrameArguments, PIXELS, PictureArguments, ViewsCase};
 use super::shared::{laid, optional, unknown, wanted};
-use super::viewed::{AskedFrame, AskedPicture, PIXELS, Viewed};
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
@@ -23,9 +23,7 @@ pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (memory, bytes) = call.memory(sinew_views_bytes())?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
-    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_views_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
@@ -47,11 +45,11 @@ pub(super) fn map(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let views = call.views()?;
-    let (asked, least) = asked_frame(call)?;
+    let (arguments, least) = frame_arguments(call)?;
     let start = call.arena.parameters.start;
-    let content = bytes(asked.parameters.iter().copied());
+    let content = bytes(arguments.parameters.iter().copied());
     call.arena.write(start, &content);
-    let right = asked.parameters.len();
+    let right = arguments.parameters.len();
     let (parameters, parameters_len) =
         call.input(start..start + content.len(), right, Argument::Query)?;
     let (k, n) = (own(call, |views| views.points.len()), own(call, |views| views.scores.len()));
@@ -69,7 +67,7 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     unsafe {
         job.write(sinew_frame_job {
             views,
-            map: asked.map,
+            map: arguments.map,
             parameters,
             parameters_len,
             scratch,
@@ -84,10 +82,10 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             layers_len,
         });
     }
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let job = call.input_fixed(place, Argument::Job)?;
     let right = call.by_runtime(|arena| {
-        let Some(given) = asked.frame(arena.file_bytes())? else { return Ok(Vec::new()) };
+        let Some(given) = arguments.frame(arena.file_bytes())? else { return Ok(Vec::new()) };
         let confidence = bytes([given.found.confidence]);
         Ok(laid([
             bytes(given.points.into_iter().flatten()),
@@ -102,8 +100,8 @@ pub(super) fn frame(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_views_frame(job, found, error) })
 }
 
-/// Draws what a frame is asked for, and the scratch that it needs.
-fn asked_frame(call: &mut Call<'_, '_>) -> Result<(AskedFrame, usize)> {
+/// Draws the arguments of a frame job, and the length of its scratch.
+fn frame_arguments(call: &mut Call<'_, '_>) -> Result<(FrameArguments, usize)> {
     let map = call.number(own(call, |views| views.maps.len()), Argument::Map)?;
     let found = call.arena.frame.views.as_ref().and_then(|views| views.maps.get(map));
     let (mut parameters, scratch_len) = match found {
@@ -116,30 +114,30 @@ fn asked_frame(call: &mut Call<'_, '_>) -> Result<(AskedFrame, usize)> {
             let float = recipe::float(call.u)?;
             parameters.iter_mut().skip(at).take(1).for_each(|parameter| *parameter = float);
         }
-        // A rotation among them has no direction.
+        // Zeros make a rotation without a direction.
         1 => parameters.fill(0.0),
         _ => {}
     }
-    Ok((AskedFrame { map, parameters }, scratch_len))
+    Ok((FrameArguments { map, parameters }, scratch_len))
 }
 
 pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let views = call.views()?;
-    let asked = asked_picture(call)?;
+    let arguments = picture_arguments(call)?;
     let (k, n) = (own(call, |views| views.points.len()), own(call, |views| views.scores.len()));
     let l = own(call, |views| views.layers.len());
     let [at_points, at_visibility] = [&call.arena.points, &call.arena.visibility].map(Clone::clone);
     let [at_scores, at_layers] = [&call.arena.scores, &call.arena.layers].map(Clone::clone);
-    call.arena.write(at_points.start, &bytes(asked.points.as_flattened().iter().copied()));
-    call.arena.write(at_layers.start, &bytes(asked.layers.as_flattened().iter().copied()));
+    call.arena.write(at_points.start, &bytes(arguments.points.as_flattened().iter().copied()));
+    call.arena.write(at_layers.start, &bytes(arguments.layers.as_flattened().iter().copied()));
     let (points, points_len) = call.input(at_points, k, Argument::Points)?;
     let (visibility, visibility_len) = call.input(at_visibility, k, Argument::Visibility)?;
     let (scores, scores_len) = call.input(at_scores, n, Argument::Scores)?;
     let (layers, layers_len) = call.input(at_layers, l, Argument::Layers)?;
     let len = if call.arena.frame.views.is_some() { PIXELS } else { 0 };
     let (pixels, pixels_len) = call.output_any::<[u8; 4]>(len, Argument::Pixels)?;
-    let rows = pixels_len.checked_div(asked.width).unwrap_or_default();
-    call.fault_if(rows * asked.width != pixels_len, Status::Length, Argument::Pixels);
+    let rows = pixels_len.checked_div(arguments.width).unwrap_or_default();
+    call.fault_if(rows * arguments.width != pixels_len, Status::Length, Argument::Pixels);
     let drawn: *mut sinew_drawn =
         if call.one_in(4)? { null_mut() } else { optional(call, Argument::Result)? };
     let (v, order_len) = (own(call, |views| views.vertex_len), own(call, |views| views.order_len));
@@ -165,7 +163,7 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             scores_len,
             layers,
             layers_len,
-            width: asked.width,
+            width: arguments.width,
             pixels,
             pixels_len,
             vertices,
@@ -180,24 +178,24 @@ pub(super) fn render(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             clips_len,
         });
     }
-    // Any other bytes would be pointers to no memory of the caller.
+    // Other bytes would be pointers to memory that the caller does not own.
     let job = call.input_fixed(place, Argument::Job)?;
     let right = call.by_runtime(|arena| {
         let Some(own) = &arena.frame.views else { return Ok(Vec::new()) };
         let mut pixels = vec![[BLANK; 4]; len];
-        let told = asked.draw(arena.file_bytes(), own, &mut pixels)?;
-        let told = told.filter(|_| !drawn.is_null());
-        let told = told.into_iter().flat_map(|told| [told.element_len, told.flipped_len]);
-        let told = told.flat_map(usize::to_ne_bytes).collect();
-        Ok(laid([pixels.into_iter().flatten().collect(), told]))
+        let counts = arguments.draw(arena.file_bytes(), own, &mut pixels)?;
+        let counts = counts.filter(|_| !drawn.is_null());
+        let counts = counts.into_iter().flat_map(|counts| [counts.element_len, counts.flipped_len]);
+        let counts = counts.flat_map(usize::to_ne_bytes).collect();
+        Ok(laid([pixels.into_iter().flatten().collect(), counts]))
     });
     let error = call.ready(|_| right);
     // SAFETY: as above.
     Ok(unsafe { sinew_views_render(job, drawn, error) })
 }
 
-/// Draws scratch of an element a pixel: a job that asks for it needs at least `pixels_len`, another none. Room is for
-/// `len`.
+/// Draws scratch with one element per pixel. The job needs at least `pixels_len` elements, or none
+/// if it does not use this scratch. Room is for `len`.
 fn by_pixel<T>(
     call: &mut Call<'_, '_>,
     is_asked: bool,
@@ -209,8 +207,8 @@ fn by_pixel<T>(
     call.output_least(len, if is_asked { pixels_len } else { 0 }, argument)
 }
 
-/// Draws what a picture is asked for: mostly the frame's points and layers.
-fn asked_picture(call: &mut Call<'_, '_>) -> Result<AskedPicture> {
+/// Draws the arguments of a render job: mostly points and layers of the frame.
+fn picture_arguments(call: &mut Call<'_, '_>) -> Result<PictureArguments> {
     let views = call.arena.frame.views.as_ref();
     let mut points = views.map_or(Vec::new(), |views| views.points.clone());
     let mut layers = views.map_or(Vec::new(), |views| views.layers.clone());
@@ -219,17 +217,17 @@ fn asked_picture(call: &mut Call<'_, '_>) -> Result<AskedPicture> {
         let (axis, float) = (call.u.choose_index(3)?, recipe::float(call.u)?);
         points.iter_mut().skip(at).take(1).for_each(|point| point[axis] = float);
     }
-    // No opacity and no order is refused.
+    // The runtime refuses no opacity and no order.
     if call.one_in(4)? {
         let at = call.u.choose_index(layers.len().max(1))?;
         let (number, float) = (call.u.choose_index(2)?, recipe::float(call.u)?);
         layers.iter_mut().skip(at).take(1).for_each(|layer| layer[number] = float);
     }
     let width = if call.one_in(8)? { call.u.int_in_range(0..=2 * WIDTH)? } else { WIDTH };
-    Ok(AskedPicture { points, layers, width })
+    Ok(PictureArguments { points, layers, width })
 }
 
-/// Asks the first views; where there are none, for none.
-fn own(call: &Call<'_, '_>, ask: impl FnOnce(&Viewed) -> usize) -> usize {
+/// Returns a count of the first views; 0 if there are none.
+fn own(call: &Call<'_, '_>, ask: impl FnOnce(&ViewsCase) -> usize) -> usize {
     call.arena.frame.views.as_ref().map_or(0, ask)
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p hostile --bin mutants [COUNT]`
 
-use hostile::mutants::mutant;
+use hostile::recipe::mutant;
 use hostile::targets;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};

@@ -1,7 +1,8 @@
-//! Golden files, and one of several parts, cut short, lengthened and flipped bit by bit.
+//! Tests golden files, and a file of several parts, that are cut short, lengthened, or flipped bit
+//! by bit.
 
-use hostile::mutants::mutant;
 use hostile::poses::KINDS;
+use hostile::recipe::mutant;
 use hostile::{files, targets};
 use models::seal;
 use sinew_runtime::format::CHECKSUM_OFFSET;
@@ -45,25 +46,27 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
     for golden in files() {
         let mut accepted = 0;
         let mut file = golden.clone();
-        // Of the file of several parts, which takes as long as all others, one bit of each byte, in turn.
+        // The file of several parts takes as long as all others together: flips one bit per byte,
+        // in turn.
         let several = golden.len() > 20_000;
         let is_flipped = |bit: &usize| !several || (bit / 8 + bit / 32) % 8 == bit % 8;
         for bit in (0..8 * golden.len()).filter(is_flipped) {
             file.copy_from_slice(golden);
             file[bit / 8] ^= 1 << (bit % 8);
             match refusal(&file) {
-                // What the refusal found is the seal; the file need not be summed for it again.
+                // The refusal reports the computed checksum: no need to compute it again.
                 Some(FileError { kind: FileErrorKind::Checksum, found, .. }) => {
                     file[CHECKSUM_OFFSET..][..4].copy_from_slice(&found.to_le_bytes());
                 }
                 Some(_) => seal(&mut file),
                 None => panic!("bit {bit} may be flipped"),
             }
-            // One kind of pose a bit, in turn: neighbouring bits do much the same.
+            // One kind of pose per bit, in turn: neighbouring bits have similar effects.
             accepted +=
                 usize::from(targets::run_poses(&file, bit % KINDS..bit % KINDS + 1).is_ok());
         }
-        // Of most floats most bits may change: the second half of the test has evaluated something.
+        // Most bits of most floats may change, so the second half of the test has evaluated many
+        // files.
         let least = if several { golden.len() / 3 } else { 3 * golden.len() };
         assert!(accepted > least, "{accepted}");
     }
@@ -72,6 +75,6 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
 #[test]
 fn mutants_are_harmless() {
     let accepted = (0..20_000).filter(|&number| targets::run(&mutant(number)).is_ok()).count();
-    // The first of the million of `mutants`; too few accepted ones would prove too little.
+    // The first of the million files of `mutants`; too few accepted files would prove too little.
     assert!(accepted > 4_000, "{accepted}");
 }

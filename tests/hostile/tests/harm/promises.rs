@@ -1,4 +1,4 @@
-//! Small files that promise much, and numbers as large as a file may hold.
+//! Tests small files that state large counts, and files with the largest numbers.
 
 use hostile::evaluate::evaluate_pose;
 use models::{GOLDEN, Pieces, group_row};
@@ -17,11 +17,11 @@ const UNLIMITED: Limits = Limits {
     shapes: u32::MAX,
 };
 
-/// Loads a golden in which a count is changed, and tells why it is refused.
+/// Loads a golden in which one count is changed, and returns the refusal.
 fn promised(golden: &[u8], counts: SectionKind, at: usize, count: u32) -> FileError {
     let mut pieces = Pieces::of(golden).unwrap();
     pieces.set_word(counts, at, count);
-    // A content that no check could pass: it would be the error if it were read first.
+    // Content that fails every check: if it were read first, the error would name it.
     for kind in [SectionKind::RestNormals, SectionKind::InverseBinds] {
         pieces.section(kind).fill(0xff);
     }
@@ -29,7 +29,7 @@ fn promised(golden: &[u8], counts: SectionKind, at: usize, count: u32) -> FileEr
 }
 
 #[test]
-fn what_counts_promise_must_be_there_before_anything_is_read() {
+fn counted_content_must_exist_before_anything_is_read() {
     use SectionKind::{EnvelopeCounts, SkinCounts};
     let length = |section: SectionKind, expected: u64, error: FileError| {
         let expected = u32::try_from(expected).unwrap_or(u32::MAX);
@@ -54,7 +54,7 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
         if predictor.corrects() {
             length(SectionKind::Groups, 32 * 5, envelope(4, 5));
         }
-        // What promises nothing is left for its own check.
+        // Fields that are not counts have their own checks.
         for at in [3, 5] {
             let error = envelope(at, u32::MAX);
             let section = error.section.unwrap();
@@ -63,7 +63,7 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
             assert!(expected.contains(&(error.kind, section)), "{error}");
         }
     }
-    // V, K, the envelope, R. What the envelope's sections hold is sound here.
+    // V, K, the envelope, R. The sections of the envelope are valid here.
     for golden in GOLDEN {
         let skin = |at, count| {
             let mut pieces = Pieces::of(golden).unwrap();
@@ -78,7 +78,7 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
         length(SectionKind::Names, u64::MAX, skin(3, u32::MAX));
         limit(SkinCounts, 4, 65_535, skin(4, u32::MAX));
         length(SectionKind::Names, 4 * (1 + 2 + 65_535), skin(4, 65_535));
-        // Without shapes.
+        // A skin without shapes.
         limit(SkinCounts, 5, 0, skin(5, u32::MAX));
         limit(SkinCounts, 6, 0, skin(6, u32::MAX));
     }
@@ -86,8 +86,8 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
 
 #[test]
 fn helpers_that_take_no_bytes_are_held_by_the_limits() {
-    // A kernel envelope without a skin, and one group without centres of as many helpers as there may
-    // be: of few bytes a palette of many transforms, but never of more than the caller allows.
+    // A kernel envelope without a skin, with one group of as many helpers as possible and no
+    // centres: a few bytes state a palette of many transforms, within the limits of the caller.
     let promise = |proxies: u32| {
         let mut pieces = Pieces::of(GOLDEN[1]).unwrap();
         pieces.parts.truncate(1);
@@ -116,8 +116,8 @@ fn helpers_that_take_no_bytes_are_held_by_the_limits() {
     assert_eq!((refused.kind, refused.index, refused.expected), (Kind::Limit, 2, most));
 }
 
-/// A golden whose every number is the largest that it may be, all of one sign. Normals and tangents,
-/// which have a length, stay.
+/// Sets every number of a golden to its largest value, all of one sign. Normals and tangents keep
+/// their length.
 fn largest(golden: &[u8]) -> Vec<u8> {
     let mut pieces = Pieces::of(golden).unwrap();
     let fill = |content: &mut [u8], value: f32| {
@@ -154,7 +154,7 @@ fn largest(golden: &[u8]) -> Vec<u8> {
             let group = &mut words[row.offset as usize..][..row.words() as usize];
             let inputs = usize::from(row.input_len).next_multiple_of(8);
             let (features_and_weights, centres_and_all) = group.split_at_mut(2 * inputs);
-            // With weights of nothing and centres at rest, the map is confident however far a pose is.
+            // With zero feature weights and centres at rest, the map is confident at any distance.
             fill(features_and_weights[inputs..].as_flattened_mut(), 0.0);
             let centres =
                 usize::from(row.centre_len).next_multiple_of(8) * usize::from(row.input_len);
@@ -166,7 +166,7 @@ fn largest(golden: &[u8]) -> Vec<u8> {
     pieces.bytes()
 }
 
-/// Half turns about z, each joint as far away as a pose may go.
+/// Makes half turns about z, with each joint as far away as a pose may go.
 fn far(joint_len: usize, travel: f32) -> Vec<Matrix3x4> {
     let transform = |joint: usize| {
         let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };

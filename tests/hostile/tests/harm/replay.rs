@@ -1,6 +1,9 @@
-//! What the fuzzers once found, and the corpus that they start from, on stable Rust.
+//! Replays findings of the fuzzers and their corpus, and bakes random descriptions, on stable Rust.
 
+use hostile::round_trip::round_trip;
 use hostile::targets::{self, Body};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::path::PathBuf;
 
 /// Lists a folder of `tests/fuzz`, sorted.
@@ -17,7 +20,7 @@ fn stems(folder: &str) -> Vec<String> {
     entries(folder).into_iter().map(stem).collect()
 }
 
-/// Runs a target's body over files; returns how many there are and how many were accepted.
+/// Runs a target's body over files; returns the numbers of files and of accepted files.
 fn replay(folder: &str, body: Body) -> [usize; 2] {
     let paths = entries(folder);
     let harmless = |path: &PathBuf| {
@@ -36,7 +39,7 @@ fn the_corpus_is_harmless() {
 }
 
 #[test]
-fn what_was_once_found_is_harmless() {
+fn past_findings_are_harmless() {
     for target in stems("regressions") {
         let (_, body) = targets::ALL.into_iter().find(|(name, _)| *name == target).unwrap();
         let [found, _] = replay(&format!("regressions/{target}"), body);
@@ -49,4 +52,16 @@ fn every_target_of_the_fuzzer_is_replayed() {
     let mut replayed = targets::ALL.map(|(target, _)| target);
     replayed.sort_unstable();
     assert_eq!(stems("fuzz_targets"), replayed);
+}
+
+#[test]
+fn descriptions_survive_the_round_trip() {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let baked = |random: &mut ChaCha8Rng| {
+        let mut data = vec![0; random.random_range(0..8192)];
+        random.fill_bytes(&mut data);
+        round_trip(&data)
+    };
+    let refused: Vec<_> = (0..500).filter_map(|_| baked(&mut random).err()).collect();
+    assert!(refused.is_empty(), "{} of 500 refused, first {}", refused.len(), refused[0]);
 }

@@ -1,4 +1,5 @@
-//! "Your axes": an engine's poses into a file and its palettes out of it, against a file in the engine's axes.
+//! "Your axes": converts an engine's poses into the file's axes and palettes back, and compares
+//! with a file in the engine's axes.
 
 use crate::math::{diagonal, farthest, moved, palette, product, rest, skinned};
 use crate::shown::axes::{TO_ENGINE, TO_FILE, palette_of_engine, pose_of_file};
@@ -8,13 +9,13 @@ use sinew_runtime::format::Space;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, Model, SkinJob};
 
-/// Poses of clips that the training has not seen.
+/// Frames of clips that the training did not use.
 fn held_out() -> impl Iterator<Item = usize> {
     (0..arm::EXAMPLES.split.len())
         .filter(|&f| arm::EXAMPLES.split[f] == sinew_trainer::examples::Split::HeldOut)
 }
 
-/// Turns a direction, and makes it of length 1.
+/// Rotates a direction and normalises it.
 fn turned(m: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
     let v = m.map(|[a, b, c, _]| a * x + b * y + c * z);
     let length = dot(v, v).sqrt();
@@ -44,14 +45,14 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
         let (own, _) = palette(&envelope, &pose);
         let expected: Vec<_> =
             skinned(&file, &own).into_iter().map(|x| moved(&TO_ENGINE, x)).collect();
-        // What the engine has.
+        // Poses in the engine's axes.
         let engine = arm::pose(&converted, frame);
         let mut taken = vec![Matrix3x4::default(); pose.len()];
         pose_of_file(&engine, &mut taken);
         let (mut given, _) = palette(&envelope, &taken);
         palette_of_engine(&mut given);
         by_matrices = by_matrices.max(farthest(&skinned(&file, &given), &expected, 100.0 * size));
-        // The engine's own mesh, in its own axes: S T S⁻¹.
+        // The engine's mesh, in the engine's axes: S T S⁻¹.
         let ours: Vec<_> = given.iter().map(|transform| product(transform, &TO_FILE)).collect();
         let blended = |v: usize| {
             let x = moved(&TO_ENGINE, skin.rest_position(v).unwrap());
@@ -103,7 +104,7 @@ fn normals_stay_outward_and_tangents_change_their_sign() {
         let (normal, tangent) = ([a, b, c], [d, e, f]);
         assert!(dot(turned(&TO_ENGINE, normal), [g, h, i]) > 0.9999);
         assert!(dot(turned(&TO_ENGINE, tangent), [j, k, l]) > 0.9999);
-        // The bitangent, moved as a direction on the surface, is that of the other sign.
+        // The bitangent, transformed as a direction on the surface, has the opposite sign.
         let bitangent = turned(&TO_ENGINE, cross(normal, tangent).map(|x| w * x));
         let found = cross([g, h, i], [j, k, l]).map(|x| -hand * x);
         assert!(dot(bitangent, found) > 0.99);

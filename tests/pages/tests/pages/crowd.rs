@@ -1,4 +1,5 @@
-//! "Threads", "Crowds and culling", "Ownership", "Hot reload", "Packed vertices", "Levels of detail".
+//! "Threads", "Crowds and culling", "Ownership", "Hot reload", "Packed vertices", "Levels of
+//! detail".
 
 use crate::math::{diagonal, farthest, palette, rest, skinned};
 use crate::shown::{crowd, crowd_on_threads, culling, levels, ownership, packed, reload, threads};
@@ -10,7 +11,7 @@ use std::sync::Arc;
 
 const CROWD: usize = 24;
 
-/// Poses of a crowd, one after the other.
+/// Poses of a crowd, in sequence.
 fn poses() -> Vec<Matrix3x4> {
     (0..CROWD).flat_map(|character| arm::pose(&arm::EXAMPLES, character)).collect()
 }
@@ -45,7 +46,7 @@ fn a_crowd_is_the_same_on_one_thread_and_on_many_and_those_behind_are_culled() {
     crowd_on_threads::crowd_on_threads(&envelope, &poses(), many, &mut confidences[1]).unwrap();
     assert_eq!(one, many);
     assert_eq!(confidences[0], confidences[1]);
-    // A camera that sees what reaches beyond a wall, as half of their boxes do.
+    // A camera that sees boxes that reach beyond a wall: half of the boxes do.
     let all: Vec<_> = one.chunks_exact(envelope.palette_len()).collect();
     let boxes = all.iter().map(|palette| skin.bounds(palette, 0.0).unwrap().unwrap().max[1]);
     let mut sides: Vec<f32> = boxes.collect();
@@ -76,7 +77,7 @@ fn a_kind_opens_its_file_and_a_reload_replaces_it() {
     let level = levels::levels(&asset.model())[0];
     let (envelope, mut positions) = (model.envelope().unwrap(), vec![[0.0; 3]; 1]);
     let (palette, _) = palette(&envelope, &arm::pose(&arm::EXAMPLES, 3));
-    // Of another file it opens nothing.
+    // With another file, the level opens nothing.
     levels::skin_level(&model, &level, &palette, &mut positions).unwrap();
     assert_eq!(positions, [[0.0; 3]]);
 }

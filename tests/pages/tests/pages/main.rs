@@ -1,14 +1,11 @@
-//! The pages for an engine's developer.
+//! Tests of the pages for engine developers.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod axes;
+mod character;
 mod crowd;
-mod large_world;
 mod links;
 mod math;
-mod mesh;
-mod method;
 mod shown;
-mod skeleton;
 mod web;
 mod workspace;

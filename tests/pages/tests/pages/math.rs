@@ -1,8 +1,8 @@
-//! What an engine has: the product of two matrices, and what tests measure with.
+//! Functions of an engine, such as the matrix product, and measures of the tests.
 
 use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
 
-/// Returns the matrix that stands for first `b`, then `a`.
+/// Returns the matrix product a b: `b` applies first.
 pub(crate) fn product(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
     a.map(|[x, y, z, shift]| {
         let mut row = [0, 1, 2, 3].map(|c| x * b[0][c] + y * b[1][c] + z * b[2][c]);
@@ -11,12 +11,12 @@ pub(crate) fn product(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
     })
 }
 
-/// Moves a point.
+/// Transforms a point.
 pub(crate) fn moved(m: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
     m.map(|[a, b, c, shift]| a * x + b * y + c * z + shift)
 }
 
-/// Returns how far points are from others at most, as a part of a length.
+/// Returns the largest distance between corresponding points, divided by `length`.
 pub(crate) fn farthest(a: &[[f32; 3]], b: &[[f32; 3]], length: f32) -> f32 {
     assert_eq!(a.len(), b.len());
     let squared = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum();
@@ -24,7 +24,7 @@ pub(crate) fn farthest(a: &[[f32; 3]], b: &[[f32; 3]], length: f32) -> f32 {
     most.sqrt() / length
 }
 
-/// Returns the length of the diagonal of points' box.
+/// Returns the diagonal of the points' bounding box.
 pub(crate) fn diagonal(points: &[[f32; 3]]) -> f32 {
     let extent = |c: usize| {
         let all = points.iter().map(|point| point[c]);
@@ -33,7 +33,7 @@ pub(crate) fn diagonal(points: &[[f32; 3]]) -> f32 {
     (0..3).map(|c| extent(c).powi(2)).sum::<f32>().sqrt()
 }
 
-/// Returns the rest mesh.
+/// Returns the rest positions.
 pub(crate) fn rest(skin: &Skin<'_>) -> Vec<[f32; 3]> {
     (0..skin.vertex_len()).map(|v| skin.rest_position(v).unwrap()).collect()
 }

@@ -1,4 +1,4 @@
-//! The code of the page, block by block.
+//! The code of the page, one module per block.
 #![expect(dead_code, reason = "it is there to be read, and called in part")]
 
 macro_rules! blocks {

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use pages::arm;
 use pages::browser::{browser, said};
 use pages::build::{cargo, emptied, write};
-use pages::text::{blocks, read, repository};
+use pages::{blocks, read, repository};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Model, SkinJob};
 use sinew_trainer::examples::Clip;
@@ -17,13 +17,13 @@ use std::path::Path;
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
-/// The joint that is turned.
+/// Name of the joint that the page turns.
 const JOINT: &str = "upper_arm";
 
-/// The frame of the clip that is shown.
+/// The frame of the clip that the page shows.
 const PLAYED: usize = 5;
 
-/// How far turning it takes the arm up, by its box, as a part of its diagonal.
+/// Rise of the arm's box when the joint turns, divided by the box's diagonal.
 const RAISED: f32 = 0.15;
 
 /// Builds the page's module.
@@ -36,7 +36,7 @@ fn module(name: &str, flags: &str, level: &str) -> Vec<u8> {
     );
     write(&folder.join("Cargo.toml"), &manifest);
     write(&folder.join("src/lib.rs"), &blocks(&read("runtime/WEB.md"), "rust").concat());
-    // Each with what it built, kept from run to run.
+    // One target folder per build, kept between runs.
     let target = format!("{TARGET}/{name}-target");
     let wasm = "wasm32-unknown-unknown";
     let flags = format!("target.{wasm}.rustflags=[{flags}]");
@@ -44,7 +44,7 @@ fn module(name: &str, flags: &str, level: &str) -> Vec<u8> {
     std::fs::read(Path::new(&target).join("target").join(wasm).join("release/game.wasm")).unwrap()
 }
 
-/// What the page says of a frame: the confidence, the box, a hash of all bits.
+/// Summarises a frame as the page does: confidence, box, hash of all bits.
 fn look(confidence: f32, floats: &[f32]) -> (f32, [f32; 6], u32) {
     let extent = |c: usize| {
         let all = floats.iter().skip(c).step_by(6);
@@ -57,14 +57,14 @@ fn look(confidence: f32, floats: &[f32]) -> (f32, [f32; 6], u32) {
     (confidence, [x[0], x[1], y[0], y[1], z[0], z[1]], hash)
 }
 
-/// Reads what the page says of a frame.
+/// Parses the page's summary of a frame.
 fn read_look(line: &str) -> (f32, [f32; 6], u32) {
     let fields: Vec<&str> = line.split(' ').skip(1).collect();
     let number = |i: usize| fields[i].parse::<f64>().unwrap() as f32;
     (number(0), [1, 2, 3, 4, 5, 6].map(number), fields[7].parse().unwrap())
 }
 
-/// Makes the file of the page's clip: the arm, and all of its frames.
+/// Makes the file of the page's clip: the arm with all of its frames.
 fn exported() -> Vec<u8> {
     let export = Export {
         model: &arm::FILE,
@@ -83,7 +83,7 @@ fn whole() -> Clip {
     Clip::regular("all".to_owned(), 0, arm::EXAMPLES.frame_len())
 }
 
-/// What the page is to show of the clip, by the frame's own skinning matrices.
+/// Computes the expected summary of the clip's frame from the frame's skinning matrices.
 fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
@@ -107,13 +107,14 @@ fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
     look(confidence, &vertices)
 }
 
-/// Opens the page with a module; holds what it says against the native runtime, and prints its frames a second.
+/// Opens the page with a module; compares its summaries with the native runtime, and prints its
+/// frames per second.
 fn opened(browser: &str, name: &str, module: &[u8]) {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let joint = (0..envelope.joint_len()).find(|&j| envelope.joint_name(j) == Some(JOINT)).unwrap();
 
-    // By the very code of the page, natively.
+    // Runs the page's code natively.
     let mut character = Character::new(arm::FILE.clone()).unwrap();
     let at_rest = look(character.frame().unwrap(), character.vertices());
     let own = rest(&skin);
@@ -163,7 +164,7 @@ fn opened(browser: &str, name: &str, module: &[u8]) {
 
 const SIMD: &str = "'-C', 'target-feature=+simd128'";
 
-/// With the page's own settings, without SIMD, and as small as can be.
+/// With the page's settings, without SIMD, and optimised for size.
 #[test]
 fn every_build_of_the_page_draws_what_the_native_runtime_skins() {
     let Some(browser) = browser() else { return };

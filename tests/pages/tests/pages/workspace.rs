@@ -1,12 +1,12 @@
-//! The runtime inside another workspace.
+//! Builds the runtime inside another workspace.
 
 use pages::build::{cargo, copy, emptied, write};
-use pages::text::{blocks, read};
+use pages::{blocks, read};
 use std::path::{Path, PathBuf};
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
-/// What an engine adds to the ten lines of the README.
+/// Code that an engine adds to the ten lines of the README.
 const MAIN: &str = "
 fn main() {
     let model = load(include_bytes!(\"../arm.snw\").to_vec()).unwrap();
@@ -24,8 +24,8 @@ fn main() {
 }
 ";
 
-/// Makes an engine that is a workspace, with a game that uses the runtime of a folder: outside of our own workspace, in
-/// a place of this checkout's.
+/// Makes an engine as a workspace, with a game that uses the runtime in another folder. The engine
+/// lies outside our workspace, at a place specific to this checkout.
 fn engine(name: &str, workspace: &str) -> PathBuf {
     let place =
         std::env::temp_dir().join(format!("sinew-pages{}", TARGET.replace(['/', '\\', ':'], "-")));
@@ -64,7 +64,7 @@ fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
 }
 
 #[test]
-fn packages_that_stand_alone_say_what_the_workspace_says() {
+fn standalone_packages_match_the_workspace() {
     let workspace = read("Cargo.toml");
     let table = |text: &str, name: &str| -> Vec<String> {
         let own = text.split_once(&format!("[{name}]\n")).map_or("", |(_, rest)| rest);

@@ -1,20 +1,20 @@
-//! Figures against what they may be.
+//! Compares figures with their budgets.
 
 use std::fmt::Write;
 
-/// A budget that is this much above its figure, in percent, should be tightened.
+/// A budget this many percent above its figure should be tightened.
 const LOOSE: u64 = 10;
 
-/// What came of a comparison.
+/// Result of a comparison.
 pub(super) struct Judged {
-    /// Every figure with its budget, to print.
+    /// Table of figures and budgets, to print.
     pub(super) table: String,
-    /// What is wrong, a line each.
+    /// Failures, one line each.
     pub(super) failures: Vec<String>,
 }
 
-/// Compares figures with a budget: lines of name, budget and, where an issue sets one, the bar that
-/// no budget may exceed; `#` starts a comment.
+/// Compares figures with a budget: lines of a name, a budget and, if an issue sets one, the bar
+/// that no budget may exceed; `#` starts a comment.
 ///
 /// # Errors
 /// If the budget cannot be read.
@@ -28,13 +28,13 @@ pub(super) fn judge(figures: &[(String, u64)], budget: &str) -> Result<Judged, S
         let row = Row::parse(line).ok_or_else(|| format!("budget: `{line}` has no number"))?;
         match figures.iter().find(|(name, _)| *name == row.name) {
             Some((_, figure)) => row.judge(*figure, &mut judged),
-            None => judged.failures.push(format!("{} is budgeted and not measured", row.name)),
+            None => judged.failures.push(format!("{} has a budget but was not measured", row.name)),
         }
         budgeted.push(row.name);
     }
     for (name, figure) in figures {
         if !budgeted.contains(name) {
-            judged.failures.push(format!("{name} is {figure} and has no budget"));
+            judged.failures.push(format!("{name} is {figure} but has no budget"));
         }
     }
     Ok(judged)
@@ -47,7 +47,7 @@ struct Row {
 }
 
 impl Row {
-    /// Reads a line: words that make the name, then one or two numbers.
+    /// Parses a line: the words of the name, then one or two numbers.
     fn parse(line: &str) -> Option<Self> {
         let words: Vec<_> = line.split_whitespace().collect();
         let is_number = |word: &&&str| word.parse::<u64>().is_ok();
@@ -78,7 +78,7 @@ impl Row {
             judged.failures.push(format!("{name}: the budget of {budget} is above {bar}"));
         }
         let bar = bar.map_or_else(String::new, |bar| format!("of {bar}"));
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(judged.table, "{name:<40} {figure:>9} {budget:>9} {bar:<12} {note}");
     }
 }
@@ -87,7 +87,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    const BUDGET: &str = "# what it may be\nsmall code 1000 1400\nstack 500 # words\n";
+    const BUDGET: &str = "# budgets\nsmall code 1000 1400\nstack 500 # words\n";
 
     fn failures(figures: &[(&str, u64)], budget: &str) -> Vec<String> {
         let figures: Vec<_> = figures.iter().map(|(name, x)| ((*name).to_owned(), *x)).collect();
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn within_the_budget_is_well() {
+    fn figures_within_the_budget_pass() {
         assert_eq!(failures(&[("small code", 1000), ("stack", 460)], BUDGET), [""; 0]);
     }
 
@@ -114,12 +114,15 @@ mod tests {
     #[test]
     fn every_figure_has_a_budget_and_every_budget_a_figure() {
         let found = failures(&[("small code", 990), ("heap", 1)], BUDGET);
-        assert_eq!(found, ["stack is budgeted and not measured", "heap is 1 and has no budget"]);
+        assert_eq!(
+            found,
+            ["stack has a budget but was not measured", "heap is 1 but has no budget"]
+        );
         assert_eq!(failures(&[], "stack"), ["budget: `stack` has no number"]);
     }
 
     #[test]
-    fn a_loose_budget_is_told() {
+    fn a_loose_budget_is_reported() {
         let table = |figure| judge(&[("stack".to_owned(), figure)], "stack 500");
         let is_loose = |figure| table(figure).is_ok_and(|judged| judged.table.contains("loose"));
         assert!(is_loose(454) && !is_loose(455));

@@ -4,7 +4,7 @@ use super::targets::{M4F, TARGETS, Target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What an image is for; each is a program of `tests/firmware/src/bin`.
+/// An image: a program of `tests/firmware/src/bin`.
 #[derive(Clone, Copy)]
 pub(super) enum Image {
     Bits,
@@ -81,7 +81,7 @@ impl Image {
     }
 }
 
-/// How an image is optimised.
+/// Optimisation of an image.
 #[derive(Clone, Copy)]
 pub(super) enum Profile {
     /// opt-level 3.
@@ -101,7 +101,7 @@ impl Profile {
     }
 }
 
-/// Builds what prints the bits of every stage, for each of the targets.
+/// Builds the image that prints hashes of every stage, for each target.
 pub(super) fn bits(folder: &Path, targets: &[Target]) -> Result<(), String> {
     let is_here = |target: &&Target| target.triple.is_empty();
     for target in targets.iter().filter(is_here) {
@@ -111,7 +111,7 @@ pub(super) fn bits(folder: &Path, targets: &[Target]) -> Result<(), String> {
     build(folder, &others, Profile::Release, &[Image::Bits])
 }
 
-/// Builds what is proven, weighed, measured and shown.
+/// Builds the other images: for the proof, sizes, costs and the README.
 pub(super) fn others(folder: &Path) -> Result<(), String> {
     let bare: Vec<Target> = TARGETS.into_iter().filter(|target| target.bare).collect();
     for profile in Profile::ALL {
@@ -134,7 +134,7 @@ pub(super) fn others(folder: &Path) -> Result<(), String> {
     build(folder, &[M4F], Profile::Release, &[Image::ControlAlloc])
 }
 
-/// Builds images of one set of features for targets of one set of flags, as many at a time as Cargo does.
+/// Builds images that share features, for targets that share flags, in one run of Cargo.
 fn build(
     folder: &Path,
     targets: &[Target],
@@ -144,7 +144,7 @@ fn build(
     crate::call::run(&mut command(folder, targets, profile, images))
 }
 
-/// Returns where an image lies once it is built.
+/// Returns the path of a built image.
 pub(super) fn path(folder: &Path, target: Target, profile: Profile, image: Image) -> PathBuf {
     let name = match target.triple {
         "wasm32-unknown-unknown" => format!("{}.wasm", image.name()),
@@ -153,7 +153,7 @@ pub(super) fn path(folder: &Path, target: Target, profile: Profile, image: Image
     target_folder(folder, target).join(target.triple).join(profile.name()).join(name)
 }
 
-/// Sees the image fail to link that has a panic, and for that reason.
+/// Checks that the image with a panic fails to link, because of the panic.
 pub(super) fn control_fails(folder: &Path, target: Target, profile: Profile) -> Result<(), String> {
     let output = command(folder, &[target], profile, &[Image::ControlPanic])
         .output()
@@ -169,7 +169,7 @@ pub(super) fn control_fails(folder: &Path, target: Target, profile: Profile) -> 
     }
 }
 
-/// Checks the format of the images, and lints them for the one target that has all of them.
+/// Checks the format of the images, and lints them for the only target that has all images.
 pub(super) fn lint(folder: &Path) -> Result<(), String> {
     let fmt = ["fmt", "--manifest-path", MANIFEST, "--check"];
     crate::call::run(cargo(folder, M4F).args(fmt))?;
@@ -211,7 +211,8 @@ fn cargo(folder: &Path, target: Target) -> Command {
     command
 }
 
-/// Gives builds with flags of their own a folder of their own, so that neither undoes the other.
+/// Returns the build folder of a target. Builds with other flags need a separate folder, or each
+/// build would invalidate the other.
 fn target_folder(folder: &Path, target: Target) -> PathBuf {
     folder.join(if target.flags.is_empty() { "plain" } else { "flags" })
 }

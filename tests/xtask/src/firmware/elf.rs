@@ -1,4 +1,4 @@
-//! What an image holds: sections and symbols of an ELF file of 32 bits, little-endian.
+//! Sections and symbols of an image: an ELF file of 32 bits, little-endian.
 
 use std::path::Path;
 
@@ -46,16 +46,17 @@ impl Elf {
         Some(Self { bytes, sections })
     }
 
-    /// Counts the bytes that flash must hold: code and constants.
+    /// Counts the bytes in flash: code and constants.
     pub(super) fn loaded_bytes(&self) -> u64 {
         let loaded = |s: &&Section| s.kind == PROGRAM && s.flags & LOADED != 0;
         self.sections.iter().filter(loaded).map(|s| s.bytes as u64).sum()
     }
 
-    /// Lists the symbols of an allocator, Rust's or C's.
+    /// Lists symbols of an allocator, Rust's or C's.
     pub(super) fn allocator(&self) -> Vec<String> {
         let of_allocator = |name: &&str| {
-            // `__rust_alloc` and its kin, whoever answers them, and what `Vec` and `Box` grow by.
+            // `__rust_alloc` and related functions, whichever crate implements them, and the growth
+            // code of `Vec` and `Box`.
             let rust = ["__rust_", "__rg_", "__rdl_", "GlobalAlloc", "RawVec"];
             ["malloc", "free", "realloc", "calloc"].contains(name)
                 || rust.iter().any(|part| name.contains(part))

@@ -1,9 +1,8 @@
-//! Firmware: the same bits on every target, no allocator, no panic, and costs within budget.
+//! Checks of firmware: equal bits on every target, no allocator, no panic, and costs within budget.
 
 mod budget;
 mod build;
 mod elf;
-mod prepare;
 mod targets;
 
 use build::{Image, Profile, control_fails, path};
@@ -13,9 +12,9 @@ use std::process::Command;
 use std::thread;
 use targets::{M4F, TARGETS, Target};
 
-/// Builds, runs, compares, proves and weighs.
+/// Builds and runs the images, and checks bits, panics, allocators and costs.
 pub(crate) fn firmware() -> Result<(), String> {
-    prepare::prepare()?;
+    targets::prepare()?;
     let folder = crate::call::target_folder()?.join("firmware");
     bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
@@ -30,19 +29,19 @@ pub(crate) fn firmware() -> Result<(), String> {
     costs(&folder)
 }
 
-/// Bakes the models that the images hold.
+/// Bakes the models that the images contain.
 fn bake_models(folder: &Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    // As part of the workspace, so that it shares what `cargo test --workspace` builds.
+    // As part of the workspace, to share the build of `cargo test --workspace`.
     crate::call::cargo("build --locked --workspace --example firmware_models", &[])?;
     let program = crate::call::target_folder()?.join("debug/examples/firmware_models");
     crate::call::run(Command::new(program).arg(folder))
 }
 
-/// A target, and what it prints once it has run.
+/// A target, and its running image with the future output.
 type Run = (Target, thread::JoinHandle<Result<String, String>>);
 
-/// Runs the poses on every target, beside whatever comes next.
+/// Starts the poses on every target, in parallel with the next steps.
 fn run_bits(folder: &Path) -> Result<Vec<Run>, String> {
     let mut targets = Vec::new();
     for target in TARGETS {
@@ -58,7 +57,7 @@ fn run_bits(folder: &Path) -> Result<Vec<Run>, String> {
     Ok(targets.into_iter().map(run).collect())
 }
 
-/// Compares what each target prints with the first, which builds here.
+/// Compares the output of each target with the output of the first target, the host.
 fn same_bits(running: Vec<Run>) -> Result<(), String> {
     let mut first: Option<String> = None;
     for (target, thread) in running {
@@ -70,10 +69,10 @@ fn same_bits(running: Vec<Run>) -> Result<(), String> {
     Ok(())
 }
 
-/// Compares what two targets printed, line by line.
+/// Compares the output of two targets line by line.
 fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
     if !found.ends_with("end\n") {
-        return Err(format!("{target}: did not come to its end: {found}"));
+        return Err(format!("{target}: did not run to its end: {found}"));
     }
     let differs = expected.lines().zip(found.lines()).find(|(a, b)| a != b);
     match differs {
@@ -85,7 +84,7 @@ fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
     }
 }
 
-/// Runs an image that the README shows, and sees that the README shows it.
+/// Runs an image that the README contains, and checks that the README shows its source.
 fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
     let printed = M4F.run(&path(folder, M4F, Profile::Release, image))?;
     if !printed.starts_with(starts_with) {
@@ -102,16 +101,16 @@ fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
     }
 }
 
-/// Sees an image fail to link that has a panic, where one in which none may be left has linked.
+/// Checks that the proof links without a panic, and that the control with a panic does not link.
 fn no_panic(folder: &Path) -> Result<(), String> {
     for profile in Profile::ALL {
         control_fails(folder, M4F, profile)?;
     }
-    eprintln!("xtask: no panic can be reached; where one can, the control does not link");
+    eprintln!("xtask: no panic can be reached; the control with a panic does not link");
     Ok(())
 }
 
-/// Looks for an allocator in the images, and sees that one is found where there is one.
+/// Searches the images for an allocator, and checks that the search finds the control's allocator.
 fn no_allocator(folder: &Path) -> Result<(), String> {
     let symbols = |image| -> Result<Vec<String>, String> {
         Ok(Elf::read(&path(folder, M4F, Profile::Release, image))?.allocator())
@@ -123,7 +122,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
         }
     }
     if symbols(Image::ControlAlloc)?.is_empty() {
-        return Err("the search for an allocator finds none where there is one".to_owned());
+        return Err("the search for an allocator does not find the control's".to_owned());
     }
     eprintln!("xtask: no allocator is linked");
     Ok(())
@@ -177,7 +176,7 @@ mod tests {
     use super::compare;
 
     #[test]
-    fn one_other_bit_is_seen() {
+    fn one_other_bit_is_detected() {
         let sound = "a pose 01\na skin 02\nend\n";
         assert_eq!(compare("host", sound, sound), Ok(()));
         let other = compare("host", sound, "a pose 01\na skin 03\nend\n");

@@ -1,25 +1,26 @@
-//! The targets, and how each runs an image.
+//! The targets, how each runs an image, and the programs that they need.
 
-use crate::prepare::untested_unless_ci;
+use crate::components::{Component, install, starts};
+use crate::prepare::{targets, untested_unless_ci};
 use std::path::Path;
 use std::process::Command;
 
 /// A target.
 #[derive(Clone, Copy)]
 pub(super) struct Target {
-    /// What it is called in reports.
+    /// Name in reports.
     pub(super) name: &'static str,
-    /// Its triple; empty for that of this machine.
+    /// Target triple; empty for the host.
     pub(super) triple: &'static str,
-    /// What the compiler may use beyond the triple.
+    /// Compiler flags.
     pub(super) flags: &'static str,
     /// Whether it has no operating system.
     pub(super) bare: bool,
-    /// What runs an image; the image follows. Empty where it runs by itself.
+    /// Command that runs an image, which is its last argument; empty if the image runs directly.
     runner: &'static str,
 }
 
-/// The Cortex-M4F, which is measured.
+/// The Cortex-M4F, the target of all measurements.
 pub(super) const M4F: Target = Target {
     name: "Cortex-M4F",
     triple: "thumbv7em-none-eabihf",
@@ -32,10 +33,11 @@ pub(super) const M4F: Target = Target {
 const HOST: Target =
     Target { name: "this machine", triple: "", flags: "", bare: false, runner: "" };
 
-/// Every target; the first is what the others are compared with.
+/// Every target; the others are compared with the first.
 pub(super) const TARGETS: [Target; 6] = [
     HOST,
-    // A Cortex-M3 runs the code of a Cortex-M0, and QEMU's has the memory for the models.
+    // A Cortex-M3 runs the code of a Cortex-M0, and its QEMU board has enough memory for the
+    // models.
     Target {
         name: "thumbv6m, soft float",
         triple: "thumbv6m-none-eabi",
@@ -63,11 +65,32 @@ pub(super) const TARGETS: [Target; 6] = [
     Target { name: "x86-64-v3", flags: "-C target-cpu=x86-64-v3", ..HOST },
 ];
 
+const COMPONENTS: [Component; 3] = [
+    Component {
+        what: "QEMU for Arm",
+        package: "qemu-system-arm",
+        found: || starts("qemu-system-arm"),
+    },
+    Component {
+        what: "QEMU for RISC-V",
+        package: "qemu-system-misc",
+        found: || starts("qemu-system-riscv32"),
+    },
+    Component { what: "Node.js", package: "nodejs", found: || starts("node") },
+];
+
+/// Installs compilers and emulators, or says how to install them.
+pub(super) fn prepare() -> Result<(), String> {
+    let triples = TARGETS.iter().map(|target| target.triple).filter(|triple| !triple.is_empty());
+    targets(&triples.collect::<Vec<_>>())?;
+    install(&COMPONENTS)
+}
+
 impl Target {
-    /// Tells whether this machine can run it; says so where it cannot.
+    /// Returns whether this machine can run the target; prints a notice if not.
     ///
     /// # Errors
-    /// If it cannot, and `CI` is set.
+    /// If this machine cannot run the target, and `CI` is set.
     pub(super) fn runs_here(&self) -> Result<bool, String> {
         let runs = self.flags.is_empty() || has_x86_64_v3();
         if !runs {
@@ -76,10 +99,10 @@ impl Target {
         Ok(runs)
     }
 
-    /// Runs an image and returns what it prints.
+    /// Runs an image and returns its output.
     ///
     /// # Errors
-    /// If it cannot be run, or ends as failed.
+    /// If the image cannot be run, or ends with a failure.
     pub(super) fn run(&self, image: &Path) -> Result<String, String> {
         let mut words = self.runner.split_whitespace();
         let mut command = words.next().map_or_else(
@@ -91,7 +114,7 @@ impl Target {
             },
         );
         let output = command.output().map_err(|error| format!("{}: {error}", self.name))?;
-        // QEMU prints for the image where there is a console, and elsewhere as an error.
+        // QEMU prints the image's output to stdout if there is a console, else to stderr.
         let printed = [output.stdout, output.stderr].concat();
         let printed = String::from_utf8_lossy(&printed).into_owned();
         if output.status.success() {

@@ -1,12 +1,11 @@
-//! The check of a crate.
+//! Checks the imports of crates: finds circles.
 
-use super::circles::circles;
 use super::parse::{Crate, normal};
-use super::resolve::imports;
-use std::collections::BTreeSet;
+use super::resolve::{Imports, imports};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
-/// Packages whose files must import one way.
+/// Packages whose files must not import in circles.
 const PACKAGES: [&str; 11] = [
     "runtime",
     "runtime/capi",
@@ -47,17 +46,18 @@ fn roots(package: &Path) -> Vec<PathBuf> {
     roots
 }
 
-/// Checks the crate of a root file; `read` gives a file's text, where there is such a file.
+/// Checks the crate of a root file; `read` returns the text of a file, or `None` if there is no
+/// file.
 pub(super) fn check_crate(
     root: &Path,
     read: &dyn Fn(&Path) -> Option<String>,
 ) -> Result<(), String> {
     let parsed = Crate::parse(root, read)?;
     let imports = imports(&parsed);
-    // A crate of which nothing was found would be free of circles.
+    // A crate without detected imports would pass: the parser must find some.
     let with_imports = imports.keys().collect::<BTreeSet<_>>().len();
     if parsed.files().len() > 3 && with_imports < parsed.files().len() / 3 {
-        return Err(format!("of {} files only {with_imports} import", parsed.files().len()));
+        return Err(format!("only {with_imports} of {} files import others", parsed.files().len()));
     }
     let found = circles(&imports);
     if found.is_empty() {
@@ -71,4 +71,43 @@ pub(super) fn check_crate(
         names.collect::<Vec<_>>().join(" -> ")
     };
     Err(format!("imports in a circle: {}", found.iter().map(circle).collect::<Vec<_>>().join("; ")))
+}
+
+/// Finds circles. If circles share a file, only the first is listed, as the shortest circle through
+/// its first file.
+fn circles(imports: &Imports) -> Vec<Vec<PathBuf>> {
+    let mut out: Vec<Vec<PathBuf>> = Vec::new();
+    for file in imports.keys() {
+        if out.iter().flatten().any(|seen| seen == file) {
+            continue;
+        }
+        out.extend(shortest(imports, file));
+    }
+    out
+}
+
+/// Finds the shortest path from a file back to the file.
+fn shortest(imports: &Imports, start: &PathBuf) -> Option<Vec<PathBuf>> {
+    let none = BTreeSet::new();
+    let mut before: BTreeMap<&PathBuf, &PathBuf> = BTreeMap::new();
+    let mut open = VecDeque::from([start]);
+    while let Some(file) = open.pop_front() {
+        for next in imports.get(file).unwrap_or(&none) {
+            if next == start {
+                let mut way = vec![file.clone()];
+                let mut at = file;
+                while let Some(earlier) = before.get(at) {
+                    way.push((*earlier).clone());
+                    at = earlier;
+                }
+                way.reverse();
+                return Some(way);
+            }
+            if !before.contains_key(next) {
+                before.insert(next, file);
+                open.push_back(next);
+            }
+        }
+    }
+    None
 }

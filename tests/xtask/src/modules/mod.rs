@@ -1,13 +1,12 @@
-//! Modules one way: no file of a crate imports, by way of however many others, from one that imports
-//! from it.
+//! One-way modules: no two files of a crate import from each other, directly or through other
+//! files.
 //!
-//! An import is a path, in a `use` or anywhere else, and leads to the file that *defines* what it
-//! names: re-exports are followed. So a `mod.rs` re-exports or defines. One that does both, and whose
-//! children use what it defines, closes a circle. `mod child;` is no import, and what stands under
-//! `#[cfg(test)]` does not count.
+//! An import is a path, in a `use` or anywhere else. It leads to the file that *defines* the name:
+//! re-exports are followed. So a `mod.rs` should either re-export or define. A `mod.rs` that does
+//! both, and whose children use its definitions, closes a circle. `mod child;` is not an import,
+//! and code under `#[cfg(test)]` does not count.
 
 mod check;
-mod circles;
 mod parse;
 mod resolve;
 #[cfg(test)]

@@ -1,40 +1,40 @@
-//! What the modules of a crate define, and the paths in them.
+//! Parses the modules of a crate: their definitions and the paths in them.
 
 use super::tokens::tokens;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-/// The modules of a crate; the first is its root.
+/// The modules of a crate; the first module is the root.
 pub(super) struct Crate {
     pub(super) modules: Vec<Module>,
 }
 
-/// A module: a file's, or one inside of a file.
+/// A module: a file's module, or an inline module.
 pub(super) struct Module {
     pub(super) file: PathBuf,
     pub(super) parent: Option<usize>,
-    /// Those of one name are there in turn, as `cfg` says.
+    /// Children by name; several children share a name if `cfg` chooses between them.
     pub(super) children: BTreeMap<String, Vec<usize>>,
-    /// Names that it defines.
+    /// Names that the module defines.
     pub(super) items: BTreeSet<String>,
-    /// What its `use`s bring in.
+    /// Names that the module imports with `use`.
     pub(super) uses: Vec<Use>,
-    /// Other paths in it.
+    /// Other paths in the module.
     pub(super) paths: Vec<Vec<String>>,
 }
 
 /// A leaf of a `use`.
 pub(super) struct Use {
-    /// The name that it brings in; of `*`, none.
+    /// The imported name; `None` for `*`.
     pub(super) name: Option<String>,
     pub(super) path: Vec<String>,
 }
 
-/// Words that a definition begins with, the name after it.
+/// Keywords before the name of a definition.
 const DEFINING: [&str; 8] = ["fn", "struct", "enum", "union", "trait", "type", "const", "static"];
 
 impl Crate {
-    /// Reads the root file and those of its modules.
+    /// Parses the root file and the files of its modules.
     pub(super) fn parse(
         root: &Path,
         read: &dyn Fn(&Path) -> Option<String>,
@@ -45,12 +45,12 @@ impl Crate {
         Ok(out)
     }
 
-    /// Lists the files.
+    /// Lists the files of the crate.
     pub(super) fn files(&self) -> BTreeSet<&Path> {
         self.modules.iter().map(|module| module.file.as_path()).collect()
     }
 
-    /// Reads a file and what is below it; returns its module.
+    /// Parses a file and the files below it; returns the index of its module.
     fn file(
         &mut self,
         parent: Option<usize>,
@@ -79,13 +79,13 @@ impl Crate {
     }
 }
 
-/// A place in a file.
+/// A position in a file.
 struct Walk<'a> {
     tokens: &'a [String],
     at: usize,
     file: &'a Path,
     read: &'a dyn Fn(&Path) -> Option<String>,
-    /// Where the next module's file lies, as attributes say; whether they say so always.
+    /// Files of the next module by its attributes, each with whether the attribute always applies.
     places: Vec<(String, bool)>,
 }
 
@@ -98,7 +98,7 @@ impl Walk<'_> {
         token.starts_with(|sign: char| sign.is_alphabetic() || sign == '_')
     }
 
-    /// Reads a module up to its end; `folder` is where files of its children lie.
+    /// Parses a module to its end; `folder` is the folder for files of its children.
     fn module(&mut self, all: &mut Crate, own: usize, folder: &Path) -> Result<(), String> {
         let mut depth = 0;
         while self.at < self.tokens.len() {
@@ -144,7 +144,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Reads `mod name;` or `mod name { ... }`.
+    /// Parses `mod name;` or `mod name { ... }`.
     fn child(&mut self, all: &mut Crate, own: usize, folder: &Path) -> Result<(), String> {
         let name = self.peek(1).to_owned();
         let below = folder.join(&name);
@@ -158,8 +158,8 @@ impl Walk<'_> {
             self.at += 1;
             return Ok(());
         }
-        // `path` counts from the file's folder, or from where an inline module's children would lie;
-        // children of what it names lie beside it.
+        // `path` is relative to the folder of the file, or, in an inline module, to the folder for
+        // files of its children. Children of the named file lie next to that file.
         let is_inline = all.modules[own].parent.is_some_and(|p| all.modules[p].file == self.file);
         let from = self.file.parent().filter(|_| !is_inline).unwrap_or(folder);
         let mut files = Vec::new();
@@ -171,7 +171,7 @@ impl Walk<'_> {
         if places.iter().all(|(_, always)| !always) {
             let (beside, inside) = (folder.join(format!("{name}.rs")), below.join("mod.rs"));
             let is_beside = (self.read)(&beside).is_some();
-            // Where every `cfg` has a place of its own there need be no other.
+            // If every `cfg` has its own path, the default file may be missing.
             if is_beside || files.is_empty() || (self.read)(&inside).is_some() {
                 files.push((if is_beside { beside } else { inside }, below));
             }
@@ -185,7 +185,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Reads an attribute; returns whether what follows it is there in tests alone.
+    /// Parses an attribute; returns whether the next item exists only in tests.
     fn attribute(&mut self) -> bool {
         let start = self.at;
         self.at += if self.peek(1) == "!" { 2 } else { 1 };
@@ -200,7 +200,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Skips a bracket and all that is in it, or a single token.
+    /// Skips a bracket and its content, or a single token.
     fn skip_group(&mut self) {
         let mut depth = 0;
         while self.at < self.tokens.len() {
@@ -216,7 +216,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Skips an item: up to its semicolon, or its body, which a `use` has not.
+    /// Skips an item to its semicolon or to the end of its body; a `use` has no body.
     fn skip_item(&mut self) {
         let mut is_use = false;
         while self.at < self.tokens.len() {
@@ -240,7 +240,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Reads names with `::` between; a `::` before what is no name ends it.
+    /// Parses names separated by `::`; a `::` before a token that is no name ends the path.
     fn path(&mut self) -> Vec<String> {
         let mut out = vec![self.peek(0).to_owned()];
         self.at += 1;
@@ -248,17 +248,17 @@ impl Walk<'_> {
             out.push(self.peek(1).to_owned());
             self.at += 2;
         }
-        // What follows `::<...>` belongs to what has been named.
+        // Names after `::<...>` belong to an item that is already named.
         if self.peek(0) == "::" {
             self.at += 1;
         }
         out
     }
 
-    /// Reads a tree of a `use`, after the names that lead to it.
+    /// Parses the tree of a `use` after the names before it.
     fn use_tree(&mut self, own: &mut Module, mut path: Vec<String>) {
         if self.peek(0) == "::" {
-            // Another crate's.
+            // A path into another crate.
             self.at += 1;
         }
         loop {
@@ -289,7 +289,7 @@ impl Walk<'_> {
                 self.at += 1;
                 continue;
             }
-            // `{self}` names what leads to it.
+            // `{self}` names the module before the braces.
             if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
                 path.pop();
             }
@@ -304,7 +304,7 @@ impl Walk<'_> {
     }
 }
 
-/// Whether a condition of `cfg` holds in tests alone; of all others it is taken that they may hold.
+/// Returns whether a condition of `cfg` holds only in tests; any other condition may hold.
 fn needs_test(condition: &[&str]) -> bool {
     match condition {
         ["test"] => true,
@@ -314,7 +314,7 @@ fn needs_test(condition: &[&str]) -> bool {
     }
 }
 
-/// Cuts at the commas that no bracket holds.
+/// Splits at commas outside brackets.
 fn listed<'a>(words: &'a [&'a str]) -> impl Iterator<Item = &'a [&'a str]> {
     let mut depth = 0;
     let parts = words.split(move |word| {
@@ -328,7 +328,7 @@ fn listed<'a>(words: &'a [&'a str]) -> impl Iterator<Item = &'a [&'a str]> {
     parts.filter(|part| !part.is_empty())
 }
 
-/// Takes `..` back out of a path, with what it leaves.
+/// Resolves `..` in a path.
 pub(super) fn normal(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {

@@ -1,30 +1,30 @@
-//! From paths to the files that define what they name.
+//! Resolves paths to the files that define the names.
 
 use super::parse::{Crate, Use};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// For each file those from which it imports.
+/// For each file, the files that it imports from.
 pub(super) type Imports = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
-/// What a name stands for, by the number of a module.
+/// Meaning of a name, with the index of a module.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Named {
     Module(usize),
-    /// Something that the module defines.
+    /// An item that the module defines.
     Item(usize),
 }
 
-/// All that a name may stand for: one of them, as `cfg` says.
+/// All possible meanings of a name: `cfg` chooses one.
 type Meanings = BTreeSet<Named>;
 
-/// What each module calls by which name: what it defines, and what its `use`s bring in.
+/// The names known in each module: its definitions and its `use`s.
 struct Names<'a> {
     all: &'a Crate,
     of: Vec<BTreeMap<String, Meanings>>,
 }
 
-/// Finds each file's imports.
+/// Finds the imports of each file.
 pub(super) fn imports(all: &Crate) -> Imports {
     let names = Names::new(all);
     let mut out = Imports::new();
@@ -34,7 +34,7 @@ pub(super) fn imports(all: &Crate) -> Imports {
         let others = module.paths.iter().flat_map(|path| names.resolve(number, path));
         let files = used.chain(others).filter_map(|named| match named {
             Named::Item(target) => Some(all.modules[target].file.clone()),
-            // A module by itself is nothing yet: what is taken of it is.
+            // A module alone is not an import; an item in it is.
             Named::Module(_) => None,
         });
         let own = out.entry(module.file.clone()).or_default();
@@ -45,8 +45,8 @@ pub(super) fn imports(all: &Crate) -> Imports {
 }
 
 impl<'a> Names<'a> {
-    /// Starts from what the modules define, and adds what they bring in until nothing is new: a name may
-    /// pass through any number of re-exports, and modules may bring in all of each other.
+    /// Starts from the definitions of the modules and adds imported names until none is new. A name
+    /// may pass through many re-exports, and modules may import everything from each other.
     fn new(all: &'a Crate) -> Self {
         let of = all.modules.iter().enumerate().map(|(number, module)| {
             let items = module.items.iter();
@@ -65,13 +65,13 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds what a module's `use`s bring in; returns whether that is more than before.
+    /// Adds the names that a module's `use`s import; returns whether a name is new.
     fn grow(&mut self, module: usize) -> bool {
         let own = &self.all.modules[module];
         let mut has_grown = false;
         for brought in &own.uses {
             for (name, named) in self.used(module, brought) {
-                // What is defined or named here hides what `*` would bring.
+                // A definition or a named `use` shadows the names of `*`.
                 let is_defined = own.items.contains(&name) || own.children.contains_key(&name);
                 let is_named = own.uses.iter().any(|other| other.name.as_ref() == Some(&name));
                 if is_defined || (brought.name.is_none() && is_named) {
@@ -86,7 +86,7 @@ impl<'a> Names<'a> {
         has_grown
     }
 
-    /// Lists what a `use` of a module brings in.
+    /// Lists the names that a `use` of a module imports.
     fn used(&self, module: usize, Use { name, path }: &Use) -> Vec<(String, Meanings)> {
         let found = self.resolve(module, path);
         match name {
@@ -98,13 +98,13 @@ impl<'a> Names<'a> {
                 let all = modules.flat_map(|target| self.of[target].iter());
                 all.map(|(name, named)| (name.clone(), named.clone())).collect()
             }
-            // `use name;` brings in what another crate is called.
+            // `use name;` imports the name of another crate.
             Some(name) if path.len() > 1 && !found.is_empty() => vec![(name.clone(), found)],
             Some(_) => Vec::new(),
         }
     }
 
-    /// Follows a path from a module; finds nothing where it leads out of the crate.
+    /// Follows a path from a module; empty if the path leads out of the crate.
     fn resolve(&self, from: usize, path: &[String]) -> Meanings {
         let parent = |module: usize| self.all.modules[module].parent.map(Named::Module);
         let named =
@@ -118,7 +118,7 @@ impl<'a> Names<'a> {
         };
         for name in rest {
             let next = at.into_iter().flat_map(|each| match each {
-                // A method, a variant: they are where their type is.
+                // A method or variant is defined in the file of its type.
                 Named::Item(_) => Meanings::from([each]),
                 Named::Module(module) if name == "super" => parent(module).into_iter().collect(),
                 Named::Module(module) => named(module, name),

@@ -1,4 +1,4 @@
-//! Small trees with and without circles, and the crates themselves.
+//! Small crates with and without circles, and the crates of this repository.
 
 use super::check;
 use super::check::check_crate;
@@ -6,7 +6,7 @@ use super::tokens::tokens;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Checks a crate of these files, the first of which is its root.
+/// Checks a crate of these files; the first file is the root.
 fn checked(files: &[(&str, &str)]) -> Result<(), String> {
     let text = files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_owned()));
     let text: BTreeMap<_, _> = text.collect();
@@ -67,7 +67,7 @@ fn a_circle_through_a_re_export_is_one_of_the_files_that_define() {
         ("folder/b.rs", "pub struct B; impl B { fn f(_: super::super::a::A) {} }"),
     ];
     assert_eq!(circle(&files), "a.rs -> folder/b.rs -> a.rs");
-    // By way of the root's re-export as well, and of one under another name.
+    // Also through a re-export of the root, and through a re-export under another name.
     let mut files = files;
     files[1].1 = "use crate::B; pub struct A(B);";
     assert_eq!(circle(&files), "a.rs -> folder/b.rs -> a.rs");
@@ -87,7 +87,7 @@ fn a_module_that_re_exports_and_defines_what_its_children_use_is_a_circle() {
         ("folder/b.rs", "use super::ALL; pub struct B([u8; ALL]);"),
     ];
     assert_eq!(circle(&files), "folder/b.rs -> folder/mod.rs -> folder/b.rs");
-    // What only re-exports is in no circle, whoever imports through it.
+    // A file that only re-exports is never in a circle, whoever imports through it.
     let files = [
         ("lib.rs", "mod folder;"),
         ("folder/mod.rs", "mod b; mod sizes; pub use b::B; pub(crate) use sizes::ALL;"),
@@ -167,21 +167,21 @@ fn a_path_says_where_a_module_lies() {
         ("src/a.rs", "pub struct A; fn a(_: crate::bits::Rng) {}"),
     ];
     assert_eq!(circle(&files), format!("{0} -> a.rs -> {0}", Path::new("golden/rng.rs").display()));
-    // In a module within a file it counts from where that module's files would lie.
+    // In an inline module, the path is relative to the folder for that module's files.
     let files = [
         ("lib.rs", "mod a;"),
         ("a.rs", "pub mod b { #[path = \"other.rs\"] pub mod c; } pub fn a() { b::c::c() }"),
         ("a/b/other.rs", "pub fn c() { crate::a::a() }"),
     ];
     assert_eq!(circle(&files), "a/b/other.rs -> a.rs -> a/b/other.rs");
-    // It is no module's file that it does not name.
+    // With `path`, the default file a.rs is not read.
     let lost = checked(&[("lib.rs", "#[path = \"b.rs\"] mod a;"), ("a.rs", "")]);
     assert_eq!(lost, Err("cannot read b.rs".to_owned()));
 }
 
 #[test]
-fn whatever_cfg_says_counts() {
-    // Two modules of one name, one of which closes a circle.
+fn code_under_every_cfg_counts() {
+    // Two modules of one name; one of them closes a circle.
     let unix = "#[cfg(unix)] mod sys { pub use crate::a::open; }";
     let other = "#[cfg(not(unix))] mod sys { pub fn open() {} }";
     for pair in [[unix, other].concat(), [other, unix].concat()] {
@@ -193,7 +193,7 @@ fn whatever_cfg_says_counts() {
         let found = circle(&files);
         assert!(found.starts_with("a.rs -> b.rs -> a.rs;"), "{found}");
     }
-    // One of several files, by `cfg`; the place without a path need not be there.
+    // `cfg` chooses one of several files; the default file need not exist.
     let chosen =
         "#[cfg_attr(unix, path = \"unix.rs\")] #[cfg_attr(windows, path = \"windows.rs\")]";
     for (name, far) in [("unix.rs", "windows.rs"), ("windows.rs", "unix.rs")] {
@@ -203,11 +203,11 @@ fn whatever_cfg_says_counts() {
             (name, "pub fn call() { super::user::user() }"),
             (far, "pub fn call() {}"),
         ];
-        // A circle begins with the first of its names.
+        // A circle starts with its first name in order.
         let (first, second) = (name.min("user.rs"), name.max("user.rs"));
         assert_eq!(circle(&files), format!("{first} -> {second} -> {first}"));
     }
-    // What is there in tests and elsewhere is there.
+    // Code in tests and elsewhere counts.
     let files = [
         ("lib.rs", "#[cfg(any(test, unix))] mod a; mod b;"),
         ("a.rs", "pub fn a() { crate::b::b() }"),
@@ -220,7 +220,7 @@ fn whatever_cfg_says_counts() {
 }
 
 #[test]
-fn every_circle_is_told() {
+fn every_circle_is_reported() {
     let files = [
         ("lib.rs", "mod a; mod b; mod c; mod d;"),
         ("a.rs", "pub struct A(crate::b::B);"),
@@ -232,11 +232,11 @@ fn every_circle_is_told() {
 }
 
 #[test]
-fn a_module_without_a_file_and_a_crate_without_imports_are_told() {
+fn a_module_without_a_file_and_a_crate_without_imports_are_reported() {
     let lost = checked(&[("lib.rs", "mod a;")]).unwrap_err();
     assert_eq!(lost, format!("cannot read {}", Path::new("a/mod.rs").display()));
     let files = [("lib.rs", "mod a; mod b; mod c;"), ("a.rs", ""), ("b.rs", ""), ("c.rs", "")];
-    assert_eq!(checked(&files), Err("of 4 files only 0 import".to_owned()));
+    assert_eq!(checked(&files), Err("only 0 of 4 files import others".to_owned()));
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! Rust's tokens, as far as paths need them: comments, text and numbers are left out, but for the file in
-//! `path = "..."`.
+//! Splits Rust source into the tokens that paths need. Comments, strings and numbers are dropped,
+//! except the file in `path = "..."`.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// An identifier, `::`, or any other sign alone; after `path =` text, with the quote before it.
+/// Returns identifiers, `::`, and other characters one at a time. The string after `path =` is
+/// kept, with its opening quote.
 pub(super) fn tokens(source: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     let mut rest = source.chars().peekable();
@@ -30,7 +31,7 @@ pub(super) fn tokens(source: &str) -> Vec<String> {
                             out.push(name);
                         }
                     }
-                    // Text follows, or a character.
+                    // A string or a character follows.
                     Some('"' | '\'') if is_prefix => {}
                     _ => out.push(word),
                 }
@@ -54,7 +55,7 @@ fn word(first: char, rest: &mut Peekable<Chars<'_>>) -> String {
     out
 }
 
-/// Skips a block comment, in which others may lie.
+/// Skips a block comment, which may contain nested comments.
 fn skip_comment(rest: &mut Peekable<Chars<'_>>) {
     let mut depth = 0;
     let mut last = '/';
@@ -74,7 +75,7 @@ fn skip_comment(rest: &mut Peekable<Chars<'_>>) {
     }
 }
 
-/// Reads text to its end; what a backslash stands for is left out.
+/// Reads a string to its end; drops characters after a backslash.
 fn text(rest: &mut Peekable<Chars<'_>>) -> String {
     let mut out = String::new();
     while let Some(next) = rest.next() {
@@ -89,7 +90,7 @@ fn text(rest: &mut Peekable<Chars<'_>>) -> String {
     out
 }
 
-/// Skips raw text; returns the name where it was a raw identifier.
+/// Skips a raw string; returns the name if the token is a raw identifier.
 fn skip_raw_text(rest: &mut Peekable<Chars<'_>>) -> Option<String> {
     let mut signs = 0;
     while rest.next_if_eq(&'#').is_some() {
@@ -118,7 +119,7 @@ fn skip_character_or_lifetime(rest: &mut Peekable<Chars<'_>>) {
         rest.next();
         while rest.next().is_some_and(|next| next != '\'') {}
     } else if rest.next_if_eq(&'\'').is_none() {
-        // A lifetime: its name ends by itself.
+        // A lifetime: ends with its name.
         while rest.next_if(|next| next.is_alphanumeric() || *next == '_').is_some() {}
     }
 }

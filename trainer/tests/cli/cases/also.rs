@@ -1,4 +1,4 @@
-//! Further meshes beside the tube of `gltf/plain.glb`, in every format.
+//! Further meshes in addition to the tube of `gltf/plain.glb`, in every format.
 
 use super::glb::Glb;
 use super::with_cases;
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Runs a command with arguments that hold spaces.
+/// Runs a command with arguments that contain spaces.
 fn sinew(folder: &Folder, arguments: &str, last: &[&str]) -> Run {
     let mut command = folder.command(arguments);
     command.args(last);
@@ -21,14 +21,14 @@ fn run(folder: &Folder, arguments: &str, last: &[&str]) -> Run {
     run
 }
 
-/// The tube's positions, and the corners of its triangles.
+/// Returns the tube's positions and the corners of its triangles.
 fn tube(folder: &Folder) -> (Vec<f64>, Vec<f64>) {
     let glb = Glb::read(folder, "plain.glb");
     let primitive = &glb.json["meshes"][0]["primitives"][0];
     (glb.values(&primitive["attributes"]["POSITION"]), glb.values(&primitive["indices"]))
 }
 
-/// Writes the tube, moved, as lod.obj, lod.glb without a skin, and lod.fbx.
+/// Writes the tube, transformed by `moved`, as lod.obj, lod.glb without a skin, and lod.fbx.
 fn write(folder: &Folder, moved: impl Fn(&[f64]) -> [f64; 3]) {
     let (positions, corners) = tube(folder);
     let positions: Vec<[f64; 3]> = positions.chunks(3).map(moved).collect();
@@ -50,7 +50,7 @@ fn write(folder: &Folder, moved: impl Fn(&[f64]) -> [f64; 3]) {
 
     let list = |all: Vec<String>| format!("*{} {{\na: {}\n}}\n", all.len(), all.join(","));
     let places = list(positions.as_flattened().iter().map(f64::to_string).collect());
-    // The last corner of a face is its complement.
+    // The last corner of a face is stored as its complement.
     let corner = |(place, &v): (usize, &f64)| if place % 3 == 2 { -v - 1.0 } else { v }.to_string();
     let corners = list(corners.iter().enumerate().map(corner).collect());
     let fbx = format!(
@@ -62,7 +62,7 @@ fn write(folder: &Folder, moved: impl Fn(&[f64]) -> [f64; 3]) {
     std::fs::write(folder.path("lod.fbx"), fbx).unwrap();
 }
 
-/// Greatest distance between the tube and its further mesh, as they play.
+/// Returns the largest distance between the tube and its further mesh while a clip plays.
 fn apart(folder: &Folder, clip: usize) -> f64 {
     let played = Glb::read(folder, "out.glb");
     let at = |mesh: &str, time| played.posed(mesh, Some((clip, time)));
@@ -79,7 +79,7 @@ fn a_further_mesh_is_read_from_every_format_and_goes_into_an_artist_s_file_too()
     let Some(folder) = with_cases("also", &["gltf/plain.glb"]) else { return };
     write(&folder, |x| [x[0], x[1], x[2]]);
     for file in ["lod.obj", "lod.glb", "lod.fbx"] {
-        // The tube's FBX is in centimetres, as FBX is.
+        // FBX files are in centimetres.
         if file == "lod.fbx" {
             write(&folder, |x| [100.0 * x[0], 100.0 * x[1], 100.0 * x[2]]);
         }
@@ -114,14 +114,14 @@ fn a_further_mesh_is_read_from_every_format_and_goes_into_an_artist_s_file_too()
 }
 
 #[test]
-fn an_orientation_that_cannot_be_told_is_refused_before_training_and_settled_by_an_option() {
+fn an_ambiguous_orientation_is_refused_before_training_and_settled_by_an_option() {
     let Some(folder) = with_cases("also-axes", &["gltf/plain.glb"]) else { return };
-    // Lying along z, in centimetres: the tube is as good as round.
+    // Along z and in centimetres: the tube is almost round, so its orientation is ambiguous.
     write(&folder, |x| [100.0 * x[0], -100.0 * x[2], 100.0 * x[1]]);
     run(&folder, "-q train --predictor kernel plain.glb -o plain.sinew", &[]);
     for file in ["lod.obj", "lod.glb"] {
         let train = format!("-q train --predictor kernel plain.glb --also {file} -o m.sinew");
-        // A budget that no training meets is refused after it.
+        // No training can meet this budget; its refusal comes after the training.
         let line = sinew(&folder, &format!("{train} --budget 10"), &[]).err;
         let words = "mesh lod is not in the model's axes and unit: turned to ";
         assert!(line.contains(words), "{line}");
@@ -190,12 +190,13 @@ fn a_mesh_that_is_not_the_character_s_is_warned_of_by_its_distance() {
     let distance = |is_warned: bool| {
         let train = "train --predictor kernel plain.glb --also lod.obj -o m.sinew";
         let run = run(&folder, train, &[]);
-        let told: Vec<&str> = run.err.lines().filter(|line| line.contains("lod.obj: ")).collect();
+        let message: Vec<&str> =
+            run.err.lines().filter(|line| line.contains("lod.obj: ")).collect();
         let record = sinew(&folder, &format!("-q {train} --json"), &[]).out;
         let record: Value = serde_json::from_str(&record).unwrap();
         let percent = record["levels"][0]["distance_percent"].as_f64().unwrap();
-        assert_eq!(told.len(), usize::from(is_warned), "{percent}: {}", run.err);
-        if let [line] = told[..] {
+        assert_eq!(message.len(), usize::from(is_warned), "{percent}: {}", run.err);
+        if let [line] = message[..] {
             let expected = format!("half of its vertices are more than {percent:.1} % (");
             assert!(line.contains(&expected) && line.contains(" mm) of the diagonal"), "{line}");
         }

@@ -6,17 +6,17 @@ use serde_json::{Value, json};
 use std::fs;
 
 const FACES: [&str; 2] = ["face/face_arkit.npz", "face/face_prefixed.npz"];
-/// Rows of the 120 that `take_lost.csv` lost, the first being 0.
+/// Rows of `take_lost.csv` (of 120, counted from 0) in which the tracking is lost.
 const LOST: [usize; 4] = [40, 41, 42, 43];
 
-/// A way to lose a row: its name, and the change of the line.
+/// A way to lose a row: its name, and its change of the line.
 type Spoil<'a> = (&'a str, &'a dyn Fn(&str) -> String);
 
 fn folder(test: &str, takes: &[&str]) -> Option<Folder> {
     with_cases(test, &[&FACES[..], takes].concat())
 }
 
-/// Trains on a take; returns what is said in JSON and the file's bytes.
+/// Trains on a take; returns the JSON report and the file's bytes.
 fn trained(folder: &Folder, basis: &str, take: &str) -> (Value, Vec<u8>) {
     let train = format!("face train --basis {basis} --animation {take} -o f.sinew --json -q");
     (folder.sinew(&train).json(), folder.read("f.sinew"))
@@ -86,7 +86,7 @@ fn rows_in_which_the_tracking_is_lost_are_left_out_and_counted() {
     };
     let (said, lost) = trained(&folder, "face_arkit.npz", "take_lost.csv");
     assert_eq!((&said["frames"], &said["lost_frames"]), (&json!(116.0), &json!(4)));
-    // The same file as of a take without those rows.
+    // The file must equal the file of a take without those rows.
     let text = String::from_utf8(folder.read("take.csv")).unwrap();
     let kept = |rows: &[usize]| -> String {
         let all =
@@ -95,14 +95,14 @@ fn rows_in_which_the_tracking_is_lost_are_left_out_and_counted() {
     };
     fs::write(folder.path("kept.csv"), kept(&LOST)).unwrap();
     assert_eq!(trained(&folder, "face_arkit.npz", "kept.csv").1, lost);
-    // It is said in words, with the lines.
+    // The text output reports the lost rows by line.
     let run =
         folder.sinew("face train --basis face_arkit.npz --animation take_lost.csv -o f.sinew");
     assert_eq!(run.code, Some(0));
     assert!(run.out.contains("left out 4 frames in which the tracking is lost"), "{}", run.out);
-    let told = "take_lost.csv: the tracking is lost in 4 of 120 rows, which are left out: line 42, 43, 44, 45\n";
-    assert!(run.err.contains(told), "{}", run.err);
-    // Empty cells, a count of 0 beside numbers, and rows at the start and at the end.
+    let message = "take_lost.csv: the tracking is lost in 4 of 120 rows, which are left out: line 42, 43, 44, 45\n";
+    assert!(run.err.contains(message), "{}", run.err);
+    // Empty cells, a count of 0 with numbers, and rows at the start and at the end.
     let rows = [0, 1, 60, 118, 119];
     let spoilt = |spoil: &dyn Fn(&str) -> String| -> String {
         let line = |(at, line): (usize, &str)| match at > 0 && rows.contains(&(at - 1)) {
@@ -139,7 +139,7 @@ fn rows_in_which_the_tracking_is_lost_are_left_out_and_counted() {
         let (said, file) = trained(&folder, "face_arkit.npz", &name);
         assert_eq!((&said["lost_frames"], file == expected), (&json!(5), true), "{name}");
     }
-    // Frames keep their numbers in the file, and nothing is learned from nothing.
+    // Frames keep the file's numbers. A take without any tracked row is refused.
     let train = "face train --basis face_arkit.npz --animation take_lost.csv -o f.sinew --json -q";
     let said = folder.sinew(&format!("{train} --frames 38..46")).json();
     assert_eq!((&said["frames"], &said["lost_frames"]), (&json!(4.0), &json!(4)));
@@ -152,7 +152,7 @@ fn rows_in_which_the_tracking_is_lost_are_left_out_and_counted() {
     assert!(error.contains("the tracking is lost in all 2 rows"), "{error}");
 }
 
-/// METHOD §5.1: without frames the covariance is the identity, which is the slider norm.
+/// METHOD §5.1: without frames the covariance is the identity, so the prior is the slider norm.
 #[test]
 fn a_face_without_a_take_trains() {
     let Some(folder) = folder("case-face-no-take", &["face/take.csv"]) else { return };

@@ -1,10 +1,10 @@
-//! A GLB taken apart, and played by the glTF 2.0 specification alone.
+//! Parses a GLB and plays it by the glTF 2.0 specification only.
 
 use crate::common::Folder;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
-/// The tree of a GLB and its bytes.
+/// JSON and binary chunk of a GLB.
 pub(super) struct Glb {
     pub(super) json: Value,
     bytes: Vec<u8>,
@@ -64,13 +64,13 @@ impl Glb {
         self.add(kind, 5126, values.len() / width, &bytes)
     }
 
-    /// Adds an accessor of vertex numbers.
+    /// Adds an accessor of vertex indices.
     pub(super) fn numbers(&mut self, values: &[u16]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
         self.add("SCALAR", 5123, values.len(), &bytes)
     }
 
-    /// Reads an accessor of floats or whole numbers, element after element.
+    /// Reads an accessor of floats or integers, one element after another.
     pub(super) fn values(&self, accessor: &Value) -> Vec<f64> {
         let accessor = &self.json["accessors"][accessor.as_u64().unwrap() as usize];
         let width = match accessor["type"].as_str().unwrap() {
@@ -116,12 +116,12 @@ impl Glb {
         self.bytes[begin..][..size * len].chunks(size).map(component).collect()
     }
 
-    /// Key times of a sampler of an animation.
+    /// Returns the key times of an animation's sampler.
     pub(super) fn times(&self, animation: usize, sampler: usize) -> Vec<f64> {
         self.values(&self.json["animations"][animation]["samplers"][sampler]["input"])
     }
 
-    /// How each channel of an animation that moves a node of this name is interpolated, by path.
+    /// Returns the interpolation of each channel of an animation that moves the node, by path.
     pub(super) fn interpolations(&self, animation: usize, node: &str) -> Vec<(String, String)> {
         let animation = &self.json["animations"][animation];
         let of = |channel: &Value| {
@@ -134,7 +134,8 @@ impl Glb {
         animation["channels"].as_array().unwrap().iter().filter_map(of).collect()
     }
 
-    /// The vertices of a skinned mesh, named as its node, at a time of an animation; at rest without.
+    /// Returns the vertices of the skinned mesh whose node has this name, at a time of an
+    /// animation; at rest for `None`.
     pub(super) fn posed(&self, mesh: &str, at: Option<(usize, f64)>) -> Vec<Vector3<f64>> {
         let nodes = self.json["nodes"].as_array().unwrap();
         let mut placed: Vec<Placed> = nodes.iter().map(|node| self.placed(node)).collect();
@@ -210,7 +211,7 @@ impl Glb {
     }
 }
 
-/// Interpolates as appendix C of the specification says.
+/// Interpolates by appendix C of the specification.
 fn value(time: f64, times: &[f64], values: &[f64], how: &str, turns: bool) -> Vec<f64> {
     let per_key = values.len() / times.len();
     let width = if how == "CUBICSPLINE" { per_key / 3 } else { per_key };

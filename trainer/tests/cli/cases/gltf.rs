@@ -1,4 +1,4 @@
-//! Cases of the folder `gltf`: what is read.
+//! Cases of the folder `gltf`: reading.
 
 use super::glb::Glb;
 use super::{apart, lbs, moments, off, off_as_exported, refused, run, with_cases};
@@ -17,10 +17,10 @@ fn a_plain_linear_skin_is_exact() {
 fn default_morph_weights_belong_to_the_rest_shape() {
     let Some(folder) = with_cases("morphdefault", &["gltf/morphdefault.glb"]) else { return };
     let mut node = Glb::read(&folder, "morphdefault.glb");
-    // The node's weights count before the mesh's.
+    // The node's weights override the mesh's.
     node.json["nodes"][3]["weights"] = json!([0.4]);
     node.write(&folder, "node.glb");
-    // A target that displaces few vertices, and another that is off.
+    // A target that displaces few vertices, and another target with weight 0.
     let mut sparse = Glb::read(&folder, "morphdefault.glb");
     let at = sparse.numbers(&[5, 60, 61]);
     let by = sparse.floats("VEC3", 3, &[0.0, 0.3, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.4]);
@@ -48,14 +48,14 @@ fn default_morph_weights_belong_to_the_rest_shape() {
 #[test]
 fn a_channel_without_a_node_is_left_out() {
     let Some(folder) = with_cases("animpointer", &["gltf/animpointer.glb"]) else { return };
-    let told = run(&folder, "check animpointer.glb").err;
-    assert!(told.contains("animation channels without a node are left out, of the clips: move"));
+    let message = run(&folder, "check animpointer.glb").err;
+    assert!(message.contains("animation channels without a node are left out, of the clips: move"));
     assert!(lbs(&folder, "animpointer.glb") <= 1e-4);
     let mut glb = Glb::read(&folder, "animpointer.glb");
     glb.json["extensionsRequired"] = json!(["KHR_animation_pointer"]);
     glb.write(&folder, "required.glb");
     run(&folder, "check required.glb");
-    // Clips of such channels alone move nothing.
+    // A clip with only such channels moves nothing.
     let channels = glb.json["animations"][0]["channels"].as_array_mut().unwrap();
     channels.retain(|channel| channel["target"].get("node").is_none());
     glb.write(&folder, "alone.glb");
@@ -92,26 +92,26 @@ fn vertices_without_weights_are_learned_from_the_targets() {
     let Some(folder) = with_cases("zeroweights", &cases) else { return };
     let line = refused(&folder, "train zeroweights.glb -o m.sinew");
     assert!(line.contains("vertex 40 has no joint weight"), "{line}");
-    let told = run(&folder, "train zeroweights.glb --targets plain_targets.npz -o m.sinew").err;
-    assert!(told.contains("vertices without a joint's weight, which follow the targets: 10"));
+    let message = run(&folder, "train zeroweights.glb --targets plain_targets.npz -o m.sinew").err;
+    assert!(message.contains("vertices without a joint's weight, which follow the targets: 10"));
     let found = run(&folder, "-q eval m.sinew zeroweights.glb --targets plain_targets.npz --json");
     let found: Value = serde_json::from_str(&found.out).unwrap();
     assert!(found["rms_percent"].as_f64().unwrap() <= 1e-3, "{}", found["rms_percent"]);
 }
 
 #[test]
-fn joints_of_equal_names_are_told_apart() {
+fn joints_of_equal_names_are_distinguished() {
     let Some(folder) = with_cases("samenames", &["gltf/pairsamenames.glb"]) else { return };
     assert!(lbs(&folder, "pairsamenames.glb") <= 1e-4);
-    let told = run(&folder, "train --predictor kernel pairsamenames.glb -o m.sinew").err;
+    let message = run(&folder, "train --predictor kernel pairsamenames.glb -o m.sinew").err;
     assert!(
-        told.contains(
+        message.contains(
             "equal names were renamed: root/mid, root/tip, root 2, root 2/mid, root 2/tip"
         ),
-        "{told}"
+        "{message}"
     );
     let source = Glb::read(&folder, "pairsamenames.glb");
-    // An animation of the joints alone has their names too.
+    // An animation without meshes has the joints' names too.
     let mut bare = Glb::read(&folder, "pairsamenames.glb");
     for mesh in [3, 8] {
         bare.json["nodes"][mesh] = json!({ "name": "gone" });
@@ -137,12 +137,12 @@ fn a_scaled_joint_that_moves_nothing_is_no_matter() {
     let cases = ["gltf/scaled_socket.glb", "gltf/plain.glb"];
     let Some(folder) = with_cases("socket", &cases) else { return };
     assert!(lbs(&folder, "scaled_socket.glb") <= 1e-4);
-    let told = run(&folder, "train --predictor kernel scaled_socket.glb -o m.sinew").err;
+    let message = run(&folder, "train --predictor kernel scaled_socket.glb -o m.sinew").err;
     assert!(
-        told.contains("scaled joints that move no vertex are taken without their scale: socket"),
-        "{told}"
+        message.contains("scaled joints that move no vertex are taken without their scale: socket"),
+        "{message}"
     );
-    // A joint under it that moves nothing either.
+    // A child joint that moves nothing either.
     let mut child = Glb::read(&folder, "scaled_socket.glb");
     let binds = child.json["skins"][0]["inverseBindMatrices"].clone();
     let mut binds: Vec<f32> = child.values(&binds).iter().map(|&x| x as f32).collect();
@@ -161,7 +161,7 @@ fn a_scaled_joint_that_moves_nothing_is_no_matter() {
         assert!(off.iter().all(|&off| off <= 1e-3), "{file}: {off:?}");
     }
     run(&folder, "-q export m.sinew --clip scaled_socket.glb --mesh scaled_socket.glb -o out.glb");
-    // One that carries vertices is refused as before.
+    // A socket that carries vertices is still refused.
     let mut bound = Glb::read(&folder, "scaled_socket.glb");
     let joints: Vec<u8> = vec![[3, 1, 2, 0]; 132].concat();
     let joints = bound.add("VEC4", 5121, 132, &joints);
@@ -171,7 +171,7 @@ fn a_scaled_joint_that_moves_nothing_is_no_matter() {
     assert!(line.contains("joint socket is scaled"), "{line}");
 }
 
-/// The tube's rings as strips, and its ends as fans, with stitches and restarts.
+/// The tube's rings become strips and its ends fans, with stitches and restarts.
 #[test]
 fn strips_and_fans_are_triangles() {
     let Some(folder) = with_cases("strips", &["gltf/plain.glb"]) else { return };
@@ -180,7 +180,7 @@ fn strips_and_fans_are_triangles() {
     let triangles: Vec<[u16; 3]> =
         indices.as_chunks::<3>().0.iter().map(|corners| corners.map(|x| x as u16)).collect();
     let (as_strip, as_fan) = triangles.split_at(triangles.len() / 2);
-    // Each triangle begins at an even place: corners repeated at both ends join it to the next.
+    // Each triangle starts at an even index: repeated corners at both ends join it to the next.
     let mut strip: Vec<u16> = Vec::new();
     for (number, &[a, b, c]) in as_strip.iter().enumerate() {
         match number % 3 {
@@ -210,14 +210,14 @@ fn strips_and_fans_are_triangles() {
     assert!(lbs(&folder, "strips.glb") <= 1e-4);
     let record = run(&folder, "-q train --predictor kernel strips.glb -o m.sinew --json").out;
     let record: Value = serde_json::from_str(&record).unwrap();
-    // The vertices of both parts, welded.
+    // The vertices of both primitives, welded.
     assert_eq!(record["vertices"], 132);
     run(&folder, "-q export m.sinew --clip strips.glb -o out.glb");
     let played = Glb::read(&folder, "out.glb");
     let corners = &played.json["meshes"][0]["primitives"][0]["indices"];
     let corners = played.values(corners);
     let found = corners.as_chunks::<3>().0.iter().map(|c| {
-        // The smallest first, as turning a triangle about does not change it.
+        // Smallest index first: rotating a triangle's corners does not change the triangle.
         let mut own = c.map(|x| x as u16 % 132);
         let least = (0..3).min_by_key(|&k| own[k]).unwrap();
         own.rotate_left(least);
@@ -235,14 +235,14 @@ fn strips_and_fans_are_triangles() {
 }
 
 #[test]
-fn points_and_lines_beside_triangles_are_left_out_and_told_of() {
+fn points_and_lines_beside_triangles_are_ignored_and_reported() {
     let Some(folder) = with_cases("lines", &["gltf/plain.glb"]) else { return };
     let mut glb = Glb::read(&folder, "plain.glb");
     let edges = glb.numbers(&[0, 1, 1, 2, 130, 131]);
     let mut lines = glb.json["meshes"][0]["primitives"][0].clone();
     lines["mode"] = json!(1);
     lines["indices"] = json!(edges);
-    // A point beside the tube, with weights of its own.
+    // A point next to the tube, with separate weights.
     let place = glb.floats("VEC3", 3, &[0.35, 1.9, 0.0]);
     let joints = glb.add("VEC4", 5121, 1, &[2, 0, 0, 0]);
     let weights = glb.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0]);
@@ -252,8 +252,8 @@ fn points_and_lines_beside_triangles_are_left_out_and_told_of() {
     primitives.insert(0, point);
     primitives.push(lines);
     glb.write(&folder, "lines.glb");
-    let told = run(&folder, "train --predictor kernel lines.glb -o m.sinew").err;
-    assert!(told.contains("points and lines are left out, of the meshes: tube"), "{told}");
+    let message = run(&folder, "train --predictor kernel lines.glb -o m.sinew").err;
+    assert!(message.contains("points and lines are left out, of the meshes: tube"), "{message}");
     assert!(lbs(&folder, "lines.glb") <= 1e-4);
     let source = Glb::read(&folder, "lines.glb");
     run(&folder, "-q export m.sinew --clip lines.glb --into lines.glb -o out.glb");
@@ -262,7 +262,7 @@ fn points_and_lines_beside_triangles_are_left_out_and_told_of() {
         let [own, found] =
             [(&source, 0), (&played, 1)].map(|(glb, clip)| glb.posed("tube", Some((clip, time))));
         assert!(apart(&own[1..], &found[1..]) <= 1e-3);
-        // The point goes with the vertex nearest to it.
+        // The point follows its nearest vertex.
         assert!((own[0] - found[0]).norm() < 0.3);
     }
     for primitive in glb.json["meshes"][0]["primitives"].as_array_mut().unwrap() {

@@ -1,14 +1,12 @@
-//! The inputs of `../shared/cases`: each gives the value that the folder's README states.
+//! The inputs of `../shared/cases`: each must give the value in the folder's README.
 
 mod also;
 mod face;
-mod frames;
+mod fits;
 mod glb;
 mod gltf;
 mod kernel;
-mod normals;
 mod playing;
-mod signal;
 mod takes;
 mod views;
 mod words;
@@ -19,7 +17,7 @@ use glb::Glb;
 use nalgebra::Vector3;
 use serde_json::Value;
 
-/// Makes a folder that holds copies of the cases `files`; `None` without shared data.
+/// Makes a folder with copies of the cases `files`; `None` without shared data.
 pub(crate) fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
     let folder = Folder::new(test);
     for file in files {
@@ -29,7 +27,7 @@ pub(crate) fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
     Some(folder)
 }
 
-/// Runs a command that must succeed, whatever it warns of.
+/// Runs a command that must succeed; warnings are allowed.
 #[track_caller]
 fn run(folder: &Folder, command: &str) -> Run {
     let run = folder.sinew(command);
@@ -37,7 +35,7 @@ fn run(folder: &Folder, command: &str) -> Run {
     run
 }
 
-/// Gives the one line of a command that must fail.
+/// Runs a command that must fail; returns its last line.
 #[track_caller]
 fn refused(folder: &Folder, command: &str) -> String {
     let run = folder.sinew(command);
@@ -45,7 +43,7 @@ fn refused(folder: &Folder, command: &str) -> String {
     run.err.lines().last().unwrap().to_owned()
 }
 
-/// Trains a file and gives the error of linear blend skinning on it, in % of the diagonal.
+/// Trains a file and returns the error of linear blend skinning on it, in % of the diagonal.
 #[track_caller]
 fn lbs(folder: &Folder, file: &str) -> f64 {
     run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
@@ -54,7 +52,7 @@ fn lbs(folder: &Folder, file: &str) -> f64 {
     found["lbs"]["rms_percent"].as_f64().unwrap()
 }
 
-/// Greatest distance of two meshes, in % of the diagonal of the first.
+/// Returns the largest distance between two meshes, in % of the first mesh's diagonal.
 fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     assert_eq!(a.len(), b.len());
     let (low, high) = a.iter().fold((a[0], a[0]), |(low, high), x| (low.inf(x), high.sup(x)));
@@ -62,7 +60,7 @@ fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     100.0 * most / (high - low).norm()
 }
 
-/// Lists 8 times between each pair of keys of an animation, and the keys.
+/// Lists the keys of an animation, and 8 times between neighbouring keys.
 fn moments(glb: &Glb, animation: usize) -> Vec<f64> {
     let mut keys = glb.times(animation, 0);
     let between = keys.windows(2).flat_map(|pair| {
@@ -73,14 +71,15 @@ fn moments(glb: &Glb, animation: usize) -> Vec<f64> {
     all
 }
 
-/// Greatest distance between two files that play at once, in % of the diagonal.
+/// Returns the largest distance between two files that play together, in % of the diagonal.
 fn off(source: (&Glb, &str, usize), played: (&Glb, &str, usize)) -> f64 {
     let at = |(glb, mesh, clip): (&Glb, &str, usize), time| glb.posed(mesh, Some((clip, time)));
     let times = moments(source.0, source.2);
     times.iter().map(|&t| apart(&at(source, t), &at(played, t))).fold(0.0, f64::max)
 }
 
-/// Trains a file, exports it with its own clip, plain and into itself, and measures how far both are from it.
+/// Trains a file and exports it with its clip, both plainly and into the file; returns the errors
+/// of both exports.
 #[track_caller]
 fn off_as_exported(folder: &Folder, file: &str) -> [f64; 2] {
     run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
@@ -96,7 +95,7 @@ fn off_as_exported(folder: &Folder, file: &str) -> [f64; 2] {
 /// Cases of later issues.
 const LATER: [&str; 2] = ["squash_leaf", "rigs"];
 
-/// Cases that a test of the same kind covers with problems of its own.
+/// Cases covered by another test of the same behaviour, with other inputs.
 const COVERED: [(&str, &str); 1] =
     [("kernel-fade-rate", "at_every_sample_the_confidence_is_one_and_the_output_the_samples")];
 
@@ -106,12 +105,10 @@ fn every_case_has_a_test() {
     let tests = [
         include_str!("also.rs"),
         include_str!("face.rs"),
-        include_str!("frames.rs"),
+        include_str!("fits.rs"),
         include_str!("gltf.rs"),
         include_str!("kernel.rs"),
-        include_str!("normals.rs"),
         include_str!("playing.rs"),
-        include_str!("signal.rs"),
         include_str!("views.rs"),
         include_str!("words.rs"),
         include_str!("../kernel.rs"),

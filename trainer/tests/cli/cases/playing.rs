@@ -1,4 +1,4 @@
-//! Cases of the folder `gltf`: what plays.
+//! Cases of the folder `gltf`: playing.
 
 use super::glb::Glb;
 use super::{apart, off, off_as_exported, refused, run, with_cases};
@@ -13,7 +13,7 @@ fn steps_and_curves_play_as_the_clip_does() {
         println!("{file}: off by {off:?} %");
         assert!(off.iter().all(|&off| off <= bound), "{file}: {off:?}");
     }
-    // A clip that mixes all three, beginning late; the last key of one joint is not that of the others.
+    // A clip that mixes all three interpolations and starts late; one joint has another last key.
     let mut glb = Glb::read(&folder, "cubic.glb");
     let plain = Glb::read(&folder, "plain.glb");
     let turns: Vec<f32> = plain
@@ -52,7 +52,7 @@ fn a_joint_that_steps_keeps_its_steps_and_jumps_have_two_keys() {
         }
         assert_eq!(played.times(clip, 0), source.times(0, 0));
     }
-    // One joint that moves between keys stays linear, and its keys come in pairs.
+    // A joint that moves between keys stays linear, with pairs of keys.
     let mut mixed = Glb::read(&folder, "step.glb");
     mixed.json["animations"][0]["samplers"][0]["interpolation"] = json!("LINEAR");
     mixed.write(&folder, "mixed.glb");
@@ -74,7 +74,7 @@ fn clips_keep_their_times_and_stay_in_step() {
         let times = glb.times(clip, 0);
         [times[0], times[times.len() - 1]]
     };
-    // A second clip that begins at another time.
+    // A second clip that starts at another time.
     let mut two = Glb::read(&folder, "latestart.glb");
     let times: Vec<f32> = two.times(0, 0).iter().map(|time| (0.5 * time + 4.0) as f32).collect();
     let times = two.floats("SCALAR", 1, &times);
@@ -103,11 +103,11 @@ fn clips_keep_their_times_and_stay_in_step() {
 }
 
 #[test]
-fn binds_tell_what_is_at_rest_and_not_the_pose_of_the_nodes() {
+fn binds_define_the_rest_pose_and_nodes_do_not() {
     let cases = ["gltf/plain.glb", "gltf/posed_tip.glb"];
     let Some(folder) = with_cases("posed", &cases) else { return };
     run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
-    // The same without its mesh, as animations are handed over: the skin stays.
+    // The file without its mesh, as animations are usually exchanged: the skin stays.
     let mut bare = Glb::read(&folder, "posed_tip.glb");
     bare.json["nodes"][3] = json!({ "name": "tube" });
     bare.write(&folder, "bare.glb");
@@ -138,7 +138,7 @@ fn a_prefix_is_named_with_the_option_that_takes_it_away() {
         let line = refused(&folder, &format!("{export}{more}"));
         assert!(line.contains(words), "{line}");
     }
-    // The clip plays the turns of plain.glb the other way round.
+    // The clip plays the rotations of plain.glb in reverse.
     let source = Glb::read(&folder, "clipprefixed.glb");
     let mut expected = Glb::read(&folder, "plain.glb");
     let times: Vec<f32> = source.times(0, 0).iter().map(|&x| x as f32).collect();
@@ -270,7 +270,7 @@ fn helpers_have_more_keys_where_they_bend() {
     let [played, dense] = ["out.glb", "dense.glb"].map(|file| Glb::read(&folder, file));
     let found = played.times(0, 0).len();
     assert!((keys.len() + 1..8 * keys.len()).contains(&found), "{found} keys of {}", keys.len());
-    // The model predicts each of 400 frames a second, and nothing between them.
+    // The model predicts each of the 400 frames per second, and nothing between them.
     for time in dense.times(0, 0) {
         let [own, truth] = [&played, &dense].map(|glb| glb.posed("tube", Some((0, time))));
         let off = apart(&truth, &own);

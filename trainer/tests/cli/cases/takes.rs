@@ -1,4 +1,4 @@
-//! Takes made of those of the folder `face`, as other programs write them.
+//! Variants of the takes in folder `face`, as other programs write them.
 
 use super::with_cases;
 use crate::common::Folder;
@@ -7,7 +7,7 @@ use std::fs;
 
 const TRAIN: &str = "face train --basis face_arkit.npz --animation t.csv -o f.sinew";
 
-/// A take as text: its names, and its rows of cells.
+/// A take as text: names, and rows of cells.
 #[derive(Clone)]
 struct Table {
     names: Vec<String>,
@@ -21,7 +21,7 @@ impl Table {
         Self { names: lines.next().unwrap(), rows: lines.collect() }
     }
 
-    /// The same with weights changed; the first two columns are the time and the count.
+    /// Returns a copy with changed weights; the first two columns are time and count.
     fn weighed(&self, change: impl Fn(f64) -> f64) -> Self {
         let mut all = self.clone();
         for cell in all.rows.iter_mut().flat_map(|row| &mut row[2..]) {
@@ -30,7 +30,7 @@ impl Table {
         all
     }
 
-    /// The same with every weight once more, under other names.
+    /// Returns a copy with a second column for every weight, under other names.
     fn twice(&self, [first, second]: [&str; 2], change: impl Fn(usize, &str) -> String) -> Self {
         let mut all = self.clone();
         for (at, name) in self.names.iter().enumerate().skip(2) {
@@ -74,7 +74,7 @@ fn trained(folder: &Folder, take: &Table, options: &str) -> (Value, Vec<u8>) {
     (folder.sinew(&format!("{TRAIN} --json -q {options}")).json(), folder.read("f.sinew"))
 }
 
-/// Trains on a take, and returns the warnings.
+/// Trains on a take and returns the warnings.
 #[track_caller]
 fn warned(folder: &Folder, take: &Table, options: &str) -> String {
     take.write(folder);
@@ -89,7 +89,7 @@ fn refused(folder: &Folder, text: &[u8]) -> String {
     folder.sinew(&format!("{TRAIN} -q")).failed()
 }
 
-/// Weights of a pinned face, and its options.
+/// Solves a pin with the given options; returns the weights.
 #[track_caller]
 fn pinned(folder: &Folder, options: &str) -> Vec<f64> {
     let run = format!("face pin f.sinew --pin 9=_,_,0.4 -o w.csv --json {options}");
@@ -102,7 +102,7 @@ fn columns_that_drive_one_shape_must_agree() {
     let Some((folder, take)) = with_take("takes-agree") else { return };
     let plain = trained(&folder, &take, "");
     let meshes = ["head_geo.", "teeth_geo."];
-    // The same slider on two meshes, in f64 and in f32, is one slider.
+    // A slider on two meshes, in f64 and in f32, is one slider.
     let narrow = |_: usize, cell: &str| f64::from(cell.parse::<f32>().unwrap()).to_string();
     for change in
         [&|_: usize, cell: &str| cell.to_owned(), &narrow as &dyn Fn(usize, &str) -> String]
@@ -117,7 +117,7 @@ fn columns_that_drive_one_shape_must_agree() {
     );
     let error = refused(&folder, still.as_bytes());
     assert!(error.ends_with(&expected), "{error}");
-    // Two spellings of one name; one row that differs is enough.
+    // Two spellings of a name; one differing row is enough.
     let other = take.with_column("eyeBlink_L", "0.5").text();
     let error = refused(&folder, other.as_bytes());
     assert!(error.contains("columns \"EyeBlinkLeft\" and \"eyeBlink_L\" both drive"), "{error}");
@@ -128,7 +128,8 @@ fn columns_that_drive_one_shape_must_agree() {
     assert!(error.contains(&format!("differ in line {}: ", last + 2)), "{error}");
 }
 
-/// Without a motion the covariance is the identity (METHOD §5.1), so that the prior is the slider norm about the mean.
+/// Without motion the covariance is the identity (METHOD §5.1), so the prior is the slider norm
+/// about the mean.
 #[test]
 fn a_take_that_never_changes_trains() {
     let Some((folder, take)) = with_take("takes-still") else { return };
@@ -148,15 +149,16 @@ fn a_take_that_never_changes_trains() {
     {
         let err = warned(&folder, &still(count, noise), "");
         let frames = if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") };
-        let told = format!("t.csv: weights do not change in {frames}: only their mean is learned");
-        assert!(err.contains(&told), "{count} {noise}: {err}");
+        let message =
+            format!("t.csv: weights do not change in {frames}: only their mean is learned");
+        assert!(err.contains(&message), "{count} {noise}: {err}");
         let (prior, slider) =
             (pinned(&folder, "--anchor mean"), pinned(&folder, "--anchor mean --slider"));
         assert!(prior.iter().zip(&slider).all(|(a, b)| (a - b).abs() < 1e-6), "{count} {noise}");
     }
     let err = warned(&folder, &take, "");
     assert!(!err.contains("do not change"), "{err}");
-    // Weights beyond the range of a file are refused with both names.
+    // Weights outside the range of a file are refused, with the names of both files.
     let error = refused(&folder, take.weighed(|w| 1e12 * w).text().as_bytes());
     assert!(error.contains("face_arkit.npz with t.csv: the runtime refuses"), "{error}");
 }
@@ -169,28 +171,28 @@ fn percent_are_noticed_and_taken() {
     let percent = take.weighed(|w| 100.0 * w);
     let err = warned(&folder, &percent, "");
     let (column, line, largest) = largest(&percent);
-    let told = format!(
+    let message = format!(
         "t.csv: the largest weight is {largest}, of column {column:?} in line {line}, and 1 is the full shape: \
          give --percent if 100 is the full shape, or divide the weights by their full value"
     );
-    assert!(err.contains(&told), "{err}");
+    assert!(err.contains(&message), "{err}");
     let err = warned(&folder, &percent, "--percent");
     assert!(!err.contains("largest"), "{err}");
     let found = pinned(&folder, "--anchor mean");
     assert!(expected.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?}");
-    // A little beyond the full shape, and below 0, is nothing unusual.
+    // Slightly above the full shape, or below 0: not unusual.
     for change in [|w: f64| 1.5 * w, |w: f64| -w] {
         assert!(!warned(&folder, &take.weighed(change), "").contains("largest"));
     }
-    for (take, options, told) in [
+    for (take, options, message) in [
         (take.weighed(|w| -10.0 * w), "", "give --percent if 100 is the full shape"),
         (take.clone(), "--percent", "100 is the full shape: leave --percent out"),
         (take.weighed(|w| 255.0 * w), "--percent", "divide the weights by their full value"),
     ] {
         let err = warned(&folder, &take, options);
-        assert!(err.contains(told), "{err}");
+        assert!(err.contains(message), "{err}");
     }
-    // Wherever weights are read.
+    // Also everywhere else that reads weights.
     trained(&folder, &take, "");
     percent.write(&folder);
     let weights = |file: &str| pinned(&folder, &format!("--weights {file} -q"));
@@ -198,7 +200,8 @@ fn percent_are_noticed_and_taken() {
     assert!(from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1e-5), "{from:?} {to:?}");
 }
 
-/// The column, the line and the value of the largest weight that drives a shape of the face.
+/// Returns the column, the line and the value of the largest weight that drives a shape of the
+/// face.
 fn largest(take: &Table) -> (String, usize, f64) {
     let shapes = [
         "EyeBlinkLeft",
@@ -247,7 +250,7 @@ fn prefixes_stand_before_any_column() {
         "Face ",
     ] {
         let mut prefixed = lossy.clone();
-        // The time and the count have it, or not.
+        // With and without the prefix on time and count.
         for skip in [0, 2] {
             prefixed.names.clone_from(&lossy.names);
             prefixed.names.iter_mut().skip(skip).for_each(|name| name.insert_str(0, prefix));
@@ -257,7 +260,7 @@ fn prefixes_stand_before_any_column() {
 }
 
 #[test]
-fn what_is_no_take_is_told_in_few_words() {
+fn other_tables_than_takes_are_refused_briefly() {
     let Some((folder, take)) = with_take("takes-words") else { return };
     let remedy = "name each column after a shape of the face, or remove the column";
     for name in ["Confidence", "FrameNumber", "Date", "Name", "Index", "Comment", "Unnamed: 0"] {
@@ -274,7 +277,7 @@ fn what_is_no_take_is_told_in_few_words() {
     suffixed.names.iter_mut().skip(2).for_each(|name| name.push_str("_x1"));
     let error = refused(&folder, suffixed.text().as_bytes());
     assert!(error.contains(" and 56 more: name each column"), "{error}");
-    // Lines above the names, and none.
+    // Lines above the names, and a missing line of names.
     let text = take.text();
     for title in ["# exported", "sep=,", "Exported by X, take 3"] {
         let error = refused(&folder, format!("{title}\n{text}").as_bytes());
@@ -302,10 +305,10 @@ fn what_is_no_take_is_told_in_few_words() {
             format!(": expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
         assert!(error.ends_with(&expected), "{error}");
     }
-    // Of many columns without a shape the first are told.
+    // Of many columns without a shape, the first are listed.
     let err = warned(&folder, &take, "");
-    let told = "left out: EyeLookDownLeft, EyeLookInLeft, EyeLookOutLeft, EyeLookUpLeft, EyeSquintLeft and 47 more\n";
-    assert!(err.contains(told), "{err}");
+    let message = "left out: EyeLookDownLeft, EyeLookInLeft, EyeLookOutLeft, EyeLookUpLeft, EyeSquintLeft and 47 more\n";
+    assert!(err.contains(message), "{err}");
 }
 
 #[test]

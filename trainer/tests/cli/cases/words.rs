@@ -1,4 +1,4 @@
-//! Warnings: each is printed once, and names the user's own things.
+//! Warnings: each appears once, with the user's names.
 
 use super::glb::Glb;
 use super::with_cases;
@@ -6,7 +6,7 @@ use crate::common::{Folder, Run, Set};
 use crate::shared::shared;
 use serde_json::json;
 
-/// Lines of both streams that hold all these words.
+/// Returns the lines of both streams that contain all the words.
 fn lines<'a>(run: &'a Run, words: &[&str]) -> Vec<&'a str> {
     let all = run.err.lines().chain(run.out.lines());
     all.filter(|line| words.iter().all(|word| line.contains(word))).collect()
@@ -73,7 +73,8 @@ fn a_joint_near_a_half_turn_is_named_once() {
     assert_eq!(lines(&run, &["b_LeftHand_011", "166°"]).len(), 1, "{run:?}");
 }
 
-/// Writes a GLB whose accessor `name` of the first primitive has another number at its second element.
+/// Returns a GLB in which the second element of the first primitive's accessor `name` has another
+/// number.
 fn spoiled(glb: &[u8], name: &str, number: f32) -> Vec<u8> {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
@@ -105,7 +106,7 @@ fn a_joint_weight_that_is_not_finite_is_named_and_not_called_absent() {
     let Some(folder) = with_cases("weight-words", &["gltf/plain.glb"]) else { return };
     let glb = folder.read("plain.glb");
     for (number, word) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
-        // The weights of vertex 0 follow each other; the fourth number is its last.
+        // The four weights of vertex 0 are contiguous; the fourth number is its last weight.
         std::fs::write(folder.path("bad.glb"), spoiled(&glb, "WEIGHTS_0", number)).unwrap();
         let expected = format!(
             "bad.glb: mesh tube: vertex 0 has the joint weight {word}, expected a finite number: normalize the weights \
@@ -131,7 +132,7 @@ fn a_pose_that_is_not_finite_is_named_by_the_file_that_has_it() {
         line.starts_with("bad.glb: the animated pose is not finite at frame 0, joint "),
         "{line}"
     );
-    // As it plays, it is a sequence of meshes.
+    // The file contains an animation, so it is read as a sequence of meshes.
     let line = folder.sinew("train plain.glb --targets bad.glb -o m.sinew").failed();
     assert!(
         line.starts_with("bad.glb: its vertices are not finite in frame 0, at vertex "),
@@ -174,23 +175,23 @@ fn a_scene_that_is_cut_short_says_how_long_it_should_be_to_every_command() {
 }
 
 #[test]
-fn what_several_files_have_in_common_is_warned_of_once() {
+fn common_findings_of_several_files_are_reported_once() {
     let Some(folder) = with_cases("twice", &["gltf/plain.glb"]) else { return };
     std::fs::copy(folder.path("plain.glb"), folder.path("second.glb")).unwrap();
     for (files, names) in
         [("plain.glb second.glb", "plain.glb, second.glb"), ("plain.glb plain.glb", "plain.glb")]
     {
         let run = folder.sinew(&format!("train {files} --predictor kernel -o m.sinew"));
-        let told = lines(&run, &["no shapes move and no targets are given"]);
-        assert_eq!(told.len(), 1, "{run:?}");
-        assert!(told[0].starts_with(&format!("sinew: warning: {names}: no shapes")), "{run:?}");
+        let found = lines(&run, &["no shapes move and no targets are given"]);
+        assert_eq!(found.len(), 1, "{run:?}");
+        assert!(found[0].starts_with(&format!("sinew: warning: {names}: no shapes")), "{run:?}");
     }
 }
 
 #[test]
 fn a_share_that_runs_are_too_short_for_is_not_called_held_out() {
     let folder = Folder::with_demo("rounded");
-    // Of 52 frames in runs of 10 or 11, each keeps one to train.
+    // 52 frames in runs of 10 or 11: each run keeps one frame for training.
     let train = "train demo.npz -o m.sinew --predictor kernel --proxies 2 --hold-out";
     let run = folder.sinew(&format!("{train} 0.5"));
     assert_eq!((run.code, run.err.as_str()), (Some(0), ""));

@@ -1,9 +1,8 @@
-//! What an artist's file holds beside is left alone, and what cannot be taken is refused.
+//! An artist's file keeps its other content, and unsuitable files are refused.
 
 use super::super::scene::Scene;
 use super::super::validator::valid;
-use super::file::Glb;
-use super::{Character, export_into};
+use super::{Character, Glb, export_into};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
@@ -20,8 +19,8 @@ fn into(character: &Character, file: &Path) -> Result<Grafted, ExportError> {
     export_into(model, examples, clips, &[], file)
 }
 
-/// The demo with all that an artist may have beside: a material, a texture, a hat with a shape, a camera, a
-/// light, extras everywhere, and numbers that no float of a parser in a hurry gives back.
+/// The demo with everything that an artist may add: a material, a texture, a hat with a shape, a
+/// camera, a light, extras everywhere, and numbers that an inexact float parser would change.
 fn decorated() -> Character {
     let mut character = Character::new();
     let glb = &mut character.glb;
@@ -81,7 +80,7 @@ fn decorated() -> Character {
     character
 }
 
-/// Lists where two trees differ.
+/// Lists the places where two trees differ.
 fn differences(place: &str, a: &Value, b: &Value, found: &mut Vec<String>) {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
@@ -118,7 +117,7 @@ fn only_what_moves_the_mesh_changes() {
     assert!(after.bytes.starts_with(&before.bytes), "bytes are appended");
     let mut found = Vec::new();
     differences("", &before.json, &after.json, &mut found);
-    // Joints take proxies; arrays of the old skin, joints and weights give their places to new ones.
+    // Joints get proxies as children; arrays of the old skin, joints and weights are replaced.
     let primitive = &before.json["meshes"][0]["primitives"][0]["attributes"];
     let freed = ["JOINTS_0", "WEIGHTS_0"].map(|name| &primitive[name]);
     let freed: Vec<u64> = freed
@@ -165,7 +164,7 @@ fn a_gltf_with_files_beside_it_becomes_one_file() {
     json["images"] = json!([{ "uri": "red%20one.png", "name": "red" }]);
     std::fs::write(folder.join("red one.png"), STANDARD.decode(PIXEL).unwrap()).unwrap();
     std::fs::write(folder.join("a.bin"), &character.glb.bytes).unwrap();
-    // A second buffer, from which the hat comes.
+    // A second buffer, which holds the hat.
     let hat = json["accessors"].as_array().unwrap().iter().find(|a| a["name"] == "brim").unwrap();
     let hat = hat["bufferView"].as_u64().unwrap() as usize;
     let data = STANDARD.encode([&[1, 2, 3, 4], character.glb.seen(hat)].concat());
@@ -216,7 +215,7 @@ fn positions(glb: &Glb) -> usize {
 }
 
 #[test]
-fn what_cannot_take_the_model_is_refused() {
+fn unsuitable_files_are_refused() {
     let scene = |error: IntoError| match error {
         IntoError::File(error) => match error.error {
             FormatError::Scene(error) => error,
@@ -230,7 +229,8 @@ fn what_cannot_take_the_model_is_refused() {
     }
     let error = scene(refused("short", |glb| glb.bytes.truncate(100)));
     assert!(matches!(error, SceneError::Buffer { buffer: 0, .. } | SceneError::Accessor { .. }));
-    // No turn and no scale undoes this, and none brings one vertex to the place of another.
+    // No rotation and scale undoes this deformation, and none moves a vertex to another vertex's
+    // place.
     let other = refused("other", |glb| {
         glb.change(positions(glb), 3, |x| x[1] = 1.7 * x[1] + 7.7 + 0.31 * x[0] * x[2]);
     });

@@ -1,10 +1,9 @@
-//! An artist's file plays what the runtime computes.
+//! An artist's file plays the skin that the runtime computes.
 
 use super::super::scene::Scene;
 use super::super::validator::valid;
 use super::super::{clip, model, pose, runtime_skin, set};
-use super::file::Glb;
-use super::{Character, Clip, Examples, export_into};
+use super::{Character, Clip, Examples, Glb, export_into};
 use nalgebra::{Matrix4, Vector3};
 use serde_json::json;
 use sinew_runtime::Model;
@@ -14,23 +13,23 @@ use sinew_trainer::examples::{Loaded, Source, load};
 use sinew_trainer::export::Grafted;
 use std::path::Path;
 
-/// Greatest distance from the runtime's skin, as a share of the rest diagonal.
+/// Largest distance from the runtime's skin, as a share of the rest diagonal.
 const NEAR: f64 = 1e-4;
 
-/// What a file is held against.
+/// Expected content of a file.
 struct Expected<'a> {
     mesh: &'a str,
     examples: &'a Examples,
     model: &'a [u8],
     clips: &'a [Clip],
-    /// Where a point of the runtime's is in the world of the file.
+    /// Maps a point of the runtime to the file's world.
     world: &'a dyn Fn(Vector3<f64>) -> Vector3<f64>,
-    /// How many metres of the file's world a metre of the model is.
+    /// Scale of the file's world: metres in the file per metre of the model.
     unit: f64,
 }
 
-/// Puts a model into a file and holds every vertex against the runtime's nearest, which it must be one
-/// of, key by key.
+/// Exports a model into a file and compares every vertex with the runtime's nearest vertex at every
+/// key. At rest, the two must coincide.
 #[track_caller]
 fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
     let Expected { mesh, examples, model, clips, world, unit } = *expected;
@@ -39,7 +38,7 @@ fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
     let scene = Scene::read(&grafted.glb);
     let loaded = Model::from_bytes(model).unwrap();
     let node = scene.gltf.nodes().nth(scene.node(mesh)).unwrap();
-    // The vertices of the file are the model's, at rest in the model and in the file alike.
+    // At rest, the file's vertices are at the places of the model's vertices.
     let rest = Scene::read(&std::fs::read(file).unwrap());
     let at_rest = rest.posed(mesh, &rest.worlds(None));
     let close = 1e-4 * unit * examples.diagonal();
@@ -101,9 +100,9 @@ fn in_the_file_that_it_was_trained_on() {
     assert_eq!(grafted.kept_animations, ["train", "held-out"]);
 }
 
-/// A mesh that the file does not have goes with the model's joints, wherever those stand in the file.
+/// A mesh that the file lacks follows the model's joints, wherever they are in the file.
 #[test]
-fn a_further_mesh_is_added_beside() {
+fn a_further_mesh_is_added() {
     let mut character = Character::new();
     character.glb.json["nodes"][0]["scale"] = json!([0.5, 0.5, 0.5]);
     let Character { examples, clips, glb, model } = &character;
@@ -126,13 +125,13 @@ fn a_further_mesh_is_added_beside() {
             let [own, further] = ["skin", "lod1"].map(|mesh| scene.posed(mesh, &worlds));
             let apart = own.iter().zip(&further).map(|(a, b)| (a - b).norm());
             let apart = apart.fold(0.0, f64::max);
-            // The same mesh, with weights that were fitted to where it goes.
+            // The mesh is unchanged, with weights fitted to its destination.
             assert!(apart < 0.01 * examples.diagonal(), "{apart}");
         }
     }
 }
 
-/// As exporters do that keep z up and centimetres, and put both right above the joints.
+/// Some exporters keep z up and centimetres, and convert both in a node above the joints.
 #[test]
 fn under_an_armature_that_scales_and_turns() {
     let mut character = Character::new();
@@ -159,7 +158,7 @@ fn under_an_armature_that_scales_and_turns() {
     assert_eq!(grafted.kept_animations, [""; 0]);
 }
 
-/// The mesh in other axes and another unit than the joints, which stand as in the model.
+/// The mesh has other axes and another unit than the joints, which are as in the model.
 #[test]
 fn where_the_mesh_has_other_axes_than_the_model() {
     let mut character = Character::new();
@@ -184,7 +183,7 @@ fn where_the_mesh_has_other_axes_than_the_model() {
     check_demo("axes", &character, &|x| x);
 }
 
-/// Joints by matrices, one of them missing, and a mesh under the armature.
+/// Joints given by matrices, one of them missing, and a mesh under the armature.
 #[test]
 fn where_joints_are_matrices_or_missing() {
     let mut character = Character::new();
@@ -245,7 +244,7 @@ fn a_mesh_without_a_skin_takes_the_joints_with_it() {
         let skin = runtime_skin(&runtime, &pose(examples, key));
         let shift = Vector3::new(1.0, 2.0, 3.0);
         let far = found.iter().zip(skin).map(|(x, y)| (x - y - shift).norm()).fold(0.0, f64::max);
-        // Where the file shows the rest mesh is where its poses begin.
+        // The poses start from the place where the file shows the rest mesh.
         assert!(far < NEAR * examples.diagonal(), "{far}");
     }
     std::fs::remove_file(file).unwrap();
@@ -273,10 +272,10 @@ fn fox_in_its_own_file() {
     assert_eq!(before.seen(7), after.seen(7), "the image");
 }
 
-/// A model of posed meshes in metres with z up, and what the glTF exporter makes of the same character:
-/// y up, vertices split along seams, two materials, shapes.
+/// A model of posed meshes in metres with z up, and the glTF exporter's file of that character: y
+/// up, vertices split along seams, two materials, shapes.
 #[test]
-fn a_leg_in_what_blender_exports_of_it() {
+fn a_leg_in_blenders_export() {
     let Some(examples) = set("leg/leg.npz") else { return };
     let Some(path) = super::super::shared::shared("leg/leg.glb") else { return };
     let model = model(&examples, Predictor::Kernel, 6, 4);

@@ -1,4 +1,5 @@
-//! Cases of the folder `normals`: a tube of three rings, whose long thin faces bend at the middle one.
+//! Cases of the folders `frames` and `normals`. `normals` holds a tube of three rings, whose long
+//! thin faces bend at the middle ring.
 
 use super::with_cases;
 use serde_json::Value;
@@ -37,4 +38,17 @@ fn authored_normals_of_an_exact_linear_skin_are_near_the_truth() {
     let found = folder.sinew("-q eval m.sinew own.glb --json").json();
     at_most(&found, "normal_rms_degrees", 2.0);
     at_most(&found["lbs"], "normal_rms_degrees", 2.0);
+}
+
+#[test]
+fn an_exact_linear_skin_that_rarely_moves_keeps_all_frames() {
+    let Some(folder) = with_cases("punch", &["frames/punch.glb"]) else { return };
+    let found = folder.sinew("check punch.glb --json");
+    let found: Value = serde_json::from_str(&found.out).unwrap();
+    let kinds: Vec<_> = found["findings"].as_array().unwrap().iter().map(|f| &f["kind"]).collect();
+    assert!(kinds.iter().all(|kind| *kind != "broken"), "{kinds:?}");
+    folder.sinew("-q train punch.glb -o m.sinew --json");
+    let found = folder.sinew("-q eval m.sinew punch.glb --json").json();
+    let error = found["lbs"]["rms_percent"].as_f64().unwrap();
+    assert!(error <= 1e-4 && found["frames"] == 21, "{found}");
 }

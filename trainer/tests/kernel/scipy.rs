@@ -1,6 +1,9 @@
-//! What SciPy's own tests ask of `RBFInterpolator`, of all samples and of 20 neighbours, asked of ours.
+//! The bounds of SciPy's own tests of `RBFInterpolator`, for all samples and for 20 neighbours,
+//! applied to our interpolator; and SciPy's results, computed by SciPy 1.17.1.
 
-use crate::common::{apart, franke, franke_at, halton, random, rows, wahba_at};
+use crate::common::{
+    apart, franke, franke_at, halton, json, matrix as read_matrix, random, rows, wahba_at,
+};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use sinew_runtime::kernel::Kernel;
@@ -15,7 +18,7 @@ use sinew_trainer::scattered::sum::{monomials, powers};
 
 const INVARIANT: [&str; 4] = ["linear", "thin_plate_spline", "cubic", "quintic"];
 const OTHERS: [&str; 4] = ["multiquadric", "inverse_multiquadric", "inverse_quadratic", "gaussian"];
-/// All samples, 20 neighbours, as many neighbours as there are samples.
+/// All samples, 20 neighbours, as many neighbours as samples.
 const NEIGHBOURS: [Option<usize>; 3] = [None, Some(20), Some(usize::MAX)];
 
 fn all() -> impl Iterator<Item = &'static str> {
@@ -33,7 +36,7 @@ fn at(sites: &Mat<f64>, values: &Mat<f64>, options: &ScipyOptions, queries: &Mat
     Mat::from_fn(found.len(), values.ncols(), |i, o| found[i][o])
 }
 
-/// Values of the monomials up to a degree, n x T.
+/// Evaluates the monomials up to a degree, n x T.
 fn monomials_at(points: &Mat<f64>, degree: usize) -> Mat<f64> {
     let terms = monomials(points.ncols(), degree);
     let values: Vec<Vec<f64>> = rows(points).iter().map(|x| powers(&terms, x)).collect();
@@ -44,12 +47,12 @@ fn scaled(points: &Mat<f64>, scale: f64, shift: f64) -> Mat<f64> {
     Mat::from_fn(points.nrows(), points.ncols(), |i, c| points[(i, c)] * scale + shift)
 }
 
-/// `n` samples on 0 to 3 of Wahba's function and queries beside them.
+/// Returns `n` samples of Wahba's function on 0 to 3, and queries between them.
 fn line(n: usize) -> (Mat<f64>, Mat<f64>) {
     (scaled(&halton(0, n, 1), 3.0, 0.0), scaled(&halton(n, 50, 1), 3.0, 0.0))
 }
 
-/// 100 points of the unit square and 100 others.
+/// Returns 100 points of the unit square, and 100 other points.
 fn square() -> (Mat<f64>, Mat<f64>) {
     (halton(0, 100, 2), halton(100, 100, 2))
 }
@@ -67,7 +70,7 @@ fn kernels_are_definite_where_polynomials_reach_their_order() {
                     0 => Mat::zeros(10, 0),
                     order => monomials_at(&points, order - 1),
                 };
-                // In 5 inputs degree 2 has more monomials than there are points.
+                // In 5 inputs, degree 2 has more monomials than there are points.
                 if p.ncols() < 10 {
                     let definite = System::new(&k, &p).whitened(&Mat::zeros(10, 1)).is_some();
                     assert!(definite, "{kernel:?} {d} {round}");
@@ -115,7 +118,7 @@ fn domains_may_be_vast_and_far_away() {
 #[test]
 fn polynomials_of_the_degree_are_reproduced() {
     for neighbours in NEIGHBOURS {
-        // 1,033 queries are what SciPy evaluates in several chunks.
+        // SciPy evaluates 1,033 queries in several chunks.
         let (x, queries) = (halton(0, 50, 2), halton(50, 1033, 2));
         let coefficients = random(0, 10, 1);
         let y = monomials_at(&x, 3) * &coefficients;
@@ -128,7 +131,7 @@ fn polynomials_of_the_degree_are_reproduced() {
 
 #[test]
 fn several_values_are_each_alone() {
-    // Complex ones are two.
+    // Complex values are two columns.
     let (x, queries) = square();
     let y = Mat::from_fn(100, 2, |i, o| franke(x[(i, o)], x[(i, 1 - o)]));
     for neighbours in NEIGHBOURS {
@@ -161,7 +164,7 @@ fn functions_are_found_between_their_samples() {
 fn some_smoothing_removes_noise() {
     let x = line(100).0;
     let truth = wahba_at(&x);
-    // Twelve uniform numbers make nearly a normal one.
+    // A sum of twelve uniform numbers is almost normal.
     let uniform = random(1, 100, 12);
     let y = Mat::from_fn(100, 1, |i, _| truth[(i, 0)] + 0.2 * uniform.row(i).sum() / 2.0);
     assert!((&y - &truth).norm_l2() / 10.0 > 0.15, "there is noise to remove");
@@ -241,7 +244,7 @@ fn one_sample_is_a_constant() {
     }
 }
 
-/// Five samples on a line.
+/// Returns five samples on a line.
 fn five() -> (Mat<f64>, Mat<f64>) {
     (Mat::from_fn(5, 1, |i, _| 0.25 * i as f64), Mat::zeros(5, 1))
 }
@@ -310,4 +313,61 @@ fn samples_on_a_line_of_the_plane_are_singular() {
         };
         assert_eq!(refused, ScipyError::Rank { rank: 2, terms: 3 });
     }
+}
+
+/// Tolerance relative to the range of the expected values (METHOD §2.7).
+const TOLERANCE: f64 = 1e-9;
+
+#[test]
+fn every_case_is_scipys_to_a_billionth_of_its_range() {
+    let Some(file) = json("rbf-scipy/rbf_reference.json") else { return };
+    let cases = file["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 23);
+    for case in cases {
+        let options: ScipyOptions = serde_json::from_value(case["options"].clone()).unwrap();
+        let [sites, values, queries, expected] =
+            ["sites", "values", "queries", "expected"].map(|name| read_matrix(&case[name]));
+        let found = RbfInterpolator::new(&sites, &values, &options).unwrap();
+        let found = evaluate(&found, &queries);
+        let all = || rows(&expected).concat().into_iter();
+        let range = all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min);
+        let share = apart(&found, &expected) / range;
+        println!("{}: {share:.1e}", case["name"]);
+        assert!(share <= TOLERANCE, "{}: {share:.1e}", case["name"]);
+    }
+}
+
+/// Evaluates a function at queries, q x m.
+fn evaluate(function: &RbfInterpolator, queries: &Mat<f64>) -> Mat<f64> {
+    let all: Vec<Vec<f64>> = rows(queries).iter().map(|x| function.evaluate(x).unwrap()).collect();
+    Mat::from_fn(all.len(), all[0].len(), |i, o| all[i][o])
+}
+
+#[test]
+fn the_posts_table_is_scipys() {
+    let Some(file) = json("../reference/seed002_reference.json") else { return };
+    let [sites, values, grid] =
+        ["samples", "outputs", "grid_points"].map(|n| read_matrix(&file[n]));
+    let cases = file["scipy_rbfinterpolator"].as_array().unwrap();
+    assert_eq!(cases.len(), 16);
+    for case in cases {
+        let options = ScipyOptions {
+            kernel: case["kernel"].as_str().unwrap().into(),
+            epsilon: case["epsilon"].as_f64(),
+            smoothing: serde_json::from_value(case["smoothing"].clone()).unwrap(),
+            ..ScipyOptions::default()
+        };
+        let found = RbfInterpolator::new(&sites, &values, &options).unwrap();
+        let kernels = case["coeffs"].as_array().unwrap()[..5].to_vec();
+        let own = &found.whole().unwrap().0.coefficients.subcols(0, 5).transpose().to_owned();
+        assert!(apart(own, &read_matrix(&kernels.into())) < 1e-11, "{options:?}");
+        assert!(apart(&evaluate(&found, &sites), &read_matrix(&case["at_samples"])) < 1e-11);
+        assert!(
+            apart(&evaluate(&found, &grid), &read_matrix(&case["grid"])) < 1e-11,
+            "{options:?}"
+        );
+    }
+    let quintic = ScipyOptions { kernel: "quintic".into(), ..ScipyOptions::default() };
+    let refused = RbfInterpolator::new(&sites, &values, &quintic).unwrap_err().to_string();
+    assert_eq!(refused, "degree 2 in 2 inputs needs 6 samples, found 5");
 }

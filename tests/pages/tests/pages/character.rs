@@ -1,17 +1,49 @@
-//! "Your skeleton", "Scale", "Levels of detail": poses of an engine's skeleton.
+//! An engine's character: "Your mesh", "Your skeleton", "Scale", "Levels of detail", "Far from the
+//! origin".
 
 use crate::math::{diagonal, farthest, palette, product, rest, skinned};
 use crate::shown::axes::TO_ENGINE;
-use crate::shown::{scale, seen, skeleton};
+use crate::shown::place::place;
+use crate::shown::{mesh, scale, seen, skeleton, vertices};
 use pages::arm;
 use sinew_runtime::envelope::{FOLDED, PoseFaultKind, Predictor};
 use sinew_runtime::{CallErrorKind, Matrix3x4, Model};
 
-/// Where the engine's actor stands, and the inverse of that.
+#[test]
+fn a_mesh_in_another_order_is_matched_and_skinned() {
+    let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
+    let skin = model.skin().unwrap();
+    let v = skin.vertex_len();
+    // In reverse order, with every third vertex twice.
+    let own: Vec<usize> =
+        (0..v).rev().flat_map(|v| [v; 2].into_iter().take(1 + usize::from(v % 3 == 0))).collect();
+    let vertex = |&v: &usize| (skin.rest_position(v).unwrap(), skin.rest_normal(v).unwrap());
+    let all: Vec<_> = own.iter().map(vertex).collect();
+    let size = diagonal(&rest(&skin));
+    let (remap, off) = mesh::remap(&skin, &all, size / 1000.0);
+    assert!(off == 0.0);
+    let (palette, _) = palette(&model.envelope().unwrap(), &arm::pose(&arm::EXAMPLES, 35));
+    let mut buffer = vec![7.0; 8 * own.len()];
+    vertices::skin_mesh(skin, &palette, &remap, &mut buffer).unwrap();
+    let expected = skinned(&model, &palette);
+    let expected: Vec<_> = own.iter().map(|&v| expected[v]).collect();
+    let found: Vec<_> =
+        buffer.chunks_exact(8).map(|vertex| [vertex[0], vertex[1], vertex[2]]).collect();
+    assert!(farthest(&found, &expected, size) < 1e-6);
+    assert!(
+        buffer.chunks_exact(8).all(|vertex| vertex[6..] == [7.0; 2]),
+        "texture coordinates stay"
+    );
+    // In centimetres, it is a different mesh.
+    let other: Vec<_> = all.iter().map(|(x, n)| (x.map(|x| 100.0 * x), *n)).collect();
+    assert!(mesh::remap(&skin, &other, size / 1000.0).1 > size);
+}
+
+/// Transform of the engine's actor, and its inverse.
 const ACTOR: Matrix3x4 = [[0.0, -1.0, 0.0, 3.0], [1.0, 0.0, 0.0, -2.0], [0.0, 0.0, 1.0, 1.0]];
 const TO_MODEL: Matrix3x4 = [[0.0, 1.0, 0.0, 2.0], [-1.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, -1.0]];
 
-/// How far off the arm is that is scaled by 1.1, by predictor, as the page says.
+/// Error of the arm scaled by 1.1, by predictor: the figures of the page.
 const SCALED: [(Predictor, f32); 2] =
     [(Predictor::Kernel, 0.00079), (Predictor::Rotational, 0.414)];
 
@@ -20,7 +52,7 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let envelope = model.envelope().unwrap();
     let expected = arm::pose(&arm::EXAMPLES, 35);
-    // Backwards, with a root of the world, and a sword in between.
+    // In reverse order, with a root of the world and a sword in between.
     let mut names = vec!["world", "sword"];
     let mut world = vec![[[7.0; 4]; 3]; 2];
     for joint in (0..envelope.joint_len()).rev() {
@@ -36,14 +68,14 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let off = farthest(&skin_of(&pose), &skin_of(&expected), size);
     println!("skeleton: {off:.1e} of the diagonal");
     assert!(off < 1e-5);
-    // A skeleton without the twist of the forearm: it follows its parent.
+    // A skeleton without the forearm's twist joint: the joint follows its parent.
     let twist = names.iter().position(|name| *name == "forearm_twist").unwrap();
     names[twist] = "spare";
     let map = skeleton::bind(&envelope, &names).unwrap();
     let folded = map.iter().position(|place| *place == FOLDED).unwrap();
     skeleton::pose(&envelope, &map, &world, &TO_MODEL, &mut pose).unwrap();
     assert_eq!(pose[folded], pose[envelope.parent(folded).unwrap()]);
-    // What an engine does wrong first is told apart.
+    // Distinguishes the most common faults of engines.
     let fault = |pose: &[Matrix3x4]| envelope.check_pose(pose).unwrap_err().kind;
     assert!(envelope.check_pose(&expected).is_ok());
     let mut converted = arm::EXAMPLES.clone();
@@ -54,7 +86,7 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let frames: Vec<_> = (0..pose.len()).map(|joint| world[pose.len() + 1 - joint]).collect();
     assert_eq!(fault(&frames), PoseFaultKind::Frames);
     assert_eq!(fault(&vec![[[0.0; 4]; 3]; pose.len()]), PoseFaultKind::Unset);
-    // An importer's prefix, and a skeleton of another character.
+    // An importer's prefix, and the skeleton of another character.
     let prefixed: Vec<String> = names.iter().map(|name| format!("mixamorig:{name}")).collect();
     let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
     let refused = skeleton::bind(&envelope, &prefixed).unwrap_err();
@@ -89,7 +121,7 @@ fn a_scaled_actor_is_wrong_and_certain_until_its_scale_is_taken_out() {
 }
 
 #[test]
-fn joints_alone_do_where_their_error_is_not_seen() {
+fn joints_suffice_where_their_error_is_invisible() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let envelope = model.envelope().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 35);
@@ -104,4 +136,42 @@ fn joints_alone_do_where_their_error_is_not_seen() {
     seen::palette_seen(&envelope, &pose, seen, &mut scratch, &mut found).unwrap();
     let off = farthest(&skinned(&model, &found), &skinned(&model, &full), certificate.diagonal);
     assert!(off > 0.0 && off < 0.2, "{off}");
+}
+
+/// Distance of the arm and RMS error of its skin, both in metres: the figures of the page.
+const FAR: [(f32, f32); 3] = [(1e3, 7e-5), (1e4, 1e-3), (1e5, 8e-3)];
+
+#[test]
+fn a_far_pose_has_the_error_of_the_page_and_a_near_camera_has_none() {
+    let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
+    let envelope = model.envelope().unwrap();
+    let pose = arm::pose(&arm::EXAMPLES, 36);
+    let (near, _) = palette(&envelope, &pose);
+    let expected = skinned(&model, &near);
+    let world = |distance: f32| -> Matrix3x4 {
+        [[1.0, 0.0, 0.0, distance], [0.0, 1.0, 0.0, distance], [0.0, 0.0, 1.0, 0.0]]
+    };
+    let rms = |found: &[[f32; 3]], distance: f32| {
+        let off = |(found, own): (&[f32; 3], &[f32; 3])| {
+            let distance = f64::from(distance);
+            let own = own.map(f64::from);
+            let own = [own[0] + distance, own[1] + distance, own[2]];
+            (0..3).map(|c| (f64::from(found[c]) - own[c]).powi(2)).sum::<f64>()
+        };
+        let all = found.iter().zip(&expected).map(off).sum::<f64>();
+        (all / expected.len() as f64).sqrt() as f32
+    };
+    for (distance, said) in FAR {
+        let far: Vec<_> = pose.iter().map(|matrix| product(&world(distance), matrix)).collect();
+        let (far, confidence) = palette(&envelope, &far);
+        let off = rms(&skinned(&model, &far), distance);
+        println!("far: {distance:e} m: {off:.1e} m, confidence {confidence:.3}");
+        assert!((0.5 * said..1.5 * said).contains(&off) && confidence > 0.99, "{off}");
+    }
+    // A camera 2 m away from the arm, far out.
+    let mut placed = near.clone();
+    place(&world(2.0), &mut placed);
+    let off = rms(&skinned(&model, &placed), 2.0);
+    println!("far: beside the camera {off:.1e} m");
+    assert!(off < 1e-6, "{off}");
 }
