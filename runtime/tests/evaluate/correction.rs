@@ -5,7 +5,7 @@ use crate::common::{
     with_predictor,
 };
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups};
-use sinew_runtime::envelope::{GroupKernel, Predictor, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, Predictor};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
@@ -102,7 +102,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     };
     let mut latent = times(&group.coefficients, &[basis.clone(), x.clone()].concat());
     let certainty = latent.split_off(latent.len() - group.certainty);
-    let Trust { reach, linear, signal, noise } = group.trust;
+    let GroupConfidence { reach, linear, signal, noise } = group.confidence;
     let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(f64::from);
     let apart = x.iter().map(|x| x * x).sum::<f64>();
     let prior = (1.0 - (1.0 + basis[0]).powi(2) + linear * apart).max(0.0);
@@ -254,10 +254,10 @@ fn each_number_of_a_group_matters() {
         |g| g.coefficients[0][12] += 0.1,
         |g| g.outputs[11][2] += 0.1,
         |g| g.joint = 2,
-        |g| g.trust.reach = 1e-3,
-        |g| g.trust.linear = 0.5,
-        |g| g.trust.signal = 1.0,
-        |g| g.trust.noise = 1.0,
+        |g| g.confidence.reach = 1e-3,
+        |g| g.confidence.linear = 0.5,
+        |g| g.confidence.signal = 1.0,
+        |g| g.confidence.noise = 1.0,
         |g| g.coefficients[3][2] += 0.5,
         |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,

@@ -14,7 +14,7 @@
 //! [`left_out`].
 //!
 //! **To add a kernel** of METHOD §2.1, positive definite and 1 at its centre:
-//! 1. `runtime/src/envelope/group_kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
+//! 1. `runtime/src/envelope/group/kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
 //!    values in f32, its place in `ALL` (`from_number` takes numbers for consecutive).
 //! 2. [`function`]: value and steepness in f64, and its place in `SMOOTHEST_FIRST`; from then on every
 //!    training tries it. [`map`]: the roundings of its value, and whether the bound there covers its
