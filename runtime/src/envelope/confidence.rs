@@ -1,10 +1,10 @@
-//! Stage confidence: how well a model knows a pose, from the joints' trained ranges (METHOD §1.8) and from the
-//! variance of the kernel maps (METHOD §2.6).
+//! Confidence in a pose: stage confidence, from the joints' trained ranges (METHOD §1.8), and the confidence of the
+//! groups, from the variance of their kernel maps (METHOD §2.6).
 
 use crate::linear::{Le, Matrix3x4, dot};
 use crate::numeric::{greater, lesser, nearness, smoothstep, sqrt};
 
-/// Error that stays unexplained far from the training poses, where the variance says nothing.
+/// Unexplained error far from the training poses, where nothing is explained.
 const FAR: f32 = 1.0e30;
 
 /// Parameters of a group's confidence: how the variance of the group's kernel map becomes an expected error.
@@ -12,8 +12,7 @@ const FAR: f32 = 1.0e30;
 /// Errors are squared distances, divided by the squared distance that counts as no error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GroupConfidence {
-    /// Squared distance from rest up to which the variance counts; the variance counts for nothing from four times
-    /// `reach` on.
+    /// Squared distance from rest where the explained variance starts to fade; it is 0 from four times `reach` on.
     pub reach: f32,
     /// Share of the linear kernel: the prior variance is `1 - G(|x|^2)^2 + linear |x|^2`.
     pub linear: f32,
@@ -26,9 +25,9 @@ pub struct GroupConfidence {
 /// Expected error of a palette without its correction, in two parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ExpectedError {
-    /// Part that the training poses explain, so that the correction removes it.
+    /// Part that the training poses explain. The correction removes this part.
     explained: f32,
-    /// Part that may remain.
+    /// Part that the correction may leave.
     unexplained: f32,
 }
 
@@ -103,7 +102,7 @@ pub(crate) fn of_rotations(ranges: &[[Le; 1]], rotations: &[[f32; 3]]) -> f32 {
 /// Computes the confidence of each joint from its range alone, for an envelope with kernel maps.
 ///
 /// The confidence falls only beyond 1.5 times the range: nearer, the kernel maps know more than the ranges. A joint
-/// that never moved in training is no input of any map, so the joint's range is all that tells about the joint.
+/// that never moved in training is no input of any map, so only its range tells about the joint.
 ///
 /// - `ranges`: as for [`of_rotations`].
 /// - `features`: J matrices. The trace of a matrix is -2 (1 - cos(angle / 2)); the angle is approximated by

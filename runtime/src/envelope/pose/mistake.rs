@@ -15,7 +15,7 @@ const FACTORS: [f32; 2] = [1.0e-7, 1.0e7];
 /// Largest distance from the origin of a frame that counts as the identity, as a share of the diagonal.
 const IDENTITY_REACH: f32 = 1.0e-5;
 
-/// Returns the position of a joint, and the position to which the joint's parent carries it.
+/// Returns two positions of a joint: by its own matrix, and as its parent carries the joint.
 ///
 /// Arguments: the matrices of the joint and of its parent, then the inverse bind matrices of both.
 type Ends = fn([&Matrix3x4; 2], [&Matrix3x4; 2]) -> [[f32; 3]; 2];
@@ -84,7 +84,7 @@ fn other_space(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Option<Kind> {
     SPACES.iter().find(|(_, ends)| all_joined(*ends)).map(|(kind, _)| *kind)
 }
 
-/// Whether the frames from which a pose was gathered are all the identity.
+/// Whether all gathered frames of a pose are the identity.
 fn is_unset(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> bool {
     let reach = IDENTITY_REACH * envelope.certificate().diagonal;
     let is_identity = |m: Matrix3x4| {
@@ -98,7 +98,7 @@ fn is_unset(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> bool {
     frames.all(is_identity)
 }
 
-/// Whether all translations are missing, in the pose or in the frames from which the pose was made.
+/// Whether all translations are missing, in the pose or in its gathered frames.
 ///
 /// The translations of a transposed 4 x 4 matrix are in its last row, which a 3 x 4 matrix drops.
 fn has_lost_translations(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> bool {
