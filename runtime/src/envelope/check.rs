@@ -22,7 +22,7 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     let predictor = counts.predictor;
     // Indices are u16, and the greatest u16 is the sentinel for "none".
     let indexed = u32::from(u16::MAX);
-    // Each group owns at least one proxy.
+    // Each group owns at least one helper.
     let groups = if predictor.corrects() { counts.proxy_len } else { 0 };
     let ranges = [
         (place::JOINTS, 1, loading.limits.joints.min(indexed)),
@@ -110,11 +110,11 @@ fn check_keys(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 
 /// Checks the rows of the groups, and the counts that follow from all rows.
 ///
-/// The groups must own every proxy. The length of section `corrections` and the stated scratch must match the groups.
+/// The groups must own every helper. The length of section `corrections` and the stated scratch must match the groups.
 fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let joint_len = envelope.joint_len() as u32;
     // The sum cannot overflow: at most 2^16 groups, each below 2^40 words.
-    let (mut words, mut proxies, mut scratch) = (0u64, 0, 0);
+    let (mut words, mut helpers, mut scratch) = (0u64, 0, 0);
     for (group, row) in envelope.group_rows().enumerate() {
         let wrong = wrong_row(&row, joint_len).or_else(|| {
             let values = [saturated(words), row.offset];
@@ -124,7 +124,7 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
             return Err(loading.refuse(kind, Some(SectionKind::Groups), group, values));
         }
         words += row.words();
-        proxies += u32::from(row.proxy_len);
+        helpers += u32::from(row.proxy_len);
         scratch = scratch.max(row.scratch_len());
     }
     let section = SectionKind::EnvelopeCounts;
@@ -132,8 +132,8 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let scratch = saturated(scratch as u64);
     let (proxy_len, corrects) = (envelope.proxy_len() as u32, envelope.predictor().corrects());
     let stated = envelope.correction_len() as u32;
-    let (kind, section, place, values) = if corrects && proxies != proxy_len {
-        (Kind::Mismatch, section, place::PROXIES, [proxies, proxy_len])
+    let (kind, section, place, values) = if corrects && helpers != proxy_len {
+        (Kind::Mismatch, section, place::PROXIES, [helpers, proxy_len])
     } else if bytes != found {
         (Kind::Length, SectionKind::Corrections, 0, [bytes, found])
     } else if scratch != stated {

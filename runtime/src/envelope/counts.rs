@@ -59,7 +59,7 @@ impl Predictor {
         matches!(self, Self::Rotational)
     }
 
-    /// Whether kernel maps correct the proxies.
+    /// Whether kernel maps correct the helpers.
     pub const fn corrects(self) -> bool {
         matches!(self, Self::Kernel)
     }

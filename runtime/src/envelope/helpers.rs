@@ -43,11 +43,11 @@ pub(crate) fn correction(
     out_palette: &mut [Matrix3x4],
 ) -> f32 {
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
-    let (_, proxies) = split(out_palette, first);
+    let (_, helpers) = split(out_palette, first);
     let features = joints.as_flattened().as_flattened();
     let mut error = ExpectedError::default();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
-        let out = proxies.get_mut(group.proxies.clone()).unwrap_or_default();
+        let out = helpers.get_mut(group.proxies.clone()).unwrap_or_default();
         let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
         error = error.plus(add_correction(&group, dominant, features, scratch, out));
     }
@@ -123,7 +123,7 @@ fn half_rotation(m: &Columns) -> [[f32; 3]; 3] {
     ]
 }
 
-/// Adds a group's correction to the group's proxies, and returns the expected error.
+/// Adds a group's correction to the group's helpers, and returns the expected error.
 fn add_correction(
     group: &Group<'_>,
     dominant: &Matrix3x4,

@@ -57,7 +57,7 @@ impl<'a> Envelope<'a> {
         self.0.layout.counts[place::JOINTS] as usize
     }
 
-    /// Returns P, the number of proxies; for the kernel predictor, the number of helpers beside the joints.
+    /// Returns P, the number of proxies; for the kernel predictor, the number of helpers.
     pub const fn proxy_len(&self) -> usize {
         self.0.layout.counts[place::PROXIES] as usize
     }
@@ -72,7 +72,7 @@ impl<'a> Envelope<'a> {
         self.counts().predictor
     }
 
-    /// Returns G, the number of groups of proxies that share a kernel map.
+    /// Returns G, the number of groups of helpers that share a kernel map.
     pub const fn group_len(&self) -> usize {
         self.0.layout.counts[place::GROUPS] as usize
     }
@@ -152,11 +152,10 @@ impl<'a> Envelope<'a> {
         Err(CallError::new(CallErrorKind::NoStage, Argument::Call).values(0, found))
     }
 
-    /// Checks that a pose has J matrices, all of them finite.
+    /// Checks that a pose has J finite matrices.
     pub(crate) fn check_finite(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
-        let unsound = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite()));
-        unsound.map_or(Ok(()), |joint| {
+        pose.iter().position(|m| !is_finite(m)).map_or(Ok(()), |joint| {
             Err(CallError::new(CallErrorKind::NonFinite, Argument::Pose).at(joint))
         })
     }
@@ -235,6 +234,12 @@ impl<'a> KeyRow<'a> {
         let shear = rows(&floats(self.shear.first_chunk::<36>()?));
         Some(Key { joint: self.joint, twist: rows(&floats(self.twist)), residual, shear })
     }
+}
+
+/// Whether every entry of a matrix is finite.
+#[inline]
+pub(crate) fn is_finite(m: &Matrix3x4) -> bool {
+    m.as_flattened().iter().all(|x| x.is_finite())
 }
 
 /// Reads the index of a joint; `None` for [`NO_JOINT`].

@@ -1,6 +1,6 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
-use super::output::Output;
+use super::output::{Output, Outputs, check_range};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::Matrix3x4;
@@ -57,14 +57,7 @@ impl SkinJob<'_> {
     /// Checks every argument. The errors are those of [`SkinJob::run`].
     pub(super) fn check(&self) -> Result<(), CallError> {
         let vertex_len = self.skin.vertex_len();
-        let outputs = [
-            (self.positions, 3, Argument::Positions),
-            (self.normals, 3, Argument::Normals),
-            (self.tangents, 4, Argument::Tangents),
-        ];
-        if outputs.iter().all(|(output, ..)| output.is_none()) {
-            return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
-        }
+        let outputs = Outputs::new(self.positions, self.normals, self.tangents)?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
         let Rest { positions, normals, tangents } = self.rest;
         for (argument, found) in [
@@ -74,12 +67,8 @@ impl SkinJob<'_> {
         ] {
             argument.check_len(vertex_len, found.unwrap_or(vertex_len))?;
         }
+        check_range(&self.vertices, self.remap.map_or(vertex_len, <[_]>::len))?;
         let Range { start, end } = self.vertices;
-        let most = self.remap.map_or(vertex_len, <[_]>::len);
-        if start > end || end > most {
-            let error = CallError::new(CallErrorKind::OutOfRange, Argument::Vertices);
-            return Err(error.at(start).values(most, end));
-        }
         let remap = self.remap.and_then(|remap| remap.get(start..end)).unwrap_or_default();
         if let Some(at) = remap.iter().position(|vertex| *vertex as usize >= vertex_len) {
             let found = remap.get(at).map_or(0, |vertex| *vertex as usize);
@@ -89,11 +78,6 @@ impl SkinJob<'_> {
         if self.tangents.is_some() && tangents.is_none() && !self.skin.has_tangents() {
             return Err(CallError::new(CallErrorKind::NoAttribute, Argument::Tangents));
         }
-        for (output, len, argument) in outputs {
-            if let Some(output) = output {
-                output.check(end - start, len, argument)?;
-            }
-        }
-        Ok(())
+        outputs.check(end - start)
     }
 }

@@ -3,6 +3,7 @@
 use super::simd::EIGHT;
 use crate::error::{Argument, CallError, CallErrorKind};
 use core::cell::Cell;
+use core::ops::Range;
 
 /// Output of one attribute. The i-th vertex *of the range* is written at float `i * stride`.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,48 @@ pub struct Output<'a> {
 /// Lends floats to several attributes of a [`super::SkinJob`], which writes the floats and never reads them.
 pub fn cells(floats: &mut [f32]) -> &[Cell<f32>] {
     Cell::from_mut(floats).as_slice_of_cells()
+}
+
+/// Outputs of a job, each with the floats of its attribute and the argument to name in errors.
+#[derive(Clone, Copy)]
+pub(super) struct Outputs<'a>([(Option<Output<'a>>, usize, Argument); 3]);
+
+impl<'a> Outputs<'a> {
+    /// Collects the outputs of a job; an error if there is none.
+    pub(super) fn new(
+        positions: Option<Output<'a>>,
+        normals: Option<Output<'a>>,
+        tangents: Option<Output<'a>>,
+    ) -> Result<Self, CallError> {
+        if positions.is_none() && normals.is_none() && tangents.is_none() {
+            return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
+        }
+        Ok(Self([
+            (positions, 3, Argument::Positions),
+            (normals, 3, Argument::Normals),
+            (tangents, 4, Argument::Tangents),
+        ]))
+    }
+
+    /// Checks that every output has room for `vertex_len` vertices.
+    pub(super) fn check(&self, vertex_len: usize) -> Result<(), CallError> {
+        for (output, len, argument) in self.0 {
+            if let Some(output) = output {
+                output.check(vertex_len, len, argument)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a range is inside `0..most`.
+pub(super) fn check_range(vertices: &Range<usize>, most: usize) -> Result<(), CallError> {
+    let Range { start, end } = *vertices;
+    if start > end || end > most {
+        let error = CallError::new(CallErrorKind::OutOfRange, Argument::Vertices);
+        return Err(error.at(start).values(most, end));
+    }
+    Ok(())
 }
 
 impl Output<'_> {

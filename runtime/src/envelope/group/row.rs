@@ -18,7 +18,7 @@ pub struct GroupRow {
     pub centre_len: u16,
     /// Latent values, r.
     pub rank: u16,
-    /// Proxies of the group, which follow the previous group's proxies.
+    /// Helpers of the group, which follow the previous group's helpers.
     pub proxy_len: u16,
     /// First word of the group in section `corrections`.
     pub offset: u32,
@@ -55,7 +55,7 @@ impl GroupRow {
         self.shape().scratch_len()
     }
 
-    /// Returns the sizes of the group's kernel map, with 12 outputs for each proxy.
+    /// Returns the sizes of the group's kernel map, with 12 outputs for each helper.
     pub(crate) fn shape(&self) -> Shape {
         Shape {
             input_len: usize::from(self.input_len),

@@ -9,7 +9,7 @@ use crate::linear::{Le, block_distances, block_entry, block_product, padded, spl
 use core::fmt;
 use core::ops::Range;
 
-/// Proxies that share a dominant joint and one kernel map, `y = w outputs z` with `[z h] = C (G(s) - rest) + A x`.
+/// Helpers that share a dominant joint and one kernel map, `y = w outputs z` with `[z h] = C (G(s) - rest) + A x`.
 ///
 /// The inputs are `x_i = weight_i phi[feature_i]`. Accessors by index return `None` beyond their range.
 #[derive(Clone)]
@@ -18,7 +18,7 @@ pub struct Group<'a> {
     pub joint: usize,
     /// G.
     pub kernel: GroupKernel,
-    /// The group's proxies, a part of `0..proxy_len`.
+    /// Helpers of the group, a part of `0..proxy_len`.
     pub proxies: Range<usize>,
     /// Parameters of the group's confidence.
     pub confidence: GroupConfidence,
@@ -32,7 +32,7 @@ pub struct Group<'a> {
 }
 
 impl<'a> Envelope<'a> {
-    /// Lists the G groups. The proxies of a group follow the proxies of the previous group.
+    /// Lists the G groups. The helpers of a group follow the helpers of the previous group.
     pub fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
         let words = self.corrections();
         let mut end = 0;
@@ -127,7 +127,8 @@ impl<'a> Group<'a> {
         block_entry(self.coefficients, (self.shape.values(), centre_len + input_len), row, column)
     }
 
-    /// Returns a coefficient of the outputs (12 p x r): row 12 l + 4 r + c is entry r, c of the group's l-th proxy.
+    /// Returns a coefficient of the outputs (12 p x r): row 12 l + 4 r + c is entry r, c of the group's
+    /// l-th helper.
     pub fn output(&self, row: usize, column: usize) -> Option<f32> {
         block_entry(self.outputs, (self.shape.output_len, self.shape.rank), row, column)
     }

@@ -2,7 +2,7 @@
 
 use super::fault::{PoseFault, PoseFaultKind as Kind, RIGID_TOLERANCE, allowance, rest_origin};
 use super::mistake;
-use crate::envelope::view::{Envelope, joint_index};
+use crate::envelope::view::{Envelope, is_finite, joint_index};
 use crate::linear::{Matrix3x4, cross, dot, floats, moved, rows};
 use crate::matrix::scale_of;
 use crate::numeric::sqrt;
@@ -87,7 +87,7 @@ fn is_rigid(m: &Matrix3x4) -> bool {
 /// Returns the fault of a matrix that is not rigid.
 #[cold]
 fn not_rigid(m: &Matrix3x4, joint: usize) -> PoseFault {
-    if !m.as_flattened().iter().all(|x| x.is_finite()) {
+    if !is_finite(m) {
         return PoseFault::new(Kind::NonFinite, joint);
     }
     let [x, y, z] = m.map(|[x, y, z, _]| [x, y, z]);

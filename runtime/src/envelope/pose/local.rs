@@ -1,6 +1,6 @@
 //! Skinning matrices from local transforms and the hierarchy, and the rest pose as local transforms.
 
-use crate::envelope::view::{Envelope, joint_index};
+use crate::envelope::view::{Envelope, is_finite, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{
     Matrix3x4, columns, compose, floats, inverse, quaternion, rows, squared_length, turn,
@@ -59,7 +59,7 @@ pub fn model_space_pose_under(
 
 /// Checks that the matrix of a root is finite.
 pub(super) fn check_root(root: &Matrix3x4) -> Result<(), CallError> {
-    if root.as_flattened().iter().all(|x| x.is_finite()) {
+    if is_finite(root) {
         return Ok(());
     }
     Err(CallError::new(CallErrorKind::NonFinite, Argument::Root))

@@ -1,7 +1,7 @@
 //! The caller's skeleton: its joints by name, poses gathered from its frames, and a hash of the file's skeleton.
 
 use super::local::check_root;
-use crate::envelope::view::{Envelope, joint_index};
+use crate::envelope::view::{Envelope, is_finite, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::crc;
 use crate::linear::{Matrix3x4, compose, floats, rows};
@@ -166,17 +166,18 @@ fn check_frame(
     index: u32,
     world: &[Matrix3x4],
 ) -> Result<(), CallError> {
-    let error = |kind, argument| Err(CallError::new(kind, argument));
     if index == FOLDED {
-        let no_root = error(CallErrorKind::NoRoot, Argument::Joints);
-        return if joint == envelope.root() { no_root.map_err(|e| e.at(joint)) } else { Ok(()) };
+        if joint != envelope.root() {
+            return Ok(());
+        }
+        return Err(CallError::new(CallErrorKind::NoRoot, Argument::Joints).at(joint));
     }
     let Some(frame) = world.get(index as usize) else {
         let most = world.len().saturating_sub(1);
         let error = CallError::new(CallErrorKind::OutOfRange, Argument::Joints);
         return Err(error.at(joint).values(most, index as usize));
     };
-    if frame.as_flattened().iter().all(|x| x.is_finite()) {
+    if is_finite(frame) {
         return Ok(());
     }
     Err(CallError::new(CallErrorKind::NonFinite, Argument::World).at(index as usize))

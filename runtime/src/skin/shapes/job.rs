@@ -2,7 +2,7 @@
 
 use super::super::counts::BLOCK;
 use super::super::normals::{Frame, unit};
-use super::super::output::Output;
+use super::super::output::{Output, Outputs, check_range};
 use super::super::view::Skin;
 use super::blocks::Blocks;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -67,29 +67,13 @@ impl ShapesJob<'_> {
 
     /// Checks every argument. The errors are those of [`Self::run`].
     fn check(&self) -> Result<(), CallError> {
-        let outputs = [
-            (self.positions, 3, Argument::Positions),
-            (self.normals, 3, Argument::Normals),
-            (self.tangents, 4, Argument::Tangents),
-        ];
-        if outputs.iter().all(|(output, ..)| output.is_none()) {
-            return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
-        }
+        let outputs = Outputs::new(self.positions, self.normals, self.tangents)?;
         self.skin.check_weights(self.weights)?;
-        let (Range { start, end }, most) = (self.vertices.clone(), self.skin.vertex_len());
-        if start > end || end > most {
-            let error = CallError::new(CallErrorKind::OutOfRange, Argument::Vertices);
-            return Err(error.at(start).values(most, end));
-        }
+        check_range(&self.vertices, self.skin.vertex_len())?;
         if self.tangents.is_some() && !self.skin.has_tangents() {
             return Err(CallError::new(CallErrorKind::NoAttribute, Argument::Tangents));
         }
-        for (output, len, argument) in outputs {
-            if let Some(output) = output {
-                output.check(end - start, len, argument)?;
-            }
-        }
-        Ok(())
+        outputs.check(self.vertices.len())
     }
 
     /// Writes vertices of one block.

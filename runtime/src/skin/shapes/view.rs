@@ -77,7 +77,7 @@ impl<'a> Skin<'a> {
         Ok(self.posed_bounds(palette, |rest| rest.add(&offsets)))
     }
 
-    /// Checks that there are [`Skin::shape_len`] weights, all finite.
+    /// Checks the number of weights, [`Skin::shape_len`], and that all weights are finite.
     pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
         Argument::Weights.check_len(self.shape_len(), weights.len())?;
         match weights.iter().position(|weight| !weight.is_finite()) {
