@@ -16,7 +16,7 @@ pub struct GroupConfidence {
     pub reach: f32,
     /// Share of the linear kernel: the prior variance is `1 - G(|x|^2)^2 + linear |x|^2`.
     pub linear: f32,
-    /// Expected error of the base, per unit of explained variance.
+    /// Expected error of the base, per unit of variance.
     pub signal: f32,
     /// Expected error of the map, per unit of unexplained variance.
     pub noise: f32,
