@@ -93,8 +93,9 @@ impl<'a> Skin<'a> {
 
     /// Computes a box around every vertex of the posed skin; `None` if there are no vertices.
     ///
-    /// The box is the union of the transformed rest boxes, rounded outward. The union is conservative, because a skinned
-    /// vertex is a weighted mean of its transformed positions. Without an envelope the box surrounds the rest positions.
+    /// The box is the union of the transformed rest boxes, rounded outward. The union is conservative, because a
+    /// skinned vertex is a weighted mean of its transformed positions. Without an envelope the box surrounds the rest
+    /// positions.
     ///
     /// - `palette`: [`Skin::palette_len`] transforms.
     /// - `rest_offset`: largest offset, along any axis, of the caller's rest mesh ([`super::SkinJob::rest`]) from the

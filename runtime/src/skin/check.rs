@@ -117,7 +117,8 @@ fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in their transforms' boxes.
+/// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in the boxes of their
+/// transforms.
 fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     // Without an envelope K is 0; chunks of 0 would panic.
     let (below, k) = (skin.palette_len() as u32, skin.influence_len().max(1));

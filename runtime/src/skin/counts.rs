@@ -135,8 +135,9 @@ impl NormalErrors {
     }
 }
 
-/// Measured errors of the shapes in the file against the source of the bake, each shape at a weight of 1; lengths in the
-/// file's unit.
+/// Measured errors of the shapes in the file against the source of the bake, each shape at a weight of 1.
+///
+/// Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeErrors {
     /// Largest error of any vertex of any shape.

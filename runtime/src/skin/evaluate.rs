@@ -117,9 +117,9 @@ impl SkinJob<'_> {
         Some(())
     }
 
-    /// Skins vertices with tangent coefficients, eight at a time; returns how many were done, from the start of the range.
+    /// Skins vertices with tangent coefficients, eight at a time, from the start of the range.
     ///
-    /// `None` if the job needs the general loop, for example for tangents or a remap.
+    /// Returns the number of vertices done; the last few are left to the general loop. `None` if the job needs the general loop, for example for tangents or a remap.
     #[inline(never)]
     fn skin_eights(&self, influences: &Influences<'_>) -> Option<usize> {
         let Self { skin, palette, .. } = self;

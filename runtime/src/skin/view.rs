@@ -33,7 +33,9 @@ pub struct Skin<'a>(pub(crate) Part<'a>);
 part::view! { Skin, SkinLayout, |words| -> SkinCounts { SkinCounts::from_words(first_counts(words)) } }
 
 impl<'a> Skin<'a> {
-    /// Returns the part whose palette the skin follows; `None` without an envelope, for example for a face without joints.
+    /// Returns the part whose palette the skin follows.
+    ///
+    /// `None` without an envelope, for example for a face without joints.
     pub fn envelope_part(&self) -> Option<usize> {
         self.counts().envelope().map(usize::from)
     }

@@ -227,7 +227,10 @@ fn corrections_agree_with_f64() {
                 assert!(difference < 2e-6, "{confidence} {expected_confidence}");
                 between += usize::from(confidence > 0.01 && confidence < 0.99);
             }
-            assert!(cfg!(miri) || between > 50, "{between} poses have a confidence between");
+            assert!(
+                cfg!(miri) || between > 50,
+                "{between} poses have a confidence between 0 and 1"
+            );
         });
     }
 }

@@ -26,8 +26,8 @@ pub struct ShapesJob<'a> {
     pub positions: Option<Output<'a>>,
     /// Output of normals: 3 floats of length 1, tilted by the sums of the shapes' slopes.
     ///
-    /// With one shape at a weight of 1 and all others at 0, these are the normals of the shaped surface. If no direction
-    /// is left, the result is the file's normal, which may be 0.
+    /// With one shape at a weight of 1 and all others at 0, these are the normals of the shaped surface. If no
+    /// direction is left, the result is the file's normal, which may be 0.
     pub normals: Option<Output<'a>>,
     /// Output of tangents: 3 floats of length 1, tilted by the sums of the slopes, then the file's handedness.
     pub tangents: Option<Output<'a>>,

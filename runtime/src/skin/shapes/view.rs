@@ -26,9 +26,9 @@ impl<'a> Skin<'a> {
         Some(blocks.entry(vertex / BLOCK, shape).and_then(delta).unwrap_or_default())
     }
 
-    /// Returns the slopes of the surface at a vertex by a shape at a weight of 1; 0 if the shape does not move the vertex.
+    /// Returns the slopes of the surface at a vertex by a shape at a weight of 1.
     ///
-    /// A slope is the rise of the surface along one of the two directions of the vertex's frame at rest.
+    /// The slopes are 0 if the shape does not move the vertex. A slope is the rise of the surface along one of the two directions of the vertex's frame at rest.
     pub fn shape_slopes(&self, shape: usize, vertex: usize) -> Option<[f32; 2]> {
         self.check_shape(shape, vertex)?;
         let blocks = Blocks::of(self);
