@@ -32,7 +32,7 @@ pub fn gradients(
     Argument::Relative.check_len(4 * envelope.joint_len(), out_relative.len())?;
     Argument::Rotations.check_len(envelope.joint_len(), out_rotations.len())?;
     Argument::Gradients.check_len(3 * envelope.proxy_len(), out_gradients.len())?;
-    envelope::gradients::evaluate(envelope, pose, out_relative, out_rotations, out_gradients);
+    envelope::rotational::gradients(envelope, pose, out_relative, out_rotations, out_gradients);
     Ok(())
 }
 
@@ -57,7 +57,7 @@ pub fn palette(
     Argument::Relative.check_len(4 * envelope.joint_len(), relative.len())?;
     Argument::Gradients.check_len(3 * envelope.proxy_len(), gradients.len())?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
-    envelope::palette::evaluate(envelope, root, relative, gradients, out_palette);
+    envelope::rotational::palette(envelope, root, relative, gradients, out_palette);
     Ok(())
 }
 
@@ -79,7 +79,7 @@ pub fn joints(
     envelope.check_stage(!envelope.predictor().reconstructs())?;
     envelope.check_finite(pose)?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
-    envelope::joints::evaluate(envelope, pose, out_palette);
+    envelope::helpers::joints(envelope, pose, out_palette);
     Ok(())
 }
 
@@ -105,7 +105,7 @@ pub fn features(
     envelope.check_stage(envelope.predictor().corrects())?;
     envelope.check_finite(pose)?;
     Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
-    envelope::features::evaluate(envelope, pose, out_features);
+    envelope::helpers::features(envelope, pose, out_features);
     Ok(())
 }
 
@@ -138,7 +138,7 @@ pub fn correction(
     if envelope.group_len() == 0 {
         return Ok(1.0);
     }
-    Ok(envelope::correction::evaluate(envelope, pose, features, scratch, out_palette))
+    Ok(envelope::helpers::correction(envelope, pose, features, scratch, out_palette))
 }
 
 /// Returns the least confidence over the joints of a rotational envelope: 1 within a joint's trained
@@ -150,5 +150,5 @@ pub fn correction(
 /// - [`crate::CallErrorKind::Length`]: `rotations` has another length.
 pub fn confidence(envelope: &Envelope<'_>, rotations: &[[f32; 3]]) -> Result<f32, CallError> {
     Argument::Rotations.check_len(envelope.joint_len(), rotations.len())?;
-    Ok(envelope::confidence::evaluate(envelope, rotations))
+    Ok(envelope::confidence::of_rotations(envelope.pose_ranges(), rotations))
 }

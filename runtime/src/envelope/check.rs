@@ -1,21 +1,18 @@
-//! The checks of an envelope, in the order that FORMAT.md lists.
+//! Checks of an envelope, in the order of FORMAT.md.
 //!
-//! The checks of one step read nothing that an earlier step has not checked. All of them together
-//! read each byte a bounded number of times and allocate nothing.
+//! A step reads only data that earlier steps have checked. All steps together read each byte a bounded number of
+//! times, and allocate nothing.
 
 use super::counts::{BIND_TOLERANCE, EnvelopeCounts, RULES, TWIST_MAX, place};
-use super::group_kernel::GroupKernel;
-use super::group_row::GroupRow;
-use super::key::{KeyRow, joint_index};
-use super::view::Envelope;
+use super::group::{GroupKernel, GroupRow};
+use super::view::{Envelope, KeyRow, joint_index};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{CORRECTION_MAX, FileErrorKind as Kind, SectionKind, saturated};
-use crate::linear::padded;
-use crate::linear::{Le, cross, dot, floats, rows};
+use crate::linear::{Le, cross, dot, floats, padded, rows};
 
-/// Checks an envelope's counts, and returns what they ask of its sections.
+/// Checks the counts of an envelope, and returns the flags and sizes for the rules of its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
     let section = SectionKind::EnvelopeCounts;
     let Some(counts) = EnvelopeCounts::from_words(first_counts(words)) else {
@@ -23,9 +20,9 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
         return Err(loading.refuse(Kind::Unsupported, Some(section), place::PREDICTOR, values));
     };
     let predictor = counts.predictor;
-    // Indices are u16, and the greatest stands for none.
+    // Indices are u16, and the greatest u16 is the sentinel for "none".
     let indexed = u32::from(u16::MAX);
-    // Each group owns a proxy.
+    // Each group owns at least one helper.
     let groups = if predictor.corrects() { counts.proxy_len } else { 0 };
     let ranges = [
         (place::JOINTS, 1, loading.limits.joints.min(indexed)),
@@ -36,13 +33,12 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     Ok(counts.asked())
 }
 
-/// Checks the content of an envelope whose sections all have their length.
+/// Checks the content of an envelope whose sections have the right lengths.
 pub(crate) fn content(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     CHECKS.iter().try_for_each(|check| check(envelope, loading))
 }
 
-/// The checks of the content, in their order; called through pointers, so that they share their place on
-/// the stack.
+/// Checks of the content, in order. Calls through pointers are not inlined, so the checks share stack space.
 static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7] = [
     |envelope, loading| check_names(loading, envelope.names()),
     check_hierarchy,
@@ -53,8 +49,9 @@ static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7] = [
     check_corrections,
 ];
 
-/// Checks that the root alone has no parent, and that the evaluation order is a permutation in
-/// which parents come first. The stored inverse makes this linear without scratch.
+/// Checks that only the root has no parent, and that the evaluation order is a permutation with parents first.
+///
+/// The file stores the inverse of the order, so the check takes linear time without scratch.
 fn check_hierarchy(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let joint_len = envelope.joint_len();
     let ranks = envelope.ranks();
@@ -76,7 +73,7 @@ fn check_hierarchy(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that each inverse bind matrix turns as a rotation does and mirrors nothing.
+/// Checks that the linear part of each inverse bind matrix is a rotation.
 fn check_inverse_binds(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let near = |found: f32, expected: f32| (found - expected).abs() <= BIND_TOLERANCE;
     for (joint, matrix) in envelope.bind_words().iter().enumerate() {
@@ -93,7 +90,7 @@ fn check_inverse_binds(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checke
     Ok(())
 }
 
-/// Checks the joints of the keys, and how far their twists may turn.
+/// Checks the joints of the keys, and the norms of their twists.
 fn check_keys(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let below = envelope.joint_len();
     let turns = |twist: &[Le; 9]| {
@@ -111,12 +108,13 @@ fn check_keys(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks the groups' rows, that together they own every proxy, that the corrections have the
-/// length which follows from them, and that the scratch stated is what they need.
+/// Checks the rows of the groups, and the counts that follow from all rows.
+///
+/// The groups must own every helper. The length of section `corrections` and the stated scratch must match the groups.
 fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let joint_len = envelope.joint_len() as u32;
-    // Sums of at most 2^16 groups, each below 2^40 words.
-    let (mut words, mut proxies, mut scratch) = (0u64, 0, 0);
+    // The sum cannot overflow: at most 2^16 groups, each below 2^40 words.
+    let (mut words, mut helpers, mut scratch) = (0u64, 0, 0);
     for (group, row) in envelope.group_rows().enumerate() {
         let wrong = wrong_row(&row, joint_len).or_else(|| {
             let values = [saturated(words), row.offset];
@@ -126,7 +124,7 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
             return Err(loading.refuse(kind, Some(SectionKind::Groups), group, values));
         }
         words += row.words();
-        proxies += u32::from(row.proxy_len);
+        helpers += u32::from(row.proxy_len);
         scratch = scratch.max(row.scratch_len());
     }
     let section = SectionKind::EnvelopeCounts;
@@ -134,8 +132,8 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let scratch = saturated(scratch as u64);
     let (proxy_len, corrects) = (envelope.proxy_len() as u32, envelope.predictor().corrects());
     let stated = envelope.correction_len() as u32;
-    let (kind, section, place, values) = if corrects && proxies != proxy_len {
-        (Kind::Mismatch, section, place::PROXIES, [proxies, proxy_len])
+    let (kind, section, place, values) = if corrects && helpers != proxy_len {
+        (Kind::Mismatch, section, place::PROXIES, [helpers, proxy_len])
     } else if bytes != found {
         (Kind::Length, SectionKind::Corrections, 0, [bytes, found])
     } else if scratch != stated {
@@ -146,18 +144,18 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     Err(loading.refuse(kind, Some(section), place, values))
 }
 
-/// Finds what is wrong with the row of a group by itself.
+/// Checks one row of a group; returns the kind of error, expected and found.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
-    let trust = row.trust.words();
+    let confidence = row.confidence.words();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
     } else if GroupKernel::from_number(row.kernel).is_none() {
         Some((Kind::Unsupported, [0, row.kernel.into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
-    } else if outside(&trust, [0.0, CORRECTION_MAX]).is_some()
-        || has_centres && row.trust.reach == 0.0
+    } else if outside(&confidence, [0.0, CORRECTION_MAX]).is_some()
+        || has_centres && row.confidence.reach == 0.0
     {
         Some((Kind::Invalid, [0; 2]))
     } else {
@@ -165,14 +163,14 @@ fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     }
 }
 
-/// Checks that inputs point to features, and every float of the kernel maps.
+/// Checks that inputs refer to features, and that every float of the kernel maps is in range.
 fn check_corrections(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Corrections;
     let below = 12 * envelope.joint_len() as u32;
     let mut words = envelope.corrections();
     let mut start = 0;
     for row in envelope.group_rows() {
-        // The section has the words of all groups, so that each finds its own.
+        // An earlier step has checked that the section holds the words of all groups.
         let own = words.len().min(row.words() as usize);
         let (group, rest) = words.split_at(own);
         let (features, floats) = group.split_at(padded(row.input_len.into()).min(own));

@@ -1,34 +1,124 @@
-//! How far a pose turns the joints beyond what training saw (METHOD §1.8).
+//! Confidence in a pose: stage confidence, from the joints' trained ranges (METHOD §1.8), and the confidence of the
+//! groups, from the variance of their kernel maps (METHOD §2.6).
 
-use super::view::Envelope;
-use crate::linear::{Matrix3x4, dot};
-use crate::numeric::{greater, lesser, smoothstep, sqrt};
+use crate::linear::{Le, Matrix3x4, dot};
+use crate::numeric::{greater, lesser, nearness, smoothstep, sqrt};
 
-/// Evaluates the stage: [`crate::stages::confidence`] of arguments that have been checked.
-pub(crate) fn evaluate(envelope: &Envelope<'_>, rotations: &[[f32; 3]]) -> f32 {
-    let angles = rotations.iter().map(|theta| sqrt(dot(*theta, *theta)));
-    angles.zip(ranges(envelope)).map(|(angle, range)| within(angle, range, range)).fold(1.0, lesser)
+/// Unexplained error far from the training poses, where nothing is explained.
+const FAR: f32 = 1.0e30;
+
+/// Parameters of a group's confidence: how the variance of the group's kernel map becomes an expected error.
+///
+/// Errors are squared distances, divided by the squared distance that counts as no error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GroupConfidence {
+    /// Squared distance from rest where the explained variance starts to fade; it is 0 from four times `reach` on.
+    pub reach: f32,
+    /// Share of the linear kernel: the prior variance is `1 - G(|x|^2)^2 + linear |x|^2`.
+    pub linear: f32,
+    /// Expected error of the base, per unit of variance.
+    pub signal: f32,
+    /// Expected error of the map, per unit of unexplained variance.
+    pub noise: f32,
 }
 
-/// Evaluates it of each joint where kernel maps tell of the poses nearby, and what they do not hear is all that is left to
-/// doubt: from one and a half times its range.
+/// Expected error of a palette without its correction, in two parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ExpectedError {
+    /// Part that the training poses explain. The correction removes this part.
+    explained: f32,
+    /// Part that the correction may leave.
+    unexplained: f32,
+}
+
+impl GroupConfidence {
+    /// Returns the four floats of a row in the file.
+    pub(crate) fn words(&self) -> [Le; 4] {
+        [self.reach, self.linear, self.signal, self.noise].map(f32::to_le_bytes)
+    }
+
+    /// Computes the expected error, from the variance that the training poses explain and the rest of the variance.
+    ///
+    /// - `input`: x, 0 at rest.
+    /// - `rest_change`: kernel of the first centre, the rest pose, less its value at x = 0.
+    /// - `roots`: h, values whose squares sum to the explained variance.
+    pub(crate) fn expected_error<'a>(
+        &self,
+        input: &[f32],
+        rest_change: f32,
+        roots: impl Iterator<Item = &'a f32>,
+    ) -> ExpectedError {
+        let mut square = 0.0;
+        for x in input {
+            square += x * x;
+        }
+        let near = nearness(square, (self.reach, 4.0 * self.reach));
+        if near == 0.0 {
+            return ExpectedError { explained: 0.0, unexplained: FAR };
+        }
+        let prior = greater(0.0, -rest_change * (2.0 + rest_change) + self.linear * square);
+        let mut explained = 0.0;
+        for root in roots {
+            explained += root * root;
+        }
+        let explained = near * lesser(prior, explained);
+        ExpectedError {
+            explained: self.signal * explained,
+            unexplained: self.noise * (prior - explained),
+        }
+    }
+}
+
+impl ExpectedError {
+    /// Adds the error of other vertices.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            explained: self.explained + other.explained,
+            unexplained: self.unexplained + other.unexplained,
+        }
+    }
+
+    /// Returns the confidence, in [0, 1]: the share of the error that is explained.
+    pub(crate) fn confidence(self) -> f32 {
+        let explained = 1.0 + self.explained;
+        explained / (explained + self.unexplained)
+    }
+
+    /// Returns w, the weight of the kernel map: 1, unless the map is much likelier to harm than to help.
+    pub(crate) fn map_weight(self) -> f32 {
+        smoothstep(lesser(1.0, 8.0 * self.confidence()))
+    }
+}
+
+/// Computes the confidence of a rotational envelope: [`crate::stages::confidence`] with checked arguments.
 ///
-/// - `features`: of the joints, whose trace is -2 (1 - cos(angle / 2)): 4 sin(angle / 4) stands for the angle.
-pub(crate) fn of_features(
-    envelope: &Envelope<'_>,
-    features: &[Matrix3x4],
-) -> impl Iterator<Item = f32> {
-    features.iter().zip(ranges(envelope)).map(|([x, y, z], range)| {
+/// - `ranges`: the largest angle of each of J joints in training, in radians; more values are ignored.
+/// - `rotations`: J rotation vectors.
+pub(crate) fn of_rotations(ranges: &[[Le; 1]], rotations: &[[f32; 3]]) -> f32 {
+    let angles = rotations.iter().map(|theta| sqrt(dot(*theta, *theta)));
+    angles.zip(floats(ranges)).map(|(angle, range)| within(angle, range, range)).fold(1.0, lesser)
+}
+
+/// Computes the confidence of each joint from its range alone, for an envelope with kernel maps.
+///
+/// The confidence falls only beyond 1.5 times the range: nearer, the kernel maps know more than the ranges. A joint
+/// that never moved in training is no input of any map, so only its range tells about the joint.
+///
+/// - `ranges`: as for [`of_rotations`].
+/// - `features`: J matrices. The trace of a matrix is -2 (1 - cos(angle / 2)); the angle is approximated by
+///   4 sin(angle / 4).
+pub(crate) fn of_features(ranges: &[[Le; 1]], features: &[Matrix3x4]) -> impl Iterator<Item = f32> {
+    features.iter().zip(floats(ranges)).map(|([x, y, z], range)| {
         let angle = 2.0 * sqrt(greater(0.0, -(x[0] + y[1] + z[2])));
         within(angle, 1.5 * range, range)
     })
 }
 
-fn ranges(envelope: &Envelope<'_>) -> impl Iterator<Item = f32> {
-    envelope.pose_ranges().iter().map(|[range]| f32::from_le_bytes(*range))
+fn floats(ranges: &[[Le; 1]]) -> impl Iterator<Item = f32> {
+    ranges.iter().map(|[range]| f32::from_le_bytes(*range))
 }
 
-/// Returns 1 up to an angle, and 0 where it is exceeded by half the range and 0.1.
+/// Returns 1 for an angle up to `most`, and 0 from half of `range` and 0.1 beyond `most` on.
 fn within(angle: f32, most: f32, range: f32) -> f32 {
     let excess = greater(angle - most, 0.0) / (0.5 * range + 0.1);
     1.0 - smoothstep(lesser(excess, 1.0))

@@ -1,29 +1,30 @@
-//! The numbers of an envelope: how it predicts, how large it is, how good it is.
+//! Counts of an envelope, its predictor and its certificate.
 
-use super::group_row::GroupRow;
+use super::group::GroupRow;
 use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS, first_counts};
 use crate::format::rule::{ALWAYS, Rule};
 use crate::numeric::HALF_TURNS_MAX;
 
-/// Stands for no joint: the parent of the root, the residual joint of a key that has none.
+/// Sentinel for "no joint": the parent of the root, or the residual joint of a key without one.
 pub const NO_JOINT: u16 = u16::MAX;
-/// 4-byte words of a key: two joints (u16), twist 9, residual twist 9, shear 36.
+/// Words of a key, 4 bytes each: two joints (u16), twist 9, residual twist 9, shear 36.
 pub const KEY_WORDS: usize = 1 + 9 + 9 + 36;
-/// How far the products of an inverse bind matrix's rows may be from those of a rotation: what
-/// singular values within 1e-2 of 1 leave, which is the least rigid that is trained on, and half of
-/// it again. Of other matrices a pose would be no rigid motion, and its logarithm no number.
+/// Allowed difference between the products of an inverse bind matrix's rows and the products of a rotation's rows.
+///
+/// Training accepts singular values within 1e-2 of 1, which make a difference of 0.02. The tolerance is half as much
+/// again. With other matrices a pose is not rigid, and its logarithm is NaN.
 pub const BIND_TOLERANCE: f32 = 0.03;
-/// Largest Frobenius norm of a twist matrix; angles stay accurate to 4e-4 even there.
+/// Largest Frobenius norm of a twist matrix; at this norm angles are still accurate to 4e-4.
 pub const TWIST_MAX: f32 = HALF_TURNS_MAX;
 
-/// How an envelope predicts its palette (METHOD §1.9).
+/// Predictor of an envelope's palette (METHOD §1.9).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Predictor {
-    /// Rotational regression and reconstruction (S3): the palette is the P proxies alone.
+    /// Rotational regression and reconstruction (S3): the palette is the P proxies.
     Rotational = 1,
-    /// The J joints, and P helpers that a kernel map moves against their dominant joints.
+    /// The palette is the J joints and P helpers. Kernel maps move the helpers in the frames of their dominant joints.
     Kernel = 2,
 }
 
@@ -31,12 +32,12 @@ impl Predictor {
     /// Every predictor.
     pub const ALL: [Self; 2] = [Self::Rotational, Self::Kernel];
 
-    /// Returns its number in the file.
+    /// Returns the predictor's number in the file.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// Returns its name, the same as on the command line.
+    /// Returns the predictor's name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rotational => "rotational",
@@ -44,7 +45,7 @@ impl Predictor {
         }
     }
 
-    /// Returns the predictor of this number.
+    /// Returns the predictor with a number; `None` if there is none.
     pub const fn from_number(number: u32) -> Option<Self> {
         match number {
             1 => Some(Self::Rotational),
@@ -53,37 +54,36 @@ impl Predictor {
         }
     }
 
-    /// Whether the proxies' base is the reconstruction `c1 d + c2 q`.
+    /// Whether the base of the proxies is the reconstruction `c1 d + c2 q`.
     pub const fn reconstructs(self) -> bool {
         matches!(self, Self::Rotational)
     }
 
-    /// Whether kernel maps correct the proxies.
+    /// Whether kernel maps correct the helpers.
     pub const fn corrects(self) -> bool {
         matches!(self, Self::Kernel)
     }
 }
 
-/// The error on another clip where training had one clip.
+/// Sentinel for "no forecast" in the file.
 const NO_FORECAST: f32 = -1.0;
 
-/// What the fit was measured to reach, in the units of the file.
+/// Measured errors of the fit, in the units of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Certificate {
-    /// Diagonal of the rest pose's box.
+    /// Diagonal of the box around the rest pose.
     pub diagonal: f32,
     /// RMS error over vertices and training frames.
     pub training_rms: f32,
-    /// Forecast of the RMS error on more frames of the training clips: the error of fits on frames that they had not seen.
+    /// Forecast of the RMS error on more frames of the training clips, from fits that left frames out.
     pub same_clips_rms: f32,
     /// RMS error of linear blend skinning over vertices and training frames.
     pub lbs_training_rms: f32,
-    /// The farthest that single precision may move a vertex through the correction; 0 without one.
+    /// Largest error of a vertex that single precision may cause in the correction; 0 without a correction.
     pub correction_error: f32,
     /// RMS error over vertices and training frames at [`super::Level::Joints`].
     pub base_training_rms: f32,
-    /// Forecast of the RMS error on another clip: the error of fits on clips that they had not seen. `None` if training
-    /// had one clip.
+    /// Forecast of the RMS error on another clip, from fits that left clips out. `None` if training had one clip.
     pub other_clip_rms: Option<f32>,
 }
 
@@ -91,7 +91,7 @@ impl Certificate {
     /// Bytes of section `certificate`.
     pub const BYTES: usize = 28;
 
-    /// Lists its figures in the order of the file.
+    /// Lists the figures in the order of the file.
     pub const fn figures(&self) -> [f32; 7] {
         [
             self.diagonal,
@@ -107,7 +107,7 @@ impl Certificate {
         ]
     }
 
-    /// Makes it of its figures.
+    /// Makes a certificate from figures in the order of the file.
     pub const fn from_figures(figures: [f32; 7]) -> Self {
         let [diagonal, training_rms, same_clips_rms, lbs_training_rms, ..] = figures;
         let [.., correction_error, base_training_rms, other_clip] = figures;
@@ -123,10 +123,10 @@ impl Certificate {
     }
 }
 
-/// Counts of an envelope, from which every section's length follows.
+/// Counts of an envelope. The length of every section follows from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnvelopeCounts {
-    /// How the palette is predicted.
+    /// Predictor of the palette.
     pub predictor: Predictor,
     /// Joints, J.
     pub joint_len: u32,
@@ -136,7 +136,7 @@ pub struct EnvelopeCounts {
     pub root: u32,
     /// Groups, G.
     pub group_len: u32,
-    /// Floats of scratch that the correction needs beside the features.
+    /// Floats of scratch for the correction, without the features.
     pub correction_len: u32,
 }
 
@@ -156,14 +156,14 @@ impl EnvelopeCounts {
         [predictor as u32, joint_len, proxy_len, root, group_len, correction_len]
     }
 
-    /// Makes them of their words; `None` if the predictor is unknown.
+    /// Makes counts from words in the order of the file; `None` if the predictor is unknown.
     pub const fn from_words(words: [u32; 6]) -> Option<Self> {
         let [predictor, joint_len, proxy_len, root, group_len, correction_len] = words;
         let Some(predictor) = Predictor::from_number(predictor) else { return None };
         Some(Self { predictor, joint_len, proxy_len, root, group_len, correction_len })
     }
 
-    /// Makes them of words that have been checked.
+    /// Makes counts from checked words.
     pub(crate) const fn read(words: &[u32; COUNTS]) -> Self {
         match Self::from_words(first_counts(words)) {
             Some(counts) => counts,
@@ -178,19 +178,19 @@ impl EnvelopeCounts {
         }
     }
 
-    /// Whether an envelope of these counts has a section: one without does not.
+    /// Whether an envelope with these counts has a section.
     pub fn has(&self, section: SectionKind) -> bool {
         Rule::of(&RULES, section).is_some_and(|rule| self.asked().has & rule.has != 0)
     }
 
-    /// Computes a section's length in bytes; `None` if the product overflows, or no envelope has it.
-    /// The least length, where the content states its own: of names by their table, of corrections by
-    /// the groups.
+    /// Computes the length of a section in bytes; `None` if the product overflows, or no envelope has the section.
+    ///
+    /// The result is the least length for names and corrections, whose content gives the length.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
+    /// Returns the flags and sizes that [`RULES`] refer to.
     pub(crate) const fn asked(&self) -> Asked {
         let reconstructs = if self.predictor.reconstructs() { RECONSTRUCTS } else { 0 };
         let corrects = if self.predictor.corrects() { CORRECTS } else { 0 };
@@ -199,7 +199,7 @@ impl EnvelopeCounts {
     }
 }
 
-/// Where the counts stand in their section.
+/// Positions of the counts in their section.
 pub(crate) mod place {
     pub(crate) const PREDICTOR: usize = 0;
     pub(crate) const JOINTS: usize = 1;
@@ -209,17 +209,17 @@ pub(crate) mod place {
     pub(crate) const CORRECTION: usize = 5;
 }
 
-/// Bit of an envelope with keys, c1 and c2.
+/// Flag of an envelope with keys, c1 and c2.
 const RECONSTRUCTS: u8 = 4;
-/// Bit of an envelope with kernel maps.
+/// Flag of an envelope with kernel maps.
 const CORRECTS: u8 = 8;
 
-/// The sections of an envelope, in the order in which the trainer writes them.
+/// Sections of an envelope, in the order of the trainer's files.
 pub const ENVELOPE_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && EnvelopeCounts::BYTES <= 4 * COUNTS);
 
-/// What an envelope asks of its sections. Sizes: 1, J, P, blocks of 8 rows in 4 P, G.
+/// Rules for the sections of an envelope. Sizes: 1, J, P, blocks of 8 rows in 4 P, G.
 pub(crate) const RULES: [Rule; 12] = [
     Rule::new(SectionKind::EnvelopeCounts, EnvelopeCounts::BYTES as u8, [0, 0]),
     Rule::floats(SectionKind::Certificate, Certificate::BYTES as u8, [0, 0]),

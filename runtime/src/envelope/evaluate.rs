@@ -1,12 +1,28 @@
-//! From a pose to the palette: the stages of each predictor, one after the other.
+//! Evaluation from a pose to the palette: the stages of each predictor in order.
 
 use super::counts::{Predictor, place};
-use super::level::Level;
 use super::scratch::ScratchLayout;
 use super::view::Envelope;
-use super::{confidence, correction, features, gradients, joints, palette};
+use super::{confidence, helpers, rotational};
 use crate::error::{Argument, CallError};
 use crate::linear::Matrix3x4;
+
+/// Level of evaluation. A character far away can do without [`Level::Full`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Level {
+    /// The base of the correction: the joints, or the reconstruction. The cost is next to nothing for a kernel
+    /// envelope, and the full cost for a rotational envelope. [`super::Certificate::base_training_rms`] is the error.
+    Joints = 1,
+    /// The whole palette. [`super::Certificate::training_rms`] is the error.
+    #[default]
+    Full = 2,
+}
+
+impl Level {
+    /// Every level, the cheapest first.
+    pub const ALL: [Self; 2] = [Self::Joints, Self::Full];
+}
 
 impl Envelope<'_> {
     /// Returns the floats of scratch that [`Envelope::palette`] needs.
@@ -14,7 +30,7 @@ impl Envelope<'_> {
         self.scratch_layout().len
     }
 
-    /// Returns the floats of scratch that the stage `correction` needs; 0 without groups.
+    /// Returns the floats of scratch that stage `correction` needs; 0 without groups.
     pub const fn correction_len(&self) -> usize {
         self.0.layout.counts[place::CORRECTION] as usize
     }
@@ -23,19 +39,20 @@ impl Envelope<'_> {
         ScratchLayout::in_turn(self.joint_len(), self.proxy_len(), self.correction_len())
     }
 
-    /// Computes the palette of a pose, and returns the confidence in it, in [0, 1]: 1 within what
-    /// was seen in training, 0 far from it.
+    /// Computes the palette of a pose, and returns the confidence in [0, 1]: 1 within the trained range, 0 far outside.
     ///
-    /// Where a kernel map is not confident it fades, and its proxies tend to their base. No map hears a joint that
-    /// kept still in training, and no fit knows its skin: as it turns, and as any joint does far beyond its trained
-    /// range, the confidence falls. A rotational envelope has nothing to fade: its confidence tells only how far joints
-    /// turn beyond their trained ranges. An envelope of joints alone is certain.
+    /// A kernel map of low confidence gets a low weight, so its helpers stay near their base. The confidence also falls
+    /// when a joint turns far beyond its trained range. A joint that never moved in training has a range of 0, and is
+    /// no input of any map.
     ///
-    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at here:
-    ///   [`Envelope::check_pose`] does in a debug build.
+    /// The confidence of a rotational envelope depends only on the trained ranges of the joints, and changes no
+    /// transform. The confidence of an envelope without helpers is 1.
+    ///
+    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4. This function does not check the
+    ///   rigidity: call [`Envelope::check_pose`] in a debug build.
     /// - `scratch`: at least [`Envelope::scratch_len`] floats, of any content.
-    /// - `out_palette`: [`Envelope::palette_len`] transforms, rest to posed, in model space: what an
-    ///   engine's own skinning shader takes together with [`crate::Skin::influences`].
+    /// - `out_palette`: [`Envelope::palette_len`] transforms, rest to posed, in model space. The skinning shader of an
+    ///   engine takes the palette together with [`crate::Skin::influences`].
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::Length`]: `pose` or `out_palette` has another length.
@@ -52,14 +69,13 @@ impl Envelope<'_> {
         Ok(self.any_palette(pose, scratch, out_palette))
     }
 
-    /// Computes a palette at a level of evaluation: at [`Level::Full`] with the bits of [`Envelope::palette`], at
-    /// [`Level::Joints`] without the correction.
+    /// Computes a palette at a level of evaluation.
     ///
-    /// Arguments and errors are those of [`Envelope::palette`]. Without the correction the confidence tells of a
-    /// reconstruction how far joints turn beyond their trained ranges, and of joints alone is 1.
+    /// [`Level::Full`] gives the bits of [`Envelope::palette`]. [`Level::Joints`] leaves the correction out, and the
+    /// confidence is 1 unless the envelope is rotational. The other arguments are as for [`Envelope::palette`].
     ///
     /// # Errors
-    /// Those of [`Envelope::palette`].
+    /// The errors of [`Envelope::palette`].
     pub fn palette_at(
         &self,
         level: Level,
@@ -74,29 +90,30 @@ impl Envelope<'_> {
             Level::Joints if self.predictor().reconstructs() => {
                 self.reconstruct(pose, scratch, out_palette);
                 let base = self.scratch_layout().base(scratch, self.proxy_len());
-                confidence::evaluate(self, base.rotations)
+                confidence::of_rotations(self.pose_ranges(), base.rotations)
             }
             Level::Joints => {
-                joints::evaluate(self, pose, out_palette);
+                helpers::joints(self, pose, out_palette);
                 1.0
             }
         })
     }
 
-    /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which
-    /// part of the skin the confidence of [`Envelope::palette`] is about.
+    /// Computes the confidence of each joint, which shows where the confidence of [`Envelope::palette`] comes from.
+    ///
+    /// The confidence of a joint is the least of two: from the joint's trained range, and from the kernel maps of the
+    /// groups that the joint dominates. All confidences are 1 without kernel maps.
     ///
     /// - `pose`, `scratch`: as for [`Envelope::palette`].
-    /// - `out_confidences`: J values in [0, 1]; of a joint whose skin no map moves, what its trained range
-    ///   tells. 1 without maps.
+    /// - `out_confidences`: J values in [0, 1].
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no kernel maps.
     /// - [`crate::CallErrorKind::Length`]: `pose` or `out_confidences` has another length.
     /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
     /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
-    // In line down to the map: where nobody asks, the map has one caller and lies in the frame of `palette`, which keeps the
-    // stack of firmware small.
+    // Inlined down to the map. In firmware that never calls this function, the map then has one caller and is inlined
+    // into `palette`, which keeps the stack small.
     #[inline]
     pub fn joint_confidences(
         &self,
@@ -112,22 +129,21 @@ impl Envelope<'_> {
         out_confidences.fill(1.0);
         if self.group_len() > 0 {
             let (features, scratch) = self.scratch_layout().correction(scratch);
-            features::evaluate(self, pose, features);
-            correction::joint_confidences(self, features, scratch, out_confidences);
+            helpers::features(self, pose, features);
+            helpers::joint_confidences(self, features, scratch, out_confidences);
         }
         Ok(())
     }
 
     /// Computes the palettes of a batch of poses, with the bits of [`Envelope::palette`] for each.
     ///
-    /// - `poses`: J skinning matrices a pose, one pose after the other.
+    /// - `poses`: J skinning matrices for each pose, one pose after the other.
     /// - `scratch`: as for one pose.
-    /// - `out_palettes`: [`Envelope::palette_len`] transforms a pose.
-    /// - `out_confidences`: one a pose; their number is that of the poses.
+    /// - `out_palettes`: [`Envelope::palette_len`] transforms for each pose.
+    /// - `out_confidences`: one confidence for each pose. Its length is the number of poses.
     ///
     /// # Errors
-    /// - [`crate::CallErrorKind::Length`]: `poses` or `out_palettes` has another length than
-    ///   `out_confidences` asks for.
+    /// - [`crate::CallErrorKind::Length`]: the length of `poses` or `out_palettes` does not match the number of poses.
     /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
     /// - [`crate::CallErrorKind::NonFinite`]: a matrix is not finite; its index counts through all poses.
     pub fn palettes(
@@ -138,7 +154,7 @@ impl Envelope<'_> {
         out_confidences: &mut [f32],
     ) -> Result<(), CallError> {
         self.check_lengths(out_confidences.len(), poses, scratch, out_palettes)?;
-        // Counts of a loaded envelope are at least one; chunks of zero would panic.
+        // Both counts of a loaded envelope are at least 1; chunks of 0 would panic.
         let (joint_len, palette_len) = (self.joint_len().max(1), self.palette_len().max(1));
         for (number, pose) in poses.chunks(joint_len).enumerate() {
             self.check_finite(pose).map_err(|error| error.at(number * joint_len + error.index))?;
@@ -151,13 +167,14 @@ impl Envelope<'_> {
         Ok(())
     }
 
-    /// Computes what [`Envelope::palette`] does, of a rotational envelope alone. A program that calls
-    /// this and not the other is linked without kernel maps: on a Cortex-M4F 5 kB less at opt-level s,
-    /// 9 kB at 3.
+    /// Computes the palette of a rotational envelope, with the bits of [`Envelope::palette`].
+    ///
+    /// A program that calls only this function links no kernel maps. On a Cortex-M4F that saves 5 kB at opt-level s,
+    /// and 9 kB at opt-level 3.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is not rotational.
-    /// - Those of [`Envelope::palette`].
+    /// - The errors of [`Envelope::palette`].
     pub fn rotational_palette(
         &self,
         pose: &[Matrix3x4],
@@ -183,29 +200,29 @@ impl Envelope<'_> {
         Argument::Scratch.check_least(self.scratch_len(), scratch.len())
     }
 
-    /// Computes a palette by the stages of the predictor.
+    /// Computes the palette with either predictor.
     fn any_palette(
         &self,
         pose: &[Matrix3x4],
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
     ) -> f32 {
-        // Both predictors end in one place: an early return took 1196 bytes of stack on Cortex-M, over the budget of 950.
+        // No early return: one took 1196 bytes of stack on a Cortex-M, over the budget of 950.
         let mut confidence = 1.0;
         if self.predictor().reconstructs() {
             confidence = self.reconstruct(pose, scratch, out_palette);
         } else {
-            joints::evaluate(self, pose, out_palette);
+            helpers::joints(self, pose, out_palette);
         }
         if self.group_len() > 0 {
             let (features, scratch) = self.scratch_layout().correction(scratch);
-            features::evaluate(self, pose, features);
-            confidence = correction::evaluate(self, pose, features, scratch, out_palette);
+            helpers::features(self, pose, features);
+            confidence = helpers::correction(self, pose, features, scratch, out_palette);
         }
         confidence
     }
 
-    /// Computes the palette by rotational regression, and the confidence in it.
+    /// Computes the palette by rotational regression, and the confidence.
     fn reconstruct(
         &self,
         pose: &[Matrix3x4],
@@ -213,9 +230,9 @@ impl Envelope<'_> {
         out_palette: &mut [Matrix3x4],
     ) -> f32 {
         let base = self.scratch_layout().base(scratch, self.proxy_len());
-        gradients::evaluate(self, pose, base.relative, base.rotations, base.gradients);
+        rotational::gradients(self, pose, base.relative, base.rotations, base.gradients);
         let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
-        palette::evaluate(self, root, base.relative, base.gradients, out_palette);
-        confidence::evaluate(self, base.rotations)
+        rotational::palette(self, root, base.relative, base.gradients, out_palette);
+        confidence::of_rotations(self.pose_ranges(), base.rotations)
     }
 }

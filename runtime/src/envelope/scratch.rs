@@ -1,37 +1,39 @@
-//! Where the arrays of an evaluation lie in its scratch, on a CPU and on a GPU.
+//! Layout of the scratch of an evaluation, on a CPU and on a GPU.
 
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, split};
 
-/// Where the arrays of a pose's evaluation lie in its scratch, in floats from its start.
+/// Offsets of the arrays in the scratch of one pose, in floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScratchLayout {
-    /// The stack q: 4 J columns of 3.
+    /// Stack q: 4 J columns of 3.
     pub relative: usize,
     /// J rotation vectors of 3.
     pub rotations: usize,
-    /// The stack d: 3 P columns of 3.
+    /// Stack d: 3 P columns of 3.
     pub gradients: usize,
-    /// The features: J matrices of 12.
+    /// Features: J matrices of 12.
     pub features: usize,
-    /// What each of the G groups knows and what it doubts; only where groups are evaluated at once.
+    /// Explained and unexplained error of each of the G groups; used only if groups are evaluated at once.
     pub confidences: usize,
-    /// The first group's own scratch.
+    /// Scratch of the first group.
     pub groups: usize,
-    /// From a group's scratch to the next group's; 0 where they take turns.
+    /// Distance from a group's scratch to the next group's scratch; 0 if groups are evaluated in turn.
     pub group_stride: usize,
-    /// The length of all of it.
+    /// Length of the whole scratch.
     pub len: usize,
 }
 
-/// Returns the floats of scratch that [`Envelope::palette`] needs: the greater of 12 J + 3 J + 9 P
-/// for the base, and, with a correction, 12 J and [`super::EnvelopeCounts::correction_len`] for it.
+/// Returns the floats of scratch that [`Envelope::palette`] needs.
+///
+/// The base needs 12 J + 3 J + 9 P. A correction needs 12 J + [`super::EnvelopeCounts::correction_len`]. The result is
+/// the greater of the two.
 pub const fn scratch_len(joint_len: usize, proxy_len: usize, correction_len: usize) -> usize {
     ScratchLayout::in_turn(joint_len, proxy_len, correction_len).len
 }
 
 impl ScratchLayout {
-    /// Lays out stages and groups that take turns, as on a CPU: in as little as they can share.
+    /// Lays out stages and groups that are evaluated in turn, as on a CPU. The arrays share memory.
     pub const fn in_turn(joint_len: usize, proxy_len: usize, correction_len: usize) -> Self {
         let (rotations, gradients) = (12 * joint_len, 15 * joint_len);
         let base = gradients + 9 * proxy_len;
@@ -49,8 +51,9 @@ impl ScratchLayout {
         }
     }
 
-    /// Lays out stages that keep what they computed, and groups that are evaluated at once, as on a
-    /// GPU: a group's scratch is x (d), g (n), and z with h (r + m), each in whole blocks of 8.
+    /// Lays out groups that are evaluated at once, as on a GPU. Every stage keeps its results.
+    ///
+    /// The scratch of a group is x (d), g (n) and [z h] (r + m), each in whole blocks of 8.
     pub fn at_once(envelope: &Envelope<'_>) -> Self {
         let (joint_len, group_len) = (envelope.joint_len(), envelope.group_len());
         let base = usize::from(envelope.predictor().reconstructs());
@@ -70,7 +73,7 @@ impl ScratchLayout {
         Self { relative: 0, rotations, gradients, features, confidences, groups, group_stride, len }
     }
 
-    /// Cuts what the base needs: 4 J columns, J rotation vectors, 3 P columns.
+    /// Splits off the stacks of the base: 4 J columns, J rotation vectors, 3 P columns.
     pub(crate) fn base<'a>(&self, scratch: &'a mut [f32], proxy_len: usize) -> Base<'a> {
         let (columns, _) = scratch.as_chunks_mut::<3>();
         let (relative, columns) = split(columns, self.rotations / 3);
@@ -79,7 +82,7 @@ impl ScratchLayout {
         Base { relative, rotations, gradients }
     }
 
-    /// Cuts what the correction needs: J features, and scratch of a group.
+    /// Splits off J features, and the scratch of a group.
     pub(crate) fn correction<'a>(
         &self,
         scratch: &'a mut [f32],
@@ -89,7 +92,7 @@ impl ScratchLayout {
     }
 }
 
-/// Scratch of the reconstruction, stacks of columns.
+/// Stacks of columns for the reconstruction.
 pub(crate) struct Base<'a> {
     pub(crate) relative: &'a mut [[f32; 3]],
     pub(crate) rotations: &'a mut [[f32; 3]],

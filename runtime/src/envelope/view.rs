@@ -1,8 +1,7 @@
-//! An envelope in a loaded file: what loading found of it, and what it holds.
+//! An envelope in a loaded file, and accessors to its arrays.
 
-use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, Predictor, RULES, place};
-use super::group_row::GroupRow;
-use super::key::{Key, KeyRow, joint_index};
+use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor, RULES, place};
+use super::group::GroupRow;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::SectionKind;
 use crate::format::part::{self, Part};
@@ -22,11 +21,33 @@ const ORIGINS: usize = Rule::place(&RULES, SectionKind::Origins);
 const GROUPS: usize = Rule::place(&RULES, SectionKind::Groups);
 const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
 
-/// Predicts a palette from a pose of J joints, by P proxies or helpers; borrowed from a loaded model.
+/// Envelope of J joints and P proxies or helpers, which predicts a palette from a pose; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by index return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Envelope<'a>(pub(crate) Part<'a>);
+
+/// Key predictor (METHOD §1.4, §1.5):
+/// `D = Q_p exp(twist . theta_b) [exp(residual . theta_c)] (I + sym(H [theta_b; theta_p]))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Joint b that the key follows; p is the parent of b.
+    pub joint: usize,
+    /// A = u W, rows (METHOD §1.4).
+    pub twist: [[f32; 3]; 3],
+    /// Residual joint c and its A', rows.
+    pub residual: Option<(usize, [[f32; 3]; 3])>,
+    /// H: a row for each of xx, xy, xz, yy, yz, zz of S - I; columns theta_b, then theta_p.
+    pub shear: [[f32; 6]; 6],
+}
+
+/// Key predictor, read in place.
+pub(crate) struct KeyRow<'a> {
+    pub(crate) joint: usize,
+    pub(crate) twist: &'a [Le; 9],
+    pub(crate) residual: Option<(usize, &'a [Le; 9])>,
+    pub(crate) shear: &'a [Le],
+}
 
 part::view! { Envelope, EnvelopeLayout, |words| -> EnvelopeCounts { EnvelopeCounts::read(words) } }
 
@@ -36,7 +57,7 @@ impl<'a> Envelope<'a> {
         self.0.layout.counts[place::JOINTS] as usize
     }
 
-    /// Returns P, the number of proxies: for the kernel predictor, of helpers beside the joints.
+    /// Returns P, the number of proxies; for the kernel predictor, the number of helpers.
     pub const fn proxy_len(&self) -> usize {
         self.0.layout.counts[place::PROXIES] as usize
     }
@@ -46,12 +67,12 @@ impl<'a> Envelope<'a> {
         self.counts().palette_len()
     }
 
-    /// Returns how the palette is predicted.
+    /// Returns the predictor of the palette.
     pub const fn predictor(&self) -> Predictor {
         self.counts().predictor
     }
 
-    /// Returns G, the number of groups of proxies that share a kernel map.
+    /// Returns G, the number of groups of helpers that share a kernel map.
     pub const fn group_len(&self) -> usize {
         self.0.layout.counts[place::GROUPS] as usize
     }
@@ -61,7 +82,7 @@ impl<'a> Envelope<'a> {
         self.0.layout.counts[place::ROOT] as usize
     }
 
-    /// Returns what the fit was measured to reach.
+    /// Returns the measured errors of the fit.
     pub fn certificate(&self) -> Certificate {
         let figures = self.0.array(CERTIFICATE).first().map(floats);
         Certificate::from_figures(figures.unwrap_or_default())
@@ -87,7 +108,7 @@ impl<'a> Envelope<'a> {
         self.0.entry::<12>(INVERSE_BINDS, self.joint_len(), joint).map(|m| rows(&floats(m)))
     }
 
-    /// Returns a joint's origin in the rest pose, in model space; a rotational envelope holds none.
+    /// Returns a joint's origin in the rest pose, in model space; `None` for a rotational envelope.
     pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
         self.0.entry(ORIGINS, self.joint_len(), joint).map(floats)
     }
@@ -97,15 +118,15 @@ impl<'a> Envelope<'a> {
         self.0.entry(POSE_RANGES, self.joint_len(), joint).map(|[le]| f32::from_le_bytes(*le))
     }
 
-    /// Returns how far a joint's origin came in training from where its parent carries it, at the most; 0 for
-    /// the root, and about 0 for a joint that only turns.
+    /// Returns the largest gap of a joint in training: the distance from the joint's origin to where its parent
+    /// carries that origin. 0 for the root, and about 0 for a joint that only turns.
     pub fn pose_gap(&self, joint: usize) -> Option<f32> {
         let len = self.joint_len();
         let gap = self.0.entry(POSE_RANGES, 2 * len, joint.checked_add(len)?);
         gap.map(|[le]| f32::from_le_bytes(*le))
     }
 
-    /// Returns the key predictor of a proxy; a kernel envelope has none.
+    /// Returns the key predictor of a proxy; `None` for a kernel envelope.
     pub fn key(&self, proxy: usize) -> Option<Key> {
         KeyRow::new(self.0.entry(KEYS, self.proxy_len(), proxy)?)?.to_key()
     }
@@ -122,7 +143,7 @@ impl<'a> Envelope<'a> {
         block_entry(self.c2_blocks(), shape, row, column)
     }
 
-    /// Checks that a stage is part of the predictor.
+    /// Returns an error unless the predictor has a stage.
     pub(crate) fn check_stage(&self, is_part: bool) -> Result<(), CallError> {
         if is_part {
             return Ok(());
@@ -131,11 +152,10 @@ impl<'a> Envelope<'a> {
         Err(CallError::new(CallErrorKind::NoStage, Argument::Call).values(0, found))
     }
 
-    /// Checks that a pose has J matrices, all of them finite.
+    /// Checks that a pose has J finite matrices.
     pub(crate) fn check_finite(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
-        let unsound = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite()));
-        unsound.map_or(Ok(()), |joint| {
+        pose.iter().position(|m| !is_finite(m)).map_or(Ok(()), |joint| {
             Err(CallError::new(CallErrorKind::NonFinite, Argument::Pose).at(joint))
         })
     }
@@ -160,7 +180,7 @@ impl<'a> Envelope<'a> {
         self.0.array(ORIGINS)
     }
 
-    /// Returns the J angles, and behind them the J gaps.
+    /// Returns the J angles, then the J gaps.
     pub(crate) fn pose_ranges(&self) -> &'a [[Le; 1]] {
         self.0.array(POSE_RANGES)
     }
@@ -185,16 +205,45 @@ impl<'a> Envelope<'a> {
         self.0.bytes(CORRECTIONS).as_chunks().0
     }
 
-    /// Returns the bytes of the corrections, of which a whole number of words is read.
+    /// Returns the length of section `corrections` in bytes, which may end with a part of a word.
     pub(crate) fn corrections_len(&self) -> usize {
         self.0.bytes(CORRECTIONS).len()
     }
 
-    /// Returns the parents, the evaluation order and its inverse.
+    /// Returns the parents, the evaluation order and the inverse of that order, J entries each.
     fn thirds(&self) -> [&'a [[u8; 2]]; 3] {
         let all = self.0.bytes(HIERARCHY).as_chunks::<2>().0;
         let (parents, rest) = all.split_at_checked(self.joint_len()).unwrap_or_default();
         let (order, ranks) = rest.split_at_checked(self.joint_len()).unwrap_or_default();
         [parents, order, ranks]
     }
+}
+
+impl<'a> KeyRow<'a> {
+    pub(crate) fn new(words: &'a [Le; KEY_WORDS]) -> Option<Self> {
+        let [[b0, b1, c0, c1], matrices @ ..] = words;
+        let (twist, rest) = matrices.split_first_chunk()?;
+        let (residual, shear) = rest.split_first_chunk()?;
+        let joint = u16::from_le_bytes([*b0, *b1]).into();
+        let residual = joint_index(&[*c0, *c1]).map(|joint| (joint, residual));
+        Some(Self { joint, twist, residual, shear })
+    }
+
+    pub(crate) fn to_key(&self) -> Option<Key> {
+        let residual = self.residual.map(|(joint, twist)| (joint, rows(&floats(twist))));
+        let shear = rows(&floats(self.shear.first_chunk::<36>()?));
+        Some(Key { joint: self.joint, twist: rows(&floats(self.twist)), residual, shear })
+    }
+}
+
+/// Whether every entry of a matrix is finite.
+#[inline]
+pub(crate) fn is_finite(m: &Matrix3x4) -> bool {
+    m.as_flattened().iter().all(|x| x.is_finite())
+}
+
+/// Reads the index of a joint; `None` for [`NO_JOINT`].
+pub(crate) fn joint_index(le: &[u8; 2]) -> Option<usize> {
+    let index = u16::from_le_bytes(*le);
+    (index != NO_JOINT).then_some(usize::from(index))
 }

@@ -1,18 +1,17 @@
-//! Blending: from a palette to the transform of a vertex, and what it does to vectors.
+//! Blending: from a palette to the transform of a vertex, and the transform of vectors.
 
 use super::view::Skin;
-use crate::linear::{self, Le, Matrix3x4, dot};
-use crate::numeric::sqrt;
+use crate::linear::{Le, Matrix3x4};
 use core::iter;
 use core::ops::Range;
-use glam::{Mat4, Vec4, Vec4Swizzles};
+use glam::{Mat4, Vec4};
 
-/// The influences of all vertices, and the palette that they refer to.
+/// Influences of all vertices, and the palette.
 pub(super) struct Influences<'a> {
     palette: &'a [Matrix3x4],
     indices: &'a [[u8; 2]],
     weights: &'a [Le],
-    /// How many a vertex has; 0 without an envelope.
+    /// Number of influences of a vertex, K; 0 without an envelope.
     len: usize,
 }
 
@@ -21,8 +20,9 @@ pub(super) type Fours<'a> = (&'a [[[u8; 2]; 4]], &'a [[Le; 4]]);
 
 #[cfg(feature = "prior")]
 impl Skin<'_> {
-    /// Blends the transforms of a vertex; the identity without influences. `None` of a vertex beyond the mesh, or of a
-    /// palette that is too short.
+    /// Blends the transforms of a vertex; the identity without influences.
+    ///
+    /// `None` if the vertex is beyond the mesh, or if the palette is too short.
     pub(crate) fn blended(&self, palette: &[Matrix3x4], vertex: usize) -> Option<Matrix3x4> {
         let [x, y, z, _] =
             Influences::new(self, palette).blend(vertex)?.transpose().to_cols_array_2d();
@@ -30,8 +30,10 @@ impl Skin<'_> {
     }
 }
 
-/// Whether the usual number of influences gets code of its own: a quarter faster on x86-64, but small
-/// processors have too few registers for it (31 instructions a vertex more on a Cortex-M4F).
+/// Whether four influences, the usual number, get separate code.
+///
+/// The separate code is a quarter faster on x86-64. Small processors have too few registers: a Cortex-M4F needs 31
+/// instructions more for each vertex.
 const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
 
 impl<'a> Influences<'a> {
@@ -40,10 +42,10 @@ impl<'a> Influences<'a> {
         Self { palette, indices, weights, len: skin.influence_len() }
     }
 
-    /// Returns the indices and weights of a range's vertices if each vertex has four influences; else `None`.
+    /// Returns the indices and weights of a range of vertices with four influences each; else `None`.
     ///
-    /// They are slices for a plain loop around [`Self::blend_row`]. An adapter that yields the blended matrices is not
-    /// inlined under LTO: each matrix then goes through memory, at five times the cost.
+    /// The slices serve a plain loop around [`Self::blend_row`]. LTO does not inline an iterator of blended matrices:
+    /// each matrix would go through memory, at five times the cost.
     #[inline(always)]
     pub(super) fn by_four(&self, vertices: Range<usize>) -> Option<Fours<'a>> {
         if !UNROLL || self.len != 4 {
@@ -53,13 +55,13 @@ impl<'a> Influences<'a> {
         Some((indices, self.weights.as_chunks().0.get(vertices)?))
     }
 
-    /// Blends the transforms of vertices; of none where they have no influences.
+    /// Blends the transforms of a range of vertices; lists nothing without influences.
     #[inline(always)]
     pub(super) fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
         let all = vertices.start * self.len..vertices.end * self.len;
         let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
         let (mut indices, mut weights) = influences.unwrap_or_default();
-        // At least one, so that the loop over a vertex's influences needs no way around it.
+        // At least 1, so that the loop over the influences of a vertex needs no test for 0.
         let len = self.len.max(1);
         iter::from_fn(move || {
             let (first_indices, more_indices) = indices.split_at_checked(len)?;
@@ -69,13 +71,13 @@ impl<'a> Influences<'a> {
         })
     }
 
-    /// Blends the transforms of one vertex, as [`blend`] does.
+    /// Blends the transforms of one vertex from its indices and weights, as [`blend`] does.
     #[inline(always)]
     pub(super) fn blend_row(&self, indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
         blend(self.palette, indices, weights)
     }
 
-    /// Returns a vertex's indices and weights.
+    /// Returns the indices and weights of a vertex; `None` if the vertex is beyond the mesh.
     #[inline(always)]
     pub(super) fn of(&self, vertex: usize) -> Option<(&'a [[u8; 2]], &'a [Le])> {
         let start = vertex * self.len;
@@ -83,8 +85,9 @@ impl<'a> Influences<'a> {
         Some((indices, self.weights.get(start..)?.get(..self.len)?))
     }
 
-    /// Blends the transforms of a vertex; the identity without influences. `None` as by [`blend`], or
-    /// for a vertex beyond the mesh.
+    /// Blends the transforms of a vertex; the identity without influences.
+    ///
+    /// `None` if the vertex is beyond the mesh, or as for [`blend`].
     #[inline(always)]
     pub(super) fn blend(&self, vertex: usize) -> Option<Mat4> {
         if UNROLL && self.len == 4 {
@@ -100,8 +103,9 @@ impl<'a> Influences<'a> {
     }
 }
 
-/// Blends the transforms of a vertex, first to last, and returns the columns of the sum. `None` stands
-/// for an index beyond the palette, which a loaded skin does not have.
+/// Blends the transforms of a vertex, first to last, and returns the columns of the sum.
+///
+/// `None` if an index is beyond the palette. Loading checks the indices, so the file's bytes must have changed since.
 #[inline(always)]
 fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
     let [mut x, mut y, mut z] = [Vec4::ZERO; 3];
@@ -115,6 +119,7 @@ fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<M
     Some(Mat4::from_cols(x, y, z, Vec4::ZERO).transpose())
 }
 
+/// Returns a transform times a point.
 #[inline(always)]
 pub(super) fn moved(m: &Mat4, rest: [f32; 3]) -> [f32; 3] {
     (along(m, rest) + m.w_axis).truncate().to_array()
@@ -124,38 +129,4 @@ pub(super) fn moved(m: &Mat4, rest: [f32; 3]) -> [f32; 3] {
 #[inline(always)]
 pub(super) fn along(m: &Mat4, [x, y, z]: [f32; 3]) -> Vec4 {
     m.x_axis * x + m.y_axis * y + m.z_axis * z
-}
-
-/// Returns the cofactors of a transform's 3x3: cross products of its columns.
-#[inline(always)]
-pub(super) fn cofactors(m: &Mat4) -> Mat4 {
-    let Mat4 { x_axis: x, y_axis: y, z_axis: z, .. } = *m;
-    Mat4::from_cols(cross(y, z), cross(z, x), cross(x, y), Vec4::ZERO)
-}
-
-#[inline(always)]
-fn cross(a: Vec4, b: Vec4) -> Vec4 {
-    (a * b.yzxw() - a.yzxw() * b).yzxw()
-}
-
-/// Returns a vector at the length of `length`, which is 1 or -1; `None` where it has no direction.
-#[inline(always)]
-pub(super) fn unit(v: [f32; 3], length: f32) -> Option<[f32; 3]> {
-    let square = dot(v, v);
-    if !square.is_normal() {
-        return None;
-    }
-    let scale = length / sqrt(square);
-    Some(v.map(|x| x * scale))
-}
-
-/// Returns -1 where a palette mirrors, by its first transform, else 1: what cross products of its columns take
-/// outward, a mirror takes inward.
-#[inline(always)]
-pub(super) fn side(palette: &[Matrix3x4]) -> f32 {
-    let volume = palette.first().map_or(1.0, |m| {
-        let [x, y, z] = m.map(|[x, y, z, _]| [x, y, z]);
-        dot(x, linear::cross(y, z))
-    });
-    if volume < 0.0 { -1.0 } else { 1.0 }
 }

@@ -1,9 +1,16 @@
-//! Boxes, and how a transform moves them.
+//! Bounding boxes: boxes under transforms, and the box around a posed skin.
 
+use super::counts::{RULES, WEIGHT_SUM_TOLERANCE};
+use super::view::Skin;
+use crate::error::{Argument, CallError, CallErrorKind};
+use crate::format::SectionKind;
+use crate::format::rule::Rule;
 use crate::linear::{Le, Matrix3x4, floats};
 use crate::numeric::{greater, lesser};
 
-/// A box along the axes.
+const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
+
+/// Axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least coordinates.
@@ -13,37 +20,37 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Whether a point lies in the box or on its faces.
+    /// Whether a point is in the box or on a face of the box.
     pub fn contains(&self, point: [f32; 3]) -> bool {
         self.min.iter().zip(&self.max).zip(&point).all(|((min, max), x)| min <= x && x <= max)
     }
 
-    /// Reads a box of the file; `None` of one that holds nothing.
+    /// Reads a box of the file; `None` if the box is empty.
     pub(crate) fn from_corners(le: &[Le; 6]) -> Option<Self> {
         let [x0, y0, z0, x1, y1, z1] = floats(le);
         (x0 <= x1).then_some(Self { min: [x0, y0, z0], max: [x1, y1, z1] })
     }
 
-    /// Returns the box of a point.
+    /// Returns the box of one point.
     pub(crate) const fn of(point: [f32; 3]) -> Self {
         Self { min: point, max: point }
     }
 
-    /// Grows to the least box that holds both.
+    /// Grows the box to contain another box.
     pub(crate) fn join(&mut self, other: &Self) {
         self.min.iter_mut().zip(&other.min).for_each(|(a, b)| *a = lesser(*a, *b));
         self.max.iter_mut().zip(&other.max).for_each(|(a, b)| *a = greater(*a, *b));
     }
 
-    /// Widens the box to every side, rounded outward; by 0 it stays as it is.
+    /// Widens the box on every side, rounded outward. A width of 0 leaves the box unchanged.
     pub(crate) fn widen(&mut self, by: f32) {
-        // Two roundings, and one of whoever measured `by`.
+        // Room for two roundings here, and for one in the caller's `by`.
         let rounding = |x: f32| if by > 0.0 { 2.0 * f32::EPSILON * (x.abs() + by) } else { 0.0 };
         self.min.iter_mut().for_each(|x| *x = (*x - by) - rounding(*x));
         self.max.iter_mut().for_each(|x| *x = (*x + by) + rounding(*x));
     }
 
-    /// Adds another: the box of the sums of their points, rounded outward; by 0 a side stays where it is.
+    /// Adds another box to get the box of all sums of two points, rounded outward. Adding 0 leaves a side unchanged.
     #[cfg(feature = "shapes")]
     pub(crate) fn add(&mut self, other: &Self) {
         let rounding = |x: f32, by: f32| {
@@ -53,8 +60,9 @@ impl Bounds {
         self.max.iter_mut().zip(other.max).for_each(|(x, by)| *x = (*x + by) + rounding(*x, by));
     }
 
-    /// Moves the box by a transform and widens it by `slack` of the largest magnitude that its sums can
-    /// reach.
+    /// Returns the box around the transformed box, widened for rounding.
+    ///
+    /// - `slack`: width, as a share of the largest magnitude of a coordinate's terms.
     pub(crate) fn moved(&self, transform: &Matrix3x4, slack: f32) -> Self {
         let mut out = Self { min: [0.0; 3], max: [0.0; 3] };
         let rows = transform.iter().zip(out.min.iter_mut().zip(&mut out.max));
@@ -73,7 +81,74 @@ impl Bounds {
     }
 }
 
-/// Whether a point lies in a box or on its faces; in one that holds nothing no point does.
+impl<'a> Skin<'a> {
+    /// Returns the box of the rest positions that a transform of the palette moves; `None` if there are none.
+    pub fn rest_box(&self, index: usize) -> Option<Bounds> {
+        self.0.entry(BOXES, self.palette_len(), index).and_then(Bounds::from_corners)
+    }
+
+    pub(super) fn boxes(&self) -> &'a [[Le; 6]] {
+        self.0.array(BOXES)
+    }
+
+    /// Computes a box around every vertex of the posed skin; `None` if there are no vertices.
+    ///
+    /// The box is the union of the transformed rest boxes, rounded outward. The union is conservative, because a
+    /// skinned vertex is a weighted mean of its transformed positions. Without an envelope the box surrounds the rest
+    /// positions.
+    ///
+    /// - `palette`: [`Skin::palette_len`] transforms.
+    /// - `rest_offset`: largest offset, along any axis, of the caller's rest mesh ([`super::SkinJob::rest`]) from the
+    ///   file's rest mesh; 0 for the file's rest mesh.
+    ///
+    /// # Errors
+    /// - [`CallErrorKind::Length`]: `palette` has another length.
+    /// - [`CallErrorKind::OutOfRange`]: `rest_offset` is negative or not finite.
+    pub fn bounds(
+        &self,
+        palette: &[Matrix3x4],
+        rest_offset: f32,
+    ) -> Result<Option<Bounds>, CallError> {
+        Argument::Palette.check_len(self.palette_len(), palette.len())?;
+        if !(0.0..=f32::MAX).contains(&rest_offset) {
+            return Err(CallError::new(CallErrorKind::OutOfRange, Argument::RestPositions));
+        }
+        Ok(self.posed_bounds(palette, |rest| rest.widen(rest_offset)))
+    }
+
+    /// Computes a box around every vertex of the posed skin.
+    ///
+    /// - `palette`: [`Skin::palette_len`] transforms.
+    /// - `widen`: widens a box at rest.
+    pub(super) fn posed_bounds(
+        &self,
+        palette: &[Matrix3x4],
+        widen: impl Fn(&mut Bounds),
+    ) -> Option<Bounds> {
+        // A weighted mean of K terms and a product of 4 terms have an error of less than K + 8 roundings.
+        let slack = WEIGHT_SUM_TOLERANCE + (self.influence_len() as f32 + 8.0) * f32::EPSILON;
+        let mut union: Option<Bounds> = None;
+        let mut join = |own: &Bounds| match &mut union {
+            Some(union) => union.join(own),
+            None => union = Some(*own),
+        };
+        for (rest, transform) in self.boxes().iter().zip(palette) {
+            if let Some(mut rest) = Bounds::from_corners(rest) {
+                widen(&mut rest);
+                join(&rest.moved(transform, slack));
+            }
+        }
+        let fixed = if self.envelope_part().is_none() { self.positions() } else { &[] };
+        for position in fixed {
+            let mut rest = Bounds::of(floats(position));
+            widen(&mut rest);
+            join(&rest);
+        }
+        union
+    }
+}
+
+/// Whether a point is in a box of the file or on a face of the box. An empty box contains no point.
 pub(super) fn is_inside(corners: &[Le; 6], point: [f32; 3]) -> bool {
     let (min, max) = corners.split_at(3);
     let mut sides = point.iter().zip(min.iter().zip(max));

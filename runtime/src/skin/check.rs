@@ -1,4 +1,4 @@
-//! The checks of a skin, in the order that FORMAT.md lists.
+//! Checks of a skin, in the order of FORMAT.md.
 
 use super::bounds::is_inside;
 use super::counts::{
@@ -13,12 +13,12 @@ use crate::format::refusal::{Checked, Loading};
 use crate::format::{Element, FileErrorKind as Kind, SectionKind};
 use crate::linear::{Le, dot, floats};
 
-/// Checks a skin's counts, adds the length of its palette to them, and returns what they ask of its
-/// sections.
+/// Checks the counts of a skin, and returns the flags and sizes for the rules of its sections.
 ///
-/// - `part_len`: parts of the file.
-/// - `palette_len`: counts the palette of a part, if that is an envelope.
-/// - `element`: finds what a section of this part is an array of, if it is there.
+/// - `words`: the counts. This function adds the length of the palette, and the element type of the shapes.
+/// - `part_len`: number of parts in the file.
+/// - `palette_len`: returns the palette length of a part; `None` if the part is not an envelope.
+/// - `element`: returns the element type of a section of this part; `None` if the section is missing.
 pub(crate) fn counts(
     words: &mut [u32; COUNTS],
     loading: &Loading<'_>,
@@ -28,7 +28,7 @@ pub(crate) fn counts(
 ) -> Checked<Asked> {
     let section = SectionKind::SkinCounts;
     let counts = SkinCounts::from_words(first_counts(words));
-    // More influences than indices can tell apart have no transforms to be of.
+    // Indices are u16, so a vertex cannot have more distinct influences.
     let most = loading.limits.influences.min(u16::MAX.into());
     let (least, most) = if counts.envelope == NO_ENVELOPE { (0, 0) } else { (1, most) };
     let ranges = [
@@ -56,12 +56,12 @@ pub(crate) fn counts(
     Ok(counts.asked(palette_len, element))
 }
 
-/// Checks the content of a skin whose sections all have their length.
+/// Checks the content of a skin whose sections have the right lengths.
 pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     CHECKS.iter().try_for_each(|check| check(skin, loading))
 }
 
-/// The checks of the content, in their order, likewise as an envelope's.
+/// Checks of the content, in order. Calls through pointers are not inlined, so the checks share stack space.
 static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     6 + cfg!(feature = "tangent-coefficients") as usize + cfg!(feature = "shapes") as usize] = [
     |skin, loading| check_names(loading, skin.names()),
@@ -80,8 +80,9 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     shapes::check::content,
 ];
 
-/// Checks that directions of so many floats have length 1, or if they are normals 0, and if they are
-/// tangents a handedness of 1 or -1.
+/// Checks the lengths of directions. Normals have length 1 or 0; tangents have length 1, and a handedness of 1 or -1.
+///
+/// - `len`: floats of a direction, 3 for normals or 4 for tangents.
 fn check_directions(
     loading: &Loading<'_>,
     section: SectionKind,
@@ -103,7 +104,7 @@ fn check_directions(
     Ok(())
 }
 
-/// Checks that ranges lie inside the mesh, one after the other.
+/// Checks that ranges are inside the mesh, in ascending order, and do not overlap.
 fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     let mut last = 0;
     for (index, row) in skin.range_rows().iter().enumerate() {
@@ -116,9 +117,10 @@ fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that influences point into the palette, sum to one, and stay in their transforms' boxes.
+/// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in the boxes of their
+/// transforms.
 fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
-    // Without an envelope there are none; chunks of zero would panic.
+    // Without an envelope K is 0; chunks of 0 would panic.
     let (below, k) = (skin.palette_len() as u32, skin.influence_len().max(1));
     let boxes = skin.boxes();
     let influences = skin.indices().chunks_exact(k).zip(skin.weights().chunks_exact(k));

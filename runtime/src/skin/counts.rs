@@ -1,25 +1,26 @@
-//! The numbers of a skin.
+//! Counts of a skin, its measured errors, and the rules for its sections.
 
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
 use crate::format::{Element, SectionKind};
 
-/// How far the weights of a vertex may sum from one: rounding of 32 influences is below 4e-6.
+/// Allowed difference of a vertex's sum of weights from 1; the rounding of 32 influences is below 4e-6.
 pub const WEIGHT_SUM_TOLERANCE: f32 = 1.0e-5;
-/// How far the square of a normal's or tangent's length may be from one: rounding of three floats and
-/// of their squares is below 5e-7.
+/// Allowed difference of the squared length of a normal or tangent from 1.
+///
+/// The rounding of three floats and of their squares is below 5e-7.
 pub const LENGTH_TOLERANCE: f32 = 1.0e-5;
-/// Stands for no envelope in [`SkinCounts::envelope`].
+/// Sentinel for "no envelope" in [`SkinCounts::envelope`].
 pub const NO_ENVELOPE: u32 = u32::MAX;
 
-/// Counts of a skin, from which, with its envelope's, every section's length follows.
+/// Counts of a skin. The length of every section follows from them and from the envelope's palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkinCounts {
     /// Vertices, V.
     pub vertex_len: u32,
     /// Influences of a vertex, K; 0 without an envelope.
     pub influence_len: u32,
-    /// The part whose palette it follows, or [`NO_ENVELOPE`].
+    /// Part whose palette the skin follows, or [`NO_ENVELOPE`].
     pub envelope: u32,
     /// Named ranges of vertices, R.
     pub range_len: u32,
@@ -42,30 +43,31 @@ impl SkinCounts {
         [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len]
     }
 
-    /// Makes them of their words.
+    /// Makes counts from words in the order of the file.
     pub const fn from_words(words: [u32; 7]) -> Self {
         let [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len] =
             words;
         Self { vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len }
     }
 
-    /// Returns the part whose palette it follows.
+    /// Returns the part whose palette the skin follows; `None` without an envelope.
     pub fn envelope(&self) -> Option<u16> {
         u16::try_from(self.envelope).ok()
     }
 
-    /// Whether a skin of these counts must have a section, may have it (`None`), or must not.
+    /// Returns whether a skin with these counts must have a section (true), may have it (`None`), or has not (false).
     pub fn has(&self, section: SectionKind) -> Option<bool> {
         let Some(rule) = Rule::of(&RULES, section) else { return Some(false) };
         let has = rule.has == OPTIONAL || self.asked(0, Element::F32).has & rule.has != 0;
         if has && rule.has & OPTIONAL != 0 { None } else { Some(has) }
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if the product overflows,
-    /// or no skin has it.
+    /// Computes the length of a section in bytes; `None` if the product overflows, or no skin has the section.
+    ///
+    /// For the names the result is the least length.
     ///
     /// - `palette_len`: transforms of the envelope's palette, L.
-    /// - `element`: what the deltas and slopes of shapes are.
+    /// - `element`: type of the deltas and slopes of shapes.
     pub fn section_bytes(
         &self,
         section: SectionKind,
@@ -76,12 +78,12 @@ impl SkinCounts {
         Rule::of(&RULES, section)?.bytes(&self.asked(palette_len, element).sizes)
     }
 
-    /// Counts the names behind the part's own.
+    /// Counts the names after the name of the part, R + S.
     pub(crate) const fn name_len(&self) -> u32 {
         self.range_len.saturating_add(self.shape_len)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
+    /// Returns the flags and sizes that [`RULES`] refer to.
     pub(crate) const fn asked(&self, palette_len: u32, element: Element) -> Asked {
         let Self { vertex_len: v, influence_len: k, range_len: r, shape_len: s, .. } = *self;
         let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
@@ -108,13 +110,13 @@ impl SkinCounts {
     }
 }
 
-/// How far a skin's normals were from the true ones, over the poses of training: the angle's RMS over the area
-/// at rest, in radians.
+/// Measured errors of a skin's normals over the training poses: RMS of the angle, weighted by the area at rest, in
+/// radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalErrors {
-    /// Of the model, by tangent coefficients where it has them.
+    /// Error of the model's normals.
     pub model: f32,
-    /// Of linear blend skinning, by cofactors.
+    /// Error of the normals of linear blend skinning, by cofactors.
     pub lbs: f32,
 }
 
@@ -127,19 +129,20 @@ impl NormalErrors {
         [self.model, self.lbs]
     }
 
-    /// Makes them of their figures.
+    /// Makes errors from figures in the order of the file.
     pub const fn from_figures([model, lbs]: [f32; 2]) -> Self {
         Self { model, lbs }
     }
 }
 
-/// How far a skin's shapes, as the file has them, were measured to be from those that were baked, each at its
-/// weight of 1: lengths in the file's unit.
+/// Measured errors of the shapes in the file against the source of the bake, each shape at a weight of 1.
+///
+/// Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeErrors {
-    /// The farthest of any vertex of any shape.
+    /// Largest error of any vertex of any shape.
     pub largest: f32,
-    /// RMS over shapes and the vertices that they move.
+    /// RMS error over all pairs of a shape and a vertex that it moves.
     pub rms: f32,
 }
 
@@ -152,14 +155,14 @@ impl ShapeErrors {
         [self.largest, self.rms]
     }
 
-    /// Makes them of their figures.
+    /// Makes errors from figures in the order of the file.
     pub const fn from_figures([largest, rms]: [f32; 2]) -> Self {
         Self { largest, rms }
     }
 }
 
-/// Where the counts stand in their section, and behind them what follows from the envelope and from the section
-/// of deltas.
+/// Positions of the counts in their section. Two values follow that loading adds: the length of the envelope's palette,
+/// and the element type of the deltas.
 pub(crate) mod place {
     pub(crate) const VERTICES: usize = 0;
     pub(crate) const INFLUENCES: usize = 1;
@@ -174,26 +177,26 @@ pub(crate) mod place {
     pub(crate) const ELEMENT: usize = 8;
 }
 
-/// Bit of a skin with an envelope.
+/// Flag of a skin with an envelope.
 const FOLLOWS: u8 = 4;
-/// Bit of one of which a vertex has several influences.
+/// Flag of a skin with K > 1 influences for each vertex.
 const BLENDS: u8 = 8;
-/// Bit of one with shapes.
+/// Flag of a skin with shapes.
 const SHAPED: u8 = 16;
 
-/// Vertices of a block, by which shapes are stored: a bit of a mask each.
+/// Vertices of a block of shapes, one bit of a mask for each vertex.
 pub const BLOCK: usize = 64;
 
-/// The sections of a skin, in the order in which the trainer writes them.
+/// Sections of a skin, in the order of the trainer's files.
 pub const SKIN_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 
-/// The sections of tangent coefficients and those of shapes, as far as they are read.
+/// Numbers of optional sections that the features read: for tangent coefficients, and for shapes.
 const MORE: [usize; 2] =
     [2 * cfg!(feature = "tangent-coefficients") as usize, 6 * cfg!(feature = "shapes") as usize];
 
-/// What a skin asks of its sections. Sizes: 1, V, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of a number.
+/// Rules for the sections of a skin. Sizes: 1, V, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of an element.
 pub(crate) const RULES: [Rule; 9 + MORE[0] + MORE[1]] = [
     Rule::new(SectionKind::SkinCounts, SkinCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [5, 0]).or_more(4),

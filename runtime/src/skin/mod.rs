@@ -3,15 +3,14 @@
 mod blend;
 mod bounds;
 pub(crate) mod check;
-mod coefficients;
 mod counts;
-mod eight;
+mod evaluate;
 mod job;
-mod mesh;
+mod normals;
 mod output;
-mod posed_bounds;
 #[cfg(feature = "shapes")]
 mod shapes;
+mod simd;
 mod view;
 
 pub use bounds::Bounds;
@@ -21,8 +20,7 @@ pub use counts::{
     WEIGHT_SUM_TOLERANCE,
 };
 pub use job::{Rest, SkinJob};
-pub use mesh::mesh_hash_of;
 pub use output::{Output, cells};
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;
-pub use view::{Skin, SkinLayout};
+pub use view::{Skin, SkinLayout, mesh_hash_of};

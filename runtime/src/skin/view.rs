@@ -1,10 +1,9 @@
-//! A skin in a loaded file: what loading found of it, and what it holds.
+//! A skin in a loaded file, accessors to its arrays, and the hash of its rest mesh.
 
-use super::bounds::Bounds;
 use super::counts::{NormalErrors, RULES, SkinCounts, place};
-use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
+use crate::format::{SectionKind, crc};
 use crate::linear::{Le, floats};
 use crate::names::Names;
 use crate::numeric::halves;
@@ -16,9 +15,8 @@ const NORMALS: usize = Rule::place(&RULES, SectionKind::RestNormals);
 const TANGENTS: usize = Rule::place(&RULES, SectionKind::RestTangents);
 const INDICES: usize = Rule::place(&RULES, SectionKind::InfluenceIndices);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::InfluenceWeights);
-const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
 const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
-/// The places of what a reader without the feature `tangent-coefficients` leaves alone.
+/// `None` without the feature `tangent-coefficients`: the reader then ignores the section.
 const COEFFICIENTS: Option<usize> = known(SectionKind::TangentCoefficients);
 const NORMAL_ERRORS: Option<usize> = known(SectionKind::NormalErrors);
 
@@ -26,16 +24,18 @@ const fn known(section: SectionKind) -> Option<usize> {
     if cfg!(feature = "tangent-coefficients") { Some(Rule::place(&RULES, section)) } else { None }
 }
 
-/// A mesh of V vertices that follows a palette; borrowed from a loaded model.
+/// Mesh of V vertices that follows a palette; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by index return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Skin<'a>(pub(crate) Part<'a>);
 
 part::view! { Skin, SkinLayout, |words| -> SkinCounts { SkinCounts::from_words(first_counts(words)) } }
 
 impl<'a> Skin<'a> {
-    /// Returns the part whose palette it follows; `None` if it follows none, as a face without joints.
+    /// Returns the part whose palette the skin follows.
+    ///
+    /// `None` without an envelope, for example for a face without joints.
     pub fn envelope_part(&self) -> Option<usize> {
         self.counts().envelope().map(usize::from)
     }
@@ -50,7 +50,7 @@ impl<'a> Skin<'a> {
         self.0.layout.counts[place::INFLUENCES] as usize
     }
 
-    /// Returns the number of transforms of the palette that it takes; 0 without an envelope.
+    /// Returns L, the number of transforms in the palette; 0 without an envelope.
     pub const fn palette_len(&self) -> usize {
         self.0.layout.counts[place::PALETTE] as usize
     }
@@ -60,18 +60,17 @@ impl<'a> Skin<'a> {
         self.0.layout.counts[place::SHAPES] as usize
     }
 
-    /// Whether it has tangents.
+    /// Whether the skin has rest tangents.
     pub const fn has_tangents(&self) -> bool {
         self.0.layout.has(TANGENTS)
     }
 
-    /// Whether it has tangent coefficients, by which normals and tangents are then turned; else they go by
-    /// cofactors.
+    /// Whether the skin has tangent coefficients for its normals and tangents. Without them normals use cofactors.
     pub const fn has_coefficients(&self) -> bool {
         matches!(COEFFICIENTS, Some(place) if self.0.layout.has(place))
     }
 
-    /// Lists the named ranges of vertices: the meshes that it was made of.
+    /// Lists the named ranges of vertices: the meshes of the source.
     pub fn ranges(&self) -> impl Iterator<Item = (&'a str, Range<usize>)> + use<'a> {
         let names = self.names();
         self.range_rows().iter().zip(1..).map_while(move |([start, end], name)| {
@@ -101,7 +100,7 @@ impl<'a> Skin<'a> {
         self.0.entry(TANGENTS, self.vertex_len(), vertex).map(floats)
     }
 
-    /// Lists a vertex's K influences: palette index and weight. Unused ones weigh 0.
+    /// Lists the K influences of a vertex: palette index and weight. Unused influences have the weight 0.
     pub fn influences(
         &self,
         vertex: usize,
@@ -115,8 +114,10 @@ impl<'a> Skin<'a> {
         })
     }
 
-    /// Lists a vertex's tangent coefficients g, h, per unit of length, of its first K - 1 influences; those of the
-    /// last are minus their sums. None where it has none.
+    /// Lists the tangent coefficients g, h of a vertex, per unit of length, for the first K - 1 influences.
+    ///
+    /// The coefficients of the last influence are minus the sums of the others. Lists nothing without tangent
+    /// coefficients.
     pub fn tangent_coefficients(
         &self,
         vertex: usize,
@@ -127,16 +128,27 @@ impl<'a> Skin<'a> {
         pairs.iter().map(|le| halves(u32::from_le_bytes(*le)))
     }
 
-    /// Returns how far its normals were measured to be from the true ones; `None` where the file does not say.
+    /// Returns the measured errors of the normals; `None` if the file has none.
     pub fn normal_errors(&self) -> Option<NormalErrors> {
         let figures = self.0.entry(NORMAL_ERRORS?, 1, 0)?;
         Some(NormalErrors::from_figures(floats(figures)))
     }
 
-    /// Returns the box of the rest positions that a transform of the palette moves; `None` if it moves
-    /// none.
-    pub fn rest_box(&self, index: usize) -> Option<Bounds> {
-        self.0.entry(BOXES, self.palette_len(), index).and_then(Bounds::from_corners)
+    /// Lists the V rest positions.
+    pub fn rest_positions(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + use<'a> {
+        self.positions().iter().take(self.vertex_len()).map(floats)
+    }
+
+    /// Lists the V rest normals.
+    pub fn rest_normals(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + use<'a> {
+        self.normals().iter().take(self.vertex_len()).map(floats)
+    }
+
+    /// Returns the hash of the rest positions: [`mesh_hash_of`] in the file's order.
+    ///
+    /// Compare the hash after a reload, to detect a changed mesh or vertex order.
+    pub fn mesh_hash(&self) -> u32 {
+        self.positions().iter().take(self.vertex_len()).fold(0, with_vertex)
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
@@ -168,11 +180,27 @@ impl<'a> Skin<'a> {
         COEFFICIENTS.map_or(&[], |place| self.0.bytes(place).as_chunks().0)
     }
 
-    pub(crate) fn boxes(&self) -> &'a [[Le; 6]] {
-        self.0.array(BOXES)
-    }
-
     pub(crate) fn range_rows(&self) -> &'a [[Le; 2]] {
         self.0.array(RANGES)
     }
+}
+
+/// Computes the hash of a mesh: a chained CRC-32 over the rest positions, starting at 0.
+///
+/// The bytes of a vertex are the hash so far and the three coordinates, all as little-endian u32.
+///
+/// - `positions`: rest positions in the file's order. An engine can pass the positions that it read from the file.
+///
+/// ```
+/// use sinew_runtime::mesh_hash_of;
+///
+/// let hash = mesh_hash_of(&[[0.0, 1.0, 2.0], [0.5, 1.0, 2.0]]);
+/// assert_ne!(hash, mesh_hash_of(&[[0.5, 1.0, 2.0], [0.0, 1.0, 2.0]]));
+/// ```
+pub fn mesh_hash_of(positions: &[[f32; 3]]) -> u32 {
+    positions.iter().fold(0, |hash, position| with_vertex(hash, &position.map(f32::to_le_bytes)))
+}
+
+fn with_vertex(hash: u32, position: &[Le; 3]) -> u32 {
+    crc::of(&[&hash.to_le_bytes(), position.as_flattened()])
 }

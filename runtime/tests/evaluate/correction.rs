@@ -5,7 +5,7 @@ use crate::common::{
     with_predictor,
 };
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups};
-use sinew_runtime::envelope::{GroupKernel, Predictor, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, Predictor};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
@@ -84,7 +84,7 @@ fn reference_kernel(kernel: GroupKernel, s: f64) -> f64 {
     }
 }
 
-/// K of a group's proxies, with which w is already multiplied, and what is known and what in doubt.
+/// Returns K of a group's helpers, multiplied by w, and the explained and unexplained error.
 fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let x = group.inputs.iter().map(|&(f, w)| f64::from(w) * phi[f as usize]);
     let x = x.collect::<Vec<_>>();
@@ -102,27 +102,27 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     };
     let mut latent = times(&group.coefficients, &[basis.clone(), x.clone()].concat());
     let certainty = latent.split_off(latent.len() - group.certainty);
-    let Trust { reach, linear, signal, noise } = group.trust;
+    let GroupConfidence { reach, linear, signal, noise } = group.confidence;
     let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(f64::from);
     let apart = x.iter().map(|x| x * x).sum::<f64>();
     let prior = (1.0 - (1.0 + basis[0]).powi(2) + linear * apart).max(0.0);
     let smooth = |u: f64| 10.0 * u.powi(3) - 15.0 * u.powi(4) + 6.0 * u.powi(5);
     let near = smooth(((4.0 * reach - apart) / (3.0 * reach)).clamp(0.0, 1.0));
     let explained = near * certainty.iter().map(|h| h * h).sum::<f64>().min(prior);
-    let evidence = if near > 0.0 {
+    let error = if near > 0.0 {
         [signal * explained, noise * (prior - explained)]
     } else {
         [0.0, f64::INFINITY]
     };
-    let w = smooth((8.0 * sure(evidence)).min(1.0));
+    let w = smooth((8.0 * confidence_of(error)).min(1.0));
     let out = times(&group.outputs, &latent);
     let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
-    (maps.collect(), evidence)
+    (maps.collect(), error)
 }
 
-/// The confidence, of what is known and what in doubt.
-fn sure([known, doubted]: [f64; 2]) -> f64 {
-    1.0 / (1.0 + doubted / (1.0 + known))
+/// Returns the confidence of the explained and unexplained error.
+fn confidence_of([explained, unexplained]: [f64; 2]) -> f64 {
+    1.0 / (1.0 + unexplained / (1.0 + explained))
 }
 
 /// The palette after the correction of a base, and the pose's confidence.
@@ -133,8 +133,8 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
     let mut at = out.len() - proxies;
     let mut known = [0.0; 2];
     for group in groups.iter().filter(|group| !group.centres.is_empty()) {
-        let (maps, evidence) = reference_map(group, &phi);
-        known = [0, 1].map(|k| known[k] + evidence[k]);
+        let (maps, error) = reference_map(group, &phi);
+        known = [0, 1].map(|k| known[k] + error[k]);
         let q = wide(&pose[group.joint]);
         for (l, map) in maps.iter().enumerate() {
             for (r, c) in (0..3).flat_map(|r| (0..4).map(move |c| (r, c))) {
@@ -143,7 +143,7 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
         }
         at += group.proxies;
     }
-    (out, sure(known))
+    (out, confidence_of(known))
 }
 
 /// The palette before the correction: the joints and, for each helper, its dominant joint.
@@ -227,7 +227,10 @@ fn corrections_agree_with_f64() {
                 assert!(difference < 2e-6, "{confidence} {expected_confidence}");
                 between += usize::from(confidence > 0.01 && confidence < 0.99);
             }
-            assert!(cfg!(miri) || between > 50, "{between} poses are in some doubt");
+            assert!(
+                cfg!(miri) || between > 50,
+                "{between} poses have a confidence between 0 and 1"
+            );
         });
     }
 }
@@ -254,10 +257,10 @@ fn each_number_of_a_group_matters() {
         |g| g.coefficients[0][12] += 0.1,
         |g| g.outputs[11][2] += 0.1,
         |g| g.joint = 2,
-        |g| g.trust.reach = 1e-3,
-        |g| g.trust.linear = 0.5,
-        |g| g.trust.signal = 1.0,
-        |g| g.trust.noise = 1.0,
+        |g| g.confidence.reach = 1e-3,
+        |g| g.confidence.linear = 0.5,
+        |g| g.confidence.signal = 1.0,
+        |g| g.confidence.noise = 1.0,
         |g| g.coefficients[3][2] += 0.5,
         |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,

@@ -3,7 +3,7 @@
 use crate::common::{apart, envelope_error, exercise};
 use crate::error;
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups, seal};
-use sinew_runtime::envelope::{GroupKernel, GroupRow, Predictor, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
@@ -41,7 +41,10 @@ fn accessors_give_what_was_written() {
         let found = envelope.group(index).unwrap();
         assert_eq!((found.joint, found.kernel), (expected.joint, expected.kernel));
         assert_eq!(found.proxies, start..start + expected.proxies);
-        assert_eq!((found.trust, found.certainty_len()), (expected.trust, expected.certainty));
+        assert_eq!(
+            (found.confidence, found.certainty_len()),
+            (expected.confidence, expected.certainty)
+        );
         start = found.proxies.end;
         let (d, n) = (found.input_len(), found.centre_len());
         let inputs = (0..d).map(|i| found.input(i).unwrap());
@@ -186,16 +189,17 @@ fn a_rotational_model_has_no_groups_and_no_scratch() {
 #[test]
 fn trust_is_in_numbers_that_are_none_below_nothing() {
     let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, SectionKind::Groups) });
-    let trust =
-        |reach, linear, signal, noise| row(|r| r.trust = Trust { reach, linear, signal, noise });
+    let confidence = |reach, linear, signal, noise| {
+        row(|r| r.confidence = GroupConfidence { reach, linear, signal, noise })
+    };
     let most = CORRECTION_MAX;
-    assert_eq!(trust(1e-45, 0.0, 0.0, 0.0), Ok(()));
-    assert_eq!(trust(most, most, most, most), Ok(()));
-    assert_eq!(trust(0.0, 1.0, 1.0, 1.0), wrong);
+    assert_eq!(confidence(1e-45, 0.0, 0.0, 0.0), Ok(()));
+    assert_eq!(confidence(most, most, most, most), Ok(()));
+    assert_eq!(confidence(0.0, 1.0, 1.0, 1.0), wrong);
     for bad in [-1e-9, 1.1 * most, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for place in 0..4 {
             let [a, b, c, d] = [0, 1, 2, 3].map(|at| if at == place { bad } else { 1.0 });
-            assert_eq!(trust(a, b, c, d), wrong, "{bad} at {place}");
+            assert_eq!(confidence(a, b, c, d), wrong, "{bad} at {place}");
         }
     }
     // Without centres nothing is trusted, but numbers must be numbers.
@@ -206,7 +210,7 @@ fn trust_is_in_numbers_that_are_none_below_nothing() {
             groups[1].inputs.clear();
             groups[1].certainty = 0;
             groups[1].coefficients = vec![Vec::new()];
-            groups[1].trust = Trust { reach, noise, ..Trust::default() };
+            groups[1].confidence = GroupConfidence { reach, noise, ..GroupConfidence::default() };
             b.set_groups(&groups);
         })
     };

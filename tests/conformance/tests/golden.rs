@@ -8,7 +8,7 @@ use ::models::{Pieces, SMALL, Shape, ShapeContent};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::envelope::{GroupKernel, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
 use sinew_runtime::format::{ALIGNMENT, Axis, Element, Handedness, SectionKind, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -257,7 +257,7 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         };
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
-        let Trust { reach, linear, signal, noise } = found.trust;
+        let GroupConfidence { reach, linear, signal, noise } = found.confidence;
         let read = Certainty {
             len: found.certainty_len(),
             reach: reach.into(),

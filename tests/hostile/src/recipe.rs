@@ -361,10 +361,10 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         5 => row.rank = integer(u)? as u16,
         6 => row.proxy_len = integer(u)? as u16,
         7 => row.offset = integer(u)?,
-        8 => row.trust.reach = float(u)?,
-        9 => row.trust.linear = float(u)?,
-        10 => row.trust.signal = float(u)?,
-        11 => row.trust.noise = float(u)?,
+        8 => row.confidence.reach = float(u)?,
+        9 => row.confidence.linear = float(u)?,
+        10 => row.confidence.signal = float(u)?,
+        11 => row.confidence.noise = float(u)?,
         _ => row.kernel = u.int_in_range(8..=11)?,
     }
     *bytes = group_row(&row);

@@ -6,7 +6,7 @@ use arbitrary::{Error, Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
-use sinew_runtime::envelope::{GroupKernel, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -364,8 +364,8 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
         let Certainty { len, reach, linear, signal, noise } = *certainty;
         let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(round);
         assert_eq!(
-            (found.certainty_len(), found.trust),
-            (len, Trust { reach, linear, signal, noise })
+            (found.certainty_len(), found.confidence),
+            (len, GroupConfidence { reach, linear, signal, noise })
         );
         for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, round(weight))));

@@ -1,6 +1,6 @@
 //! Encodes numbers, rows and matrices as bytes of a file.
 
-use sinew_runtime::envelope::{GroupRow, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupRow};
 use sinew_runtime::format::{PartRow, SectionRow};
 use sinew_runtime::kernel::{InputRow, KernelRule, OutputRow};
 
@@ -75,7 +75,7 @@ pub fn group_row(row: &GroupRow) -> [u8; 32] {
     out[8..10].copy_from_slice(&row.rank.to_le_bytes());
     out[10..12].copy_from_slice(&row.proxy_len.to_le_bytes());
     out[12..16].copy_from_slice(&row.offset.to_le_bytes());
-    let Trust { reach, linear, signal, noise } = row.trust;
+    let GroupConfidence { reach, linear, signal, noise } = row.confidence;
     for (float, value) in out[16..].as_chunks_mut().0.iter_mut().zip([reach, linear, signal, noise])
     {
         *float = value.to_le_bytes();

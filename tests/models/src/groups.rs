@@ -3,7 +3,7 @@
 use crate::bytes::{blocks, floats, group_row, words};
 use crate::pieces::Pieces;
 use crate::rng::Rng;
-use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow};
 use sinew_runtime::format::SectionKind;
 
 /// Number of certainty values m of a sample.
@@ -28,8 +28,8 @@ pub struct GroupContent {
     pub certainty: usize,
     /// 12 p rows of r.
     pub outputs: Vec<Vec<f32>>,
-    /// Use of the values of the last m rows.
-    pub trust: Trust,
+    /// How the values of the last m rows count.
+    pub confidence: GroupConfidence,
 }
 
 impl GroupContent {
@@ -49,7 +49,7 @@ impl GroupContent {
             coefficients: (0..r + CERTAINTY).map(|_| list(n + d, 0.5)).collect(),
             certainty: CERTAINTY,
             outputs: (0..12 * proxies).map(|_| list(r, 0.5)).collect(),
-            trust: Trust { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0 },
+            confidence: GroupConfidence { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0 },
         }
     }
 
@@ -69,7 +69,7 @@ impl GroupContent {
             rank: (self.coefficients.len() - self.certainty) as u16,
             proxy_len: self.proxies as u16,
             offset: offset as u32,
-            trust: self.trust,
+            confidence: self.confidence,
         }
     }
 

@@ -1,5 +1,6 @@
-//! Shapes as they lie in a file: blocks of 64 vertices, in a block entries by ascending shape, in an entry a delta of
-//! each vertex that its mask names.
+//! Layout of shapes in a file: blocks of 64 vertices.
+//!
+//! A block has entries in ascending order of shapes. An entry has a delta for each vertex in its mask.
 
 use super::super::counts::{BLOCK, RULES, place};
 use super::super::view::Skin;
@@ -15,33 +16,33 @@ const ENTRIES: usize = Rule::place(&RULES, SectionKind::ShapeEntries);
 const DELTAS: usize = Rule::place(&RULES, SectionKind::ShapeDeltas);
 const SLOPES: usize = Rule::place(&RULES, SectionKind::ShapeSlopes);
 
-/// Products that are computed side by side.
+/// Products in a batch before they are added to scattered vertices.
 const ROOM: usize = 16;
 
-/// All that a skin's file says of its shapes.
+/// Arrays of a skin's shapes.
 #[derive(Clone, Copy)]
 pub(super) struct Blocks<'a> {
-    /// By shape: the step of deltas, that of slopes, least and greatest delta.
+    /// Row of each shape: step of the deltas, step of the slopes, least delta 3, greatest delta 3.
     pub(super) rows: &'a [[Le; 8]],
     pub(super) starts: &'a [Le],
     pub(super) entries: &'a [[Le; 4]],
-    /// 3 a delta.
+    /// 3 numbers for each delta.
     pub(super) deltas: Numbers<'a>,
-    /// 2 a delta.
+    /// 2 numbers for each delta.
     pub(super) slopes: Numbers<'a>,
 }
 
-/// What a shape moves in a block.
+/// Vertices of a block that a shape moves.
 #[derive(Clone, Copy)]
 pub(super) struct Entry {
-    /// A bit a vertex.
+    /// One bit for each vertex of the block.
     pub(super) mask: u64,
     pub(super) shape: usize,
-    /// Its first delta: that of the lowest bit.
+    /// Index of the first delta, which belongs to the lowest bit.
     pub(super) start: usize,
 }
 
-/// Numbers of one type, to be multiplied by a step.
+/// Numbers of one element type. The reader multiplies them by a step.
 #[derive(Clone, Copy)]
 pub(super) struct Numbers<'a> {
     pub(super) element: Element,
@@ -70,18 +71,18 @@ impl<'a> Blocks<'a> {
         own.unwrap_or_default().iter().map(Entry::read)
     }
 
-    /// Returns the entry of a shape among those of a block, if it moves any of its vertices.
+    /// Returns the entry of a shape in a block; `None` if the shape moves no vertex of the block.
     pub(super) fn entry(&self, block: usize, shape: usize) -> Option<Entry> {
         self.entries_of(block).find(|entry| entry.shape == shape)
     }
 
-    /// Returns how far an entry moves a vertex of its block; `None` where it does not.
+    /// Returns the delta of a vertex of the entry's block; `None` if the entry does not move the vertex.
     pub(super) fn delta(&self, entry: Entry, vertex: usize) -> Option<[f32; 3]> {
         let [step, ..] = floats(self.rows.get(entry.shape)?);
         Some(self.deltas.read(entry.delta_of(vertex)?)?.map(|x| step * x))
     }
 
-    /// Returns how an entry tilts the surface at a vertex of its block; `None` where it does not.
+    /// Returns the slopes at a vertex of the entry's block; `None` if the entry does not move the vertex.
     pub(super) fn slopes(&self, entry: Entry, vertex: usize) -> Option<[f32; 2]> {
         let [_, step, ..] = floats(self.rows.get(entry.shape)?);
         Some(self.slopes.read(entry.delta_of(vertex)?)?.map(|x| step * x))
@@ -95,20 +96,20 @@ impl Entry {
         Self { mask, shape: shape as usize, start: start as usize }
     }
 
-    /// Returns the delta of a vertex of its block, if it moves it.
+    /// Returns the index of the delta of a vertex of the block; `None` if the entry does not move the vertex.
     fn delta_of(self, vertex: usize) -> Option<usize> {
         let bit = 1 << (vertex % BLOCK);
         let before = (self.mask & (bit - 1)).count_ones() as usize;
         (self.mask & bit != 0).then_some(self.start + before)
     }
 
-    /// Whether the vertices that it moves follow each other, eight and more on average.
+    /// Whether the moved vertices form runs of eight or more on average.
     const fn is_in_runs(self) -> bool {
         let run_len = (self.mask & !(self.mask << 1)).count_ones();
         8 * run_len <= self.mask.count_ones()
     }
 
-    /// Lists the vertices that it moves as runs: the first of each, how many, and its first delta.
+    /// Lists the moved vertices as runs: the range of the vertices in the block, and the index of the first delta.
     #[inline(always)]
     fn runs(self) -> impl Iterator<Item = (Range<usize>, usize)> {
         let (mut mask, mut at, mut delta) = (self.mask, 0, self.start);
@@ -137,7 +138,9 @@ impl Numbers<'_> {
         Some(out)
     }
 
-    /// Adds `weight` times the arrays of N numbers of an entry to the sums of a block.
+    /// Adds `weight` times the numbers of an entry to the sums of a block, N numbers for each moved vertex.
+    ///
+    /// `None` only if the bytes of the file have changed since loading.
     #[inline(always)]
     pub(super) fn add_entry<const N: usize>(
         &self,
@@ -153,7 +156,7 @@ impl Numbers<'_> {
         }
         let (mut mask, mut first) = (entry.mask, entry.start);
         while mask != 0 {
-            // Products side by side, then each to its vertex.
+            // Computes a batch of products, then adds each product to its vertex.
             let mut room = [[0.0; N]; ROOM];
             let products = room.get_mut(..ROOM.min(mask.count_ones() as usize))?;
             self.add(weight, first, products)?;
@@ -167,13 +170,13 @@ impl Numbers<'_> {
         Some(())
     }
 
-    /// Adds `weight` times arrays of N numbers, from the one of a number on.
+    /// Adds `weight` times arrays of N numbers to `sums`, from array `first` on.
     #[inline(always)]
     fn add<const N: usize>(&self, weight: f32, first: usize, sums: &mut [[f32; N]]) -> Option<()> {
         self.add_numbers(weight, first.checked_mul(N)?, sums.as_flattened_mut())
     }
 
-    /// Adds `weight` times numbers, from one of them on.
+    /// Adds `weight` times numbers to `sums`, from number `first` on.
     #[cfg_attr(not(target_os = "none"), inline(always))]
     #[cfg_attr(target_os = "none", inline(never))]
     fn add_numbers(&self, weight: f32, first: usize, sums: &mut [f32]) -> Option<()> {
@@ -216,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_the_set_bits_in_their_order() {
+    fn runs_list_the_set_bits_in_order() {
         assert_eq!(runs(0), []);
         assert_eq!(runs(u64::MAX), [(0..64, 5)]);
         assert_eq!(runs(1), [(0..1, 5)]);
@@ -226,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delta_is_found_by_the_bits_below_its_own() {
+    fn the_index_of_a_delta_counts_the_lower_bits() {
         for mask in [1, u64::MAX, 0b0110_1110, 1 << 63, !1, 0x8421_0842_1084_2108] {
             let entry = Entry { mask, shape: 0, start: 5 };
             let mut next = 5;

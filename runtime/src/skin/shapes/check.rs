@@ -1,4 +1,4 @@
-//! The checks of shapes, in the order that FORMAT.md lists.
+//! Checks of shapes, in the order of FORMAT.md.
 
 use super::super::bounds::is_inside;
 use super::super::counts::{BLOCK, place};
@@ -10,9 +10,10 @@ use crate::format::refusal::{Checked, Loading};
 use crate::format::{Element, FileErrorKind as Kind, MAGNITUDE_MAX, SectionKind};
 use crate::linear::floats;
 
-/// Checks the counts of shapes, adds to them what deltas are, and returns that.
+/// Checks the counts of shapes, and returns the element type of the deltas and slopes.
 ///
-/// - `element`: finds what a section of the part is an array of, if it is there.
+/// - `words`: the counts. This function adds the element type.
+/// - `element`: returns the element type of a section of the part; `None` if the section is missing.
 pub(crate) fn counts(
     words: &mut [u32; COUNTS],
     loading: &Loading<'_>,
@@ -22,7 +23,7 @@ pub(crate) fn counts(
     let ranges = [(place::ENTRIES, 0, most), (place::DELTAS, 0, most)];
     check_counts(loading, SectionKind::SkinCounts, words, &ranges)?;
     let (deltas, slopes) = (element(SectionKind::ShapeDeltas), element(SectionKind::ShapeSlopes));
-    // Whether both are there is found out when all sections are.
+    // A later check of all sections refuses a missing one.
     let deltas = deltas.or(slopes).unwrap_or(Element::F32);
     let slopes = slopes.unwrap_or(deltas);
     if slopes != deltas {
@@ -33,14 +34,14 @@ pub(crate) fn counts(
     Ok(deltas)
 }
 
-/// Checks boxes, entries, deltas and slopes.
+/// Checks the content of the shapes: boxes, entries, deltas and slopes.
 pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     if skin.shape_len() == 0 {
         return Ok(());
     }
     let blocks = Blocks::of(skin);
     for (shape, row) in blocks.rows.iter().enumerate() {
-        // Vertices that a shape does not move stay where they are.
+        // A shape leaves some vertices at rest, so its box must contain 0.
         if !row.last_chunk().is_some_and(|corners| is_inside(corners, [0.0; 3])) {
             return loading.invalid(SectionKind::Shapes, shape);
         }
@@ -51,7 +52,7 @@ pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     check_boxes(&blocks, loading)
 }
 
-/// Checks that blocks own the entries one after the other, and these the deltas.
+/// Checks that blocks own all entries in order, and that entries own all deltas in order.
 fn check_entries(skin: &Skin<'_>, blocks: &Blocks<'_>, loading: &Loading<'_>) -> Checked {
     let counts = skin.counts();
     let mut delta: u32 = 0;
@@ -62,7 +63,7 @@ fn check_entries(skin: &Skin<'_>, blocks: &Blocks<'_>, loading: &Loading<'_>) ->
         if start < at || start > counts.entry_len || block == 0 && start > 0 {
             return loading.invalid(SectionKind::ShapeBlocks, block);
         }
-        // Those of the block before: the first start has none before it.
+        // A start ends the entries of the previous block; the first start ends nothing.
         let vertices = counts.vertex_len as usize - (block.max(1) - 1) * BLOCK;
         let mut above = None;
         for (entry, index) in entries.by_ref().take((start - at) as usize) {
@@ -92,7 +93,7 @@ fn check_entries(skin: &Skin<'_>, blocks: &Blocks<'_>, loading: &Loading<'_>) ->
     Ok(())
 }
 
-/// Checks that numbers are finite, and those of half precision not subnormal.
+/// Checks that numbers are finite, and that f16 numbers are not subnormal.
 fn check_numbers(loading: &Loading<'_>, section: SectionKind, numbers: Numbers<'_>) -> Checked {
     let is_sound = |bits: u16| matches!((bits & 0x7c00, bits & 0x3ff), (0, 0) | (0x400..0x7c00, _));
     let at = match numbers.element {
@@ -109,7 +110,7 @@ fn check_numbers(loading: &Loading<'_>, section: SectionKind, numbers: Numbers<'
     }
 }
 
-/// Checks that every delta lies in its shape's box.
+/// Checks that every delta is in its shape's box.
 fn check_boxes(blocks: &Blocks<'_>, loading: &Loading<'_>) -> Checked {
     for entry in blocks.entries.iter().map(Entry::read) {
         let Some(row) = blocks.rows.get(entry.shape) else { continue };

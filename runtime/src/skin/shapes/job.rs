@@ -1,38 +1,39 @@
-//! The stage `shapes`: from weights to the rest mesh that a skin then moves (METHOD §5).
+//! Stage shapes: from weights to the rest mesh of a skin job (METHOD §5).
 
-use super::super::blend::unit;
-use super::super::coefficients::Frame;
 use super::super::counts::BLOCK;
-use super::super::output::Output;
+use super::super::normals::{Frame, unit};
+use super::super::output::{Output, Outputs, check_range};
 use super::super::view::Skin;
 use super::blocks::Blocks;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::floats;
 use core::ops::Range;
 
-/// Shapes a range of vertices at rest.
+/// Job that shapes a range of vertices at rest.
 ///
-/// Each vertex is moved by `sum z_s u_s` over the shapes whose weight is not 0, in their order, added to its rest
-/// position. What it writes a [`super::super::SkinJob`] takes as its rest mesh.
+/// The position of a vertex is its rest position plus `sum z_s u_s`, over the shapes whose weight is not 0, in the
+/// file's order. A [`super::super::SkinJob`] takes the output as its rest mesh.
 #[derive(Clone, Debug)]
 pub struct ShapesJob<'a> {
-    /// The skin.
+    /// Skin whose shapes the job evaluates.
     pub skin: Skin<'a>,
     /// [`Skin::shape_len`] weights z.
     pub weights: &'a [f32],
-    /// The vertices. Ranges can run at the same time; of those that start at multiples of
-    /// [`super::super::BLOCK`] none is summed twice.
+    /// Range of vertices. Jobs of different ranges can run at the same time. If every range starts at a multiple of
+    /// [`super::super::BLOCK`], no block is summed twice.
     pub vertices: Range<usize>,
-    /// Where to put positions: 3 floats, model space.
+    /// Output of positions: 3 floats, in model space.
     pub positions: Option<Output<'a>>,
-    /// Where to put normals: 3 floats of length 1, tilted by the sums of the shapes' slopes; at a weight of 1 of one
-    /// shape alone those of the shaped surface. Where they leave no direction, the file's, which may be 0.
+    /// Output of normals: 3 floats of length 1, tilted by the sums of the shapes' slopes.
+    ///
+    /// With one shape at a weight of 1 and all others at 0, these are the normals of the shaped surface. If no
+    /// direction is left, the result is the file's normal, which may be 0.
     pub normals: Option<Output<'a>>,
-    /// Where to put tangents: 3 floats of length 1, tilted likewise, then the file's handedness.
+    /// Output of tangents: 3 floats of length 1, tilted by the sums of the slopes, then the file's handedness.
     pub tangents: Option<Output<'a>>,
 }
 
-/// What shapes add to a block of vertices.
+/// Sums of the weighted deltas and slopes over the shapes, for one block of vertices.
 struct Sums {
     deltas: [[f32; 3]; BLOCK],
     slopes: [[f32; 2]; BLOCK],
@@ -42,11 +43,11 @@ impl ShapesJob<'_> {
     /// Runs the job.
     ///
     /// # Errors
-    /// - [`CallErrorKind::NoOutput`]: there is no attribute to write.
+    /// - [`CallErrorKind::NoOutput`]: the job has no output.
     /// - [`CallErrorKind::Length`]: `weights` has another length.
     /// - [`CallErrorKind::NonFinite`]: a weight is not finite.
     /// - [`CallErrorKind::OutOfRange`]: `vertices` is not inside the skin.
-    /// - [`CallErrorKind::NoAttribute`]: tangents are asked for, and the skin has none.
+    /// - [`CallErrorKind::NoAttribute`]: the job has an output of tangents, but the skin has no tangents.
     /// - [`CallErrorKind::Stride`]: a stride is shorter than its attribute.
     /// - [`CallErrorKind::TooShort`]: an output is too short for its attribute.
     pub fn run(&self) -> Result<(), CallError> {
@@ -64,33 +65,20 @@ impl ShapesJob<'_> {
         Ok(())
     }
 
+    /// Checks every argument. The errors are those of [`Self::run`].
     fn check(&self) -> Result<(), CallError> {
-        let outputs = [
-            (self.positions, 3, Argument::Positions),
-            (self.normals, 3, Argument::Normals),
-            (self.tangents, 4, Argument::Tangents),
-        ];
-        if outputs.iter().all(|(output, ..)| output.is_none()) {
-            return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
-        }
+        let outputs = Outputs::new(self.positions, self.normals, self.tangents)?;
         self.skin.check_weights(self.weights)?;
-        let (Range { start, end }, most) = (self.vertices.clone(), self.skin.vertex_len());
-        if start > end || end > most {
-            let error = CallError::new(CallErrorKind::OutOfRange, Argument::Vertices);
-            return Err(error.at(start).values(most, end));
-        }
+        check_range(&self.vertices, self.skin.vertex_len())?;
         if self.tangents.is_some() && !self.skin.has_tangents() {
             return Err(CallError::new(CallErrorKind::NoAttribute, Argument::Tangents));
         }
-        for (output, len, argument) in outputs {
-            if let Some(output) = output {
-                output.check(end - start, len, argument)?;
-            }
-        }
-        Ok(())
+        outputs.check(self.vertices.len())
     }
 
-    /// Writes vertices of one block. `None` stands for what a loaded skin does not have.
+    /// Writes vertices of one block.
+    ///
+    /// `None` only if the bytes of the file have changed since loading.
     fn write(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
         let skin = &self.skin;
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
@@ -129,21 +117,14 @@ impl ShapesJob<'_> {
     }
 }
 
-impl Skin<'_> {
-    /// Checks the weights of shapes.
-    pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
-        Argument::Weights.check_len(self.shape_len(), weights.len())?;
-        match weights.iter().position(|weight| !weight.is_finite()) {
-            None => Ok(()),
-            Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Weights).at(at)),
-        }
-    }
-}
-
 impl Sums {
     const NONE: Self = Self { deltas: [[0.0; 3]; BLOCK], slopes: [[0.0; 2]; BLOCK] };
 
-    /// Sums what shapes add to a block. `None` likewise.
+    /// Computes the sums of one block.
+    ///
+    /// - `tilts`: whether slopes are needed.
+    ///
+    /// `None` only if the bytes of the file have changed since loading.
     #[cfg_attr(target_os = "none", inline(never))]
     fn add(
         &mut self,

@@ -1,22 +1,24 @@
-//! What a skin holds of its shapes.
+//! Shapes of a skin: accessors, and the box around a shaped and posed skin.
 
 use super::super::bounds::Bounds;
 use super::super::counts::{BLOCK, RULES, ShapeErrors, place};
 use super::super::view::Skin;
 use super::blocks::{Blocks, SHAPES};
+use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::rule::Rule;
 use crate::format::{Element, SectionKind};
-use crate::linear::{Le, floats};
+use crate::linear::{Le, Matrix3x4, floats};
+use crate::numeric::{greater, lesser};
 
 const ERRORS: usize = Rule::place(&RULES, SectionKind::ShapeErrors);
 
 impl<'a> Skin<'a> {
-    /// Returns what its deltas and slopes are: f32, f16 or i8.
+    /// Returns the element type of the deltas and slopes: f32, f16 or i8.
     pub fn shape_element(&self) -> Element {
         Blocks::of(self).deltas.element
     }
 
-    /// Returns how far a shape moves a vertex at a weight of 1; 0 where it does not.
+    /// Returns the offset of a vertex by a shape at a weight of 1; 0 if the shape does not move the vertex.
     pub fn shape_delta(&self, shape: usize, vertex: usize) -> Option<[f32; 3]> {
         self.check_shape(shape, vertex)?;
         let blocks = Blocks::of(self);
@@ -24,8 +26,9 @@ impl<'a> Skin<'a> {
         Some(blocks.entry(vertex / BLOCK, shape).and_then(delta).unwrap_or_default())
     }
 
-    /// Returns how a shape tilts the surface at a vertex at a weight of 1: by how much it rises along each of the two
-    /// directions of the vertex's frame at rest; 0 where it does not.
+    /// Returns the slopes of the surface at a vertex by a shape at a weight of 1.
+    ///
+    /// The slopes are 0 if the shape does not move the vertex. A slope is the rise of the surface along one of the two directions of the vertex's frame at rest.
     pub fn shape_slopes(&self, shape: usize, vertex: usize) -> Option<[f32; 2]> {
         self.check_shape(shape, vertex)?;
         let blocks = Blocks::of(self);
@@ -33,7 +36,7 @@ impl<'a> Skin<'a> {
         Some(blocks.entry(vertex / BLOCK, shape).and_then(slopes).unwrap_or_default())
     }
 
-    /// Lists the shapes that move a vertex, and how far at a weight of 1. None beyond the mesh.
+    /// Lists the shapes that move a vertex, with the offset at a weight of 1. Lists nothing beyond the mesh.
     pub fn deltas_of(&self, vertex: usize) -> impl Iterator<Item = (usize, [f32; 3])> + use<'a> {
         let blocks = Blocks::of(self);
         blocks
@@ -41,16 +44,69 @@ impl<'a> Skin<'a> {
             .filter_map(move |entry| Some((entry.shape, blocks.delta(entry, vertex)?)))
     }
 
-    /// Returns the box of how far a shape moves any vertex at a weight of 1, 0 among it.
+    /// Returns the box around 0 and the offsets of all vertices by a shape at a weight of 1.
     pub fn shape_box(&self, shape: usize) -> Option<Bounds> {
         let row: &[Le; 8] = self.0.entry(SHAPES, self.shape_len(), shape)?;
         Bounds::from_corners(row.last_chunk()?)
     }
 
-    /// Returns how far its shapes were measured to be from those that were baked; `None` where the file does not say.
+    /// Returns the measured errors of the shapes; `None` if the file has none.
     pub fn shape_errors(&self) -> Option<ShapeErrors> {
         let figures = self.0.entry(ERRORS, 1, 0)?;
         Some(ShapeErrors::from_figures(floats(figures)))
+    }
+
+    /// Computes a box around every vertex of the shaped and posed skin; `None` if there are no vertices.
+    ///
+    /// The box is as for [`Skin::bounds`], with each rest box widened by the offsets of the shapes.
+    ///
+    /// - `palette`: [`Skin::palette_len`] transforms.
+    /// - `weights`: [`Skin::shape_len`] weights z.
+    ///
+    /// # Errors
+    /// - [`CallErrorKind::Length`]: `palette` or `weights` has another length.
+    /// - [`CallErrorKind::NonFinite`]: a weight is not finite.
+    pub fn shaped_bounds(
+        &self,
+        palette: &[Matrix3x4],
+        weights: &[f32],
+    ) -> Result<Option<Bounds>, CallError> {
+        Argument::Palette.check_len(self.palette_len(), palette.len())?;
+        self.check_weights(weights)?;
+        let offsets = self.shape_offsets(weights);
+        Ok(self.posed_bounds(palette, |rest| rest.add(&offsets)))
+    }
+
+    /// Checks the number of weights, [`Skin::shape_len`], and that all weights are finite.
+    pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
+        Argument::Weights.check_len(self.shape_len(), weights.len())?;
+        match weights.iter().position(|weight| !weight.is_finite()) {
+            None => Ok(()),
+            Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Weights).at(at)),
+        }
+    }
+
+    /// Computes the box around 0 and the offsets of all vertices by the weighted shapes.
+    fn shape_offsets(&self, weights: &[f32]) -> Bounds {
+        let (mut sum, mut magnitude) = (Bounds::of([0.0; 3]), [0.0; 3]);
+        for (row, weight) in Blocks::of(self).rows.iter().zip(weights) {
+            let Some(own) = row.last_chunk().and_then(Bounds::from_corners) else { continue };
+            let sides = sum.min.iter_mut().zip(&mut sum.max).zip(&mut magnitude);
+            for (((min, max), magnitude), (lo, hi)) in sides.zip(own.min.iter().zip(&own.max)) {
+                let (a, b) = (weight * lo, weight * hi);
+                *min += lesser(a, b);
+                *max += greater(a, b);
+                *magnitude += greater(a.abs(), b.abs());
+            }
+        }
+        // Roundings of a product, of the step and of one sum for each shape, here and in the shaping of vertices.
+        let slack = 2.0 * (weights.len() as f32 + 4.0) * f32::EPSILON;
+        let sides = sum.min.iter_mut().zip(&mut sum.max).zip(magnitude);
+        sides.for_each(|((min, max), magnitude)| {
+            *min -= slack * magnitude;
+            *max += slack * magnitude;
+        });
+        sum
     }
 
     fn check_shape(&self, shape: usize, vertex: usize) -> Option<()> {

@@ -44,10 +44,10 @@ fn the_document_lays_rows_out_as_the_code() {
         ("rank", row.rank.into()),
         ("proxy_len", row.proxy_len.into()),
         ("offset", row.offset.into()),
-        ("reach", row.trust.reach.to_bits().into()),
-        ("linear", row.trust.linear.to_bits().into()),
-        ("signal", row.trust.signal.to_bits().into()),
-        ("noise", row.trust.noise.to_bits().into()),
+        ("reach", row.confidence.reach.to_bits().into()),
+        ("linear", row.confidence.linear.to_bits().into()),
+        ("signal", row.confidence.signal.to_bits().into()),
+        ("noise", row.confidence.noise.to_bits().into()),
     ];
     assert_fields("Group row", &bytes[..GroupRow::BYTES], &fields);
 }

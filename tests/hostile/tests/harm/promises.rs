@@ -2,7 +2,7 @@
 
 use hostile::evaluate::evaluate_pose;
 use models::{GOLDEN, Pieces, group_row};
-use sinew_runtime::envelope::{GroupRow, KEY_WORDS, Predictor, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupRow, KEY_WORDS, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
 
@@ -101,7 +101,7 @@ fn helpers_that_take_no_bytes_are_held_by_the_limits() {
             rank: 0,
             proxy_len: proxies as u16,
             offset: 0,
-            trust: Trust::default(),
+            confidence: GroupConfidence::default(),
         };
         *pieces.section(SectionKind::Groups) = group_row(&row).to_vec();
         pieces.section(SectionKind::Corrections).clear();
@@ -143,7 +143,7 @@ fn largest(golden: &[u8]) -> Vec<u8> {
         for bytes in rows.as_chunks_mut().0 {
             let mut row = GroupRow::from_bytes(bytes);
             let [reach, linear, signal, noise] = [CORRECTION_MAX; 4];
-            row.trust = Trust { reach, linear, signal, noise };
+            row.confidence = GroupConfidence { reach, linear, signal, noise };
             *bytes = group_row(&row);
             groups.push(row);
         }

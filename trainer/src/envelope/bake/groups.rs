@@ -4,7 +4,7 @@ use crate::bake::BakeError;
 use crate::bake::sections::{blocks, check_len, check_shape, narrow};
 use crate::envelope::model::{Group, Input};
 use faer::Col;
-use sinew_runtime::envelope::{GroupRow, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupRow};
 
 /// What the sections `groups` and `corrections` hold, and the scratch that they need.
 pub(super) struct GroupSections {
@@ -41,7 +41,7 @@ impl Group {
             rank: narrow("rank of a group", self.outputs.ncols())?,
             proxy_len: narrow("proxies of a group", self.proxies.len())?,
             offset: narrow("correction words", offset)?,
-            trust: Trust {
+            confidence: GroupConfidence {
                 reach: certainty.reach as f32,
                 linear: certainty.linear as f32,
                 signal: certainty.signal as f32,

@@ -13,7 +13,7 @@ use crate::regression::ridge::{self, KernelFit, Scored};
 use crate::settings::TIED;
 use faer::Mat;
 use serde::Serialize;
-use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow};
 use std::ops::Range;
 
 /// Candidate numbers of centres beside the origin, and the most.
@@ -202,7 +202,7 @@ fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
         rank: narrow(r),
         proxy_len: narrow(p),
         offset: 0,
-        trust: Trust::default(),
+        confidence: GroupConfidence::default(),
     };
     4 * row.words() as usize
 }

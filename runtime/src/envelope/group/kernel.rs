@@ -1,14 +1,14 @@
-//! The kernels of an envelope's kernel maps: bell-shaped, positive definite, 1 at their centre. A further
-//! one is added as the trainer's `kernel/mod.rs` lists.
+//! Kernels of the groups' kernel maps: bell-shaped, positive definite, 1 at the centre.
+//!
+//! The trainer's `kernel/mod.rs` lists the steps to add a kernel.
 
 use crate::lanes::{Lanes, Real, in_lanes};
 use crate::linear::Distances;
 use crate::numeric::{EXP_MAX, exp_negative, lesser, one_minus_exp_negative, sqrt};
 
-/// A kernel that falls from 1 at its centre and is positive definite, as a function of s, the squared
-/// scaled distance (METHOD §2.1): one that an envelope's group may have.
+/// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
 ///
-/// Its number in the file is its place in METHOD §2.1's table.
+/// The number of a kernel in the file is the kernel's place in the table of METHOD §2.1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum GroupKernel {
@@ -26,12 +26,12 @@ impl GroupKernel {
     /// Every kernel.
     pub const ALL: [Self; 4] = [Self::Gaussian, Self::Matern12, Self::Matern32, Self::Matern52];
 
-    /// Returns its number in the file.
+    /// Returns the kernel's number in the file.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns the kernel's name in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gaussian => "gaussian",
@@ -41,7 +41,7 @@ impl GroupKernel {
         }
     }
 
-    /// Returns the kernel of this number.
+    /// Returns the kernel with a number; `None` if there is none.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(Self::Gaussian as usize)?).copied()
     }
@@ -52,13 +52,14 @@ impl GroupKernel {
         value
     }
 
-    /// Evaluates the kernel of a centre at x = 0, with the bits that a kernel map gives there:
-    /// what a file stores as `rest`.
+    /// Evaluates the kernel of a centre at x = 0, which a file stores as `rest`.
+    ///
+    /// The bits are those of a kernel map at x = 0.
     pub fn at_rest(self, centre: impl IntoIterator<Item = f32>) -> f32 {
         self.value(centre.into_iter().fold(0.0, |sum, t| sum + t * t))
     }
 
-    /// Evaluates the kernels of 8 centres less their values at x = 0.
+    /// Evaluates the kernels of 8 centres, less the values at x = 0.
     #[inline(always)]
     pub(crate) fn changes(self, distances: &Distances, rest: Lanes) -> Lanes {
         let mut out = distances.squared;
@@ -76,8 +77,7 @@ impl GroupKernel {
     /// Evaluates the kernel in N lanes.
     #[inline(always)]
     pub(crate) fn values<R: Real, const N: usize>(self, s: [R; N]) -> [R; N] {
-        // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s); p and q are exact where they
-        // are 0 or 1.
+        // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s). A p or q of 0 or 1 adds no rounding.
         let (scale, p, q) = match self {
             Self::Gaussian => return in_lanes(s, exp_negative),
             Self::Matern12 => (1.0, 0.0, 0.0),
@@ -91,8 +91,10 @@ impl GroupKernel {
     }
 }
 
-/// Returns `e^-s - e^-s0` of `s >= 0`, given `e^-s0` and `s - s0`: to its last places also where the
-/// two are close.
+/// Returns `e^-s - e^-s0` for `s >= 0`, without cancellation if s is near s0.
+///
+/// - `gain`: `s - s0`.
+/// - `rest`: `e^-s0`.
 #[inline(always)]
 fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
     let none = R::from(0.0);
@@ -102,7 +104,7 @@ fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
     gain.where_less(none, || change, || -change)
 }
 
-/// Keeps the polynomial before e^-a finite where e^-a has stopped falling.
+/// Clamps a to the range of e^-a, so that the polynomial before e^-a stays finite.
 #[inline(always)]
 fn bounded<R: Real>(a: R) -> R {
     lesser(R::from(EXP_MAX), a)
@@ -125,23 +127,23 @@ mod tests {
     }
 
     #[test]
-    fn values_are_those_of_the_closed_forms() {
+    fn values_match_the_closed_forms() {
         for kernel in GroupKernel::ALL {
             let mut worst = 0.0f64;
             // Miri is slow.
             for i in (0..200_000).step_by(if cfg!(miri) { 499 } else { 1 }) {
-                // Squares, so that distances are spread evenly.
+                // Squares spread the distances evenly.
                 let s = (i as f32 * 3e-5).powi(2);
                 let (found, expected) = (f64::from(kernel.value(s)), exact(kernel, s.into()));
                 worst = worst.max((found / expected - 1.0).abs());
             }
-            // 2 ULP of the exponential, a few roundings, and a's own, which e^-a magnifies.
+            // 2 ULP of the exponential, a few roundings, and the rounding of a, which e^-a magnifies.
             assert!(worst < 12e-7 && worst > 1e-8, "{kernel:?} {worst}");
         }
     }
 
     #[test]
-    fn changes_keep_their_last_places() {
+    fn changes_near_rest_do_not_cancel() {
         let rest = 0.7f64;
         for gain in [-0.35, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
             let s = rest + gain;
@@ -166,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_lanes_have_the_bits_of_one() {
+    fn eight_lanes_have_the_bits_of_a_float() {
         let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
         for kernel in GroupKernel::ALL {
             let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));

@@ -1,14 +1,15 @@
-//! Stage gradients: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
+//! Stages of the rotational predictor: gradients (METHOD §1.1, §1.4, §1.5) and palette (METHOD §1.7.3).
 
-use super::key::{KeyRow, joint_index};
-use super::view::Envelope;
+use super::view::{Envelope, KeyRow, joint_index};
+use crate::lanes::{Eight, Lanes};
 use crate::linear::{
-    Columns, IDENTITY, Le, Matrix3x4, columns, dot, floats, product, quaternion, rows, turn_back,
+    Columns, IDENTITY, Le, Matrix3x4, add_block_product, columns, compose, dot, floats, product,
+    quaternion, rows, turn_back,
 };
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 
-/// Evaluates the stage: [`crate::stages::gradients`] of arguments that have been checked.
-pub(crate) fn evaluate(
+/// Evaluates stage gradients: [`crate::stages::gradients`] with checked arguments.
+pub(crate) fn gradients(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     out_relative: &mut [[f32; 3]],
@@ -34,6 +35,33 @@ pub(crate) fn evaluate(
     }
 }
 
+/// Evaluates stage palette, `t = c1 d + c2 q`: [`crate::stages::palette`] with checked arguments.
+pub(crate) fn palette(
+    envelope: &Envelope<'_>,
+    root: &Matrix3x4,
+    relative: &[[f32; 3]],
+    gradients: &[[f32; 3]],
+    out_palette: &mut [Matrix3x4],
+) {
+    // Neither stack is empty; chunks of zero would panic.
+    let blocks = envelope
+        .c1_blocks()
+        .chunks_exact(gradients.len().max(1))
+        .zip(envelope.c2_blocks().chunks_exact(relative.len().max(1)));
+    for ((c1, c2), out) in blocks.zip(out_palette.chunks_mut(2)) {
+        let mut sums = [Lanes::default(); 3];
+        add_block_product(&mut sums, c1, gradients);
+        add_block_product(&mut sums, c2, relative);
+        // A block is two transforms: rows 0 to 3, then 4 to 7.
+        let [x, y, z] = &sums;
+        let rows = x.floats().as_chunks().0.iter().zip(y.floats().as_chunks().0);
+        for (out, ((x, y), z)) in out.iter_mut().zip(rows.zip(z.floats().as_chunks().0)) {
+            *out = compose(root, &[*x, *y, *z]);
+        }
+    }
+}
+
+/// Computes the joints' transforms relative to the root: 4 columns for each joint.
 fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32; 3]; 4]]) {
     let Some([x, y, z, origin]) = pose.get(root).map(columns) else { return };
     let rotation = [x, y, z];
@@ -49,7 +77,7 @@ fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32
     }
 }
 
-/// Evaluates `D = Q_p exp(A theta_b) [exp(A' theta_c)] S`.
+/// Evaluates the gradient of a key, `D = Q_p exp(A theta_b) [exp(A' theta_c)] S`.
 fn gradient(
     parents: &[[u8; 2]],
     key: &KeyRow<'_>,
@@ -92,13 +120,13 @@ fn scale_shear(shear: &[Le], b: &[f32; 3], p: &[f32; 3]) -> Columns {
     [[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 + zz]]
 }
 
-/// Returns the rotation vector of a rotation matrix, of an angle in [0, pi].
+/// Returns the rotation vector of a rotation matrix, with an angle in [0, pi].
 ///
-/// Its quaternion's length is not needed for the angle's ratio.
+/// The quaternion is not normalised, because the angle depends only on a ratio.
 fn log(m: &Columns) -> [f32; 3] {
     let (v, w) = quaternion(m);
     let length = sqrt(dot(v, v));
-    // A length that underflows belongs to a rotation of nothing.
+    // A length that underflows belongs to the identity.
     if length < 1.0e-18 {
         return [0.0; 3];
     }
@@ -107,11 +135,11 @@ fn log(m: &Columns) -> [f32; 3] {
     [x * scale, y * scale, z * scale]
 }
 
-/// Returns the rotation of a rotation vector: Rodrigues' formula, with the versine.
+/// Returns the rotation matrix of a rotation vector, by Rodrigues' formula with the versine.
 fn exp(v: [f32; 3]) -> Columns {
     let [x, y, z] = v;
     let square = dot(v, v);
-    // sin(a)/a and versin(a)/a^2 differ from their limits by less than rounding.
+    // Below this square sin(a)/a and versin(a)/a^2 equal their limits, but for rounding.
     let (a, b) = if square < 1.0e-8 {
         (1.0, 0.5)
     } else {
@@ -130,7 +158,7 @@ fn exp(v: [f32; 3]) -> Columns {
 mod tests {
     use super::*;
 
-    /// Directions and angles that reach every branch of the logarithm.
+    /// Lists rotation vectors that reach every branch of the logarithm.
     fn vectors() -> impl Iterator<Item = [f32; 3]> {
         let axis = |i: u32| [i % 7, i / 7 % 7, i / 49].map(|x| x as f32 - 3.0);
         // Miri is slow.
@@ -151,10 +179,10 @@ mod tests {
     fn log_undoes_exp() {
         for v in vectors() {
             let length = sqrt(dot(v, v));
-            // A few roundings of the matrix's entries, which are about 1; exact direction near 0.
+            // The entries of the matrix are about 1, with a few roundings; near 0 the direction is exact.
             assert!(error(log(&exp(v)), v) <= 2e-6 * length.min(1.0), "{v:?}");
         }
-        assert!(error(log(&exp([0.1, 0.0, 0.0])), [0.1, 0.0, 1e-5]) > 1e-6, "the measure sees");
+        assert!(error(log(&exp([0.1, 0.0, 0.0])), [0.1, 0.0, 1e-5]) > 1e-6, "the control fails");
     }
 
     #[test]
@@ -170,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn half_turns_and_nothing() {
+    fn half_turn_and_identity() {
         assert_eq!(log(&IDENTITY), [0.0; 3]);
         assert_eq!(exp([0.0; 3]), IDENTITY);
         let half = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];

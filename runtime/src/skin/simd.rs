@@ -1,28 +1,31 @@
-//! Eight vertices side by side, with four influences each: what [`Vertex`](super::coefficients::Vertex) does to one,
-//! in the same order.
+//! Skinning of eight vertices at a time, with four influences and tangent coefficients each.
+//!
+//! The operations and their order are those of [`Vertex`](super::normals::Vertex), so the bits are equal.
 
-use super::coefficients::Frame;
+use super::normals::Frame;
 use crate::lanes::Register;
 use crate::linear::{Le, Matrix3x4, cross, dot, floats};
 use crate::numeric::sqrt;
+use core::ops::Range;
+use core::slice;
 use glam::{Mat4, Vec4};
 
-/// Vertices side by side.
+/// Vertices in a batch.
 pub(super) const EIGHT: usize = 8;
-/// Of them those that are turned from rows to columns at once.
+/// Vertices in one 4 x 4 transpose.
 const FOUR: usize = 4;
 
-/// One number of each vertex.
+/// One number of each of the eight vertices.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct Lane([f32; EIGHT]);
 
-/// Eight vertices as they lie in the file.
+/// Eight vertices in the layout of the file: one row for each vertex.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) positions: &'a [[Le; 3]; EIGHT],
     pub(super) normals: &'a [[Le; 3]; EIGHT],
-    /// Of a skin with rest tangents.
+    /// `None` if the skin has no rest tangents.
     pub(super) tangents: Option<&'a [[Le; 4]; EIGHT]>,
     pub(super) indices: &'a [[[u8; 2]; 4]; EIGHT],
     pub(super) weights: &'a [[Le; 4]; EIGHT],
@@ -30,9 +33,9 @@ pub(super) struct Rows<'a> {
     pub(super) coefficients: &'a [[Le; 3]; EIGHT],
 }
 
-/// What they are and what they follow, number by number.
+/// Eight vertices and their transforms, one lane for each number.
 pub(super) struct Columns {
-    /// By influence, row and column.
+    /// Indexed by influence, row and column.
     transforms: [[[Lane; 4]; 3]; 4],
     weights: [Lane; 4],
     positions: [Lane; 4],
@@ -41,19 +44,22 @@ pub(super) struct Columns {
     coefficients: [[u32; EIGHT]; 3],
 }
 
-/// The vertices in a pose.
+/// Eight posed vertices.
 pub(super) struct Posed {
-    /// By vertex; the last of four does not matter.
+    /// One row for each vertex; the fourth number is unused.
     pub(super) positions: [[f32; 4]; EIGHT],
-    /// Likewise; what has no direction is not of length 1.
+    /// One row for each vertex; the fourth number is unused. A normal has length 1 if its squared length is normal.
     pub(super) normals: [[f32; 4]; EIGHT],
-    /// The squared lengths that the normals had.
-    pub(super) squares: [f32; EIGHT],
+    /// Squared lengths of the normals before their division.
+    pub(super) squared_lengths: [f32; EIGHT],
 }
 
 impl Posed {
-    pub(super) const NONE: Self =
-        Self { positions: [[0.0; 4]; EIGHT], normals: [[0.0; 4]; EIGHT], squares: [0.0; EIGHT] };
+    pub(super) const NONE: Self = Self {
+        positions: [[0.0; 4]; EIGHT],
+        normals: [[0.0; 4]; EIGHT],
+        squared_lengths: [0.0; EIGHT],
+    };
 }
 
 impl Columns {
@@ -69,7 +75,10 @@ impl Columns {
         }
     };
 
-    /// Reads vertices; `None` stands for an index beyond the palette, which a loaded skin does not have.
+    /// Reads eight vertices and their transforms.
+    ///
+    /// `None` if an index is beyond the palette. Loading checks the indices, so the file's bytes must have changed
+    /// since.
     #[inline(always)]
     pub(super) fn read(&mut self, rows: &Rows<'_>, palette: &[Matrix3x4]) -> Option<()> {
         for half in 0..EIGHT / FOUR {
@@ -97,9 +106,10 @@ impl Columns {
         Some(())
     }
 
-    /// Poses the vertices.
+    /// Computes the posed vertices.
     ///
-    /// - `side`: of the palette, 1 or -1.
+    /// - `by_tangent`: whether the frame is made of the rest tangents.
+    /// - `side`: side of the palette, 1 or -1.
     #[inline(always)]
     pub(super) fn pose(&self, by_tangent: bool, side: f32, out: &mut Posed) {
         let (x, n) = (three(&self.positions), three(&self.normals));
@@ -111,20 +121,20 @@ impl Columns {
         let [a, b, c] = self.coefficients;
         let ([g0, h0], [g1, h1], [g2, h2]) =
             (Register::halves(a), Register::halves(b), Register::halves(c));
-        let parted = ([g0, g1, g2], [h0, h1, h2]);
-        let [px, ux, vx] = self.coordinate::<0>(x, &frame, parted);
-        let [py, uy, vy] = self.coordinate::<1>(x, &frame, parted);
-        let [pz, uz, vz] = self.coordinate::<2>(x, &frame, parted);
+        let coefficients = ([g0, g1, g2], [h0, h1, h2]);
+        let [px, ux, vx] = self.coordinate::<0>(x, &frame, coefficients);
+        let [py, uy, vy] = self.coordinate::<1>(x, &frame, coefficients);
+        let [pz, uz, vz] = self.coordinate::<2>(x, &frame, coefficients);
         rows([px, py, pz], &mut out.positions);
         let normal = cross([ux, uy, uz], [vx, vy, vz]);
         let square = dot(normal, normal);
         let scale = Register::from(side) / sqrt(square);
         let [nx, ny, nz] = normal;
         rows([nx * scale, ny * scale, nz * scale], &mut out.normals);
-        out.squares = square.to_array();
+        out.squared_lengths = square.to_array();
     }
 
-    /// Computes one coordinate of the positions and of the images of a frame's directions.
+    /// Computes one coordinate of the posed positions and of the two posed directions of the frame.
     #[inline(always)]
     fn coordinate<const ROW: usize>(
         &self,
@@ -139,12 +149,12 @@ impl Columns {
             let sum = Register::from(0.0) + of(p) * register(w0) + of(q) * register(w1);
             sum + of(r) * register(w2) + of(s) * register(w3)
         };
-        let place = |transform: &[[Lane; 4]; 3]| {
+        let position = |transform: &[[Lane; 4]; 3]| {
             let [a, b, c, d] = &transform[ROW];
             register(a) * x[0] + register(b) * x[1] + register(c) * x[2] + register(d)
         };
-        let last = place(s);
-        let apart = [place(p) - last, place(q) - last, place(r) - last];
+        let last = position(s);
+        let apart = [position(p) - last, position(q) - last, position(r) - last];
         let linear = [entry(0), entry(1), entry(2)];
         [
             dot(linear, x) + entry(3),
@@ -152,6 +162,14 @@ impl Columns {
             dot(linear, frame.h) + dot(h, apart),
         ]
     }
+}
+
+/// Lists an attribute of a range of vertices in batches of eight; the last few vertices are left out.
+pub(super) fn eights<'a, T>(
+    all: &'a [T],
+    range: &Range<usize>,
+) -> Option<slice::Iter<'a, [T; EIGHT]>> {
+    Some(all.get(range.clone())?.as_chunks().0.iter())
 }
 
 #[inline(always)]
@@ -164,13 +182,13 @@ fn three([x, y, z, _]: &[Lane; 4]) -> [Register; 3] {
     [register(x), register(y), register(z)]
 }
 
-/// Returns the first or the second four.
+/// Returns four of the eight vertices: half 0 or half 1.
 #[inline(always)]
 fn four<T>(eight: &[T; EIGHT], half: usize) -> Option<&[T; FOUR]> {
     eight.as_chunks().0.get(half)
 }
 
-/// Puts four vertices' four numbers into the first or the second half of their lanes.
+/// Writes four numbers of four vertices into one half of the lanes.
 #[inline(always)]
 fn set(lanes: &mut [Lane; 4], half: usize, rows: [[f32; 4]; FOUR]) {
     let columns = transposed(rows);
@@ -195,7 +213,7 @@ fn set_threes(lanes: &mut [Lane; 4], half: usize, [a, b, c, d]: &[[Le; 3]; FOUR]
     set(lanes, half, [of(a), of(b), of(c), of(d)]);
 }
 
-/// Turns three numbers of each vertex into the vertices' rows.
+/// Transposes three numbers of each vertex into one row for each vertex.
 #[inline(always)]
 fn rows([x, y, z]: [Register; 3], out: &mut [[f32; 4]; EIGHT]) {
     let (x, y, z) = (x.to_array(), y.to_array(), z.to_array());

@@ -1,29 +1,38 @@
-//! What a pose has wrong, and what to do about it.
+//! Faults of a pose: the tolerances, the likely mistakes, and how to fix each.
 
+use crate::envelope::view::Envelope;
+use crate::linear::{Matrix3x4, inverse};
 use core::fmt;
 
-/// Why a pose is none of the skeleton's: what [`crate::Envelope::check_pose`] found.
+/// Allowed difference between the products of a matrix's rows and the products of a rotation's rows: a scale of 1.001.
+pub const RIGID_TOLERANCE: f32 = 2.0e-3;
+/// Allowed gap between a joint and its parent, in multiples of the joint's largest gap in training.
+pub const GAP_MARGIN: f32 = 2.0;
+/// Gap allowed at any joint, as a share of the diagonal: more than rounding, and less than one sees.
+pub const GAP_TOLERANCE: f32 = 1.0e-3;
+
+/// Reason why a pose does not fit the skeleton, from [`crate::Envelope::check_pose`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseFault {
     /// The likely mistake.
     pub kind: PoseFaultKind,
-    /// The joint that shows it; of [`PoseFaultKind::Length`] the number of matrices that were given.
+    /// First joint that shows the mistake; for [`PoseFaultKind::Length`] the number of matrices in the pose.
     pub joint: usize,
-    /// Of a scale how large it is; of units what to multiply the pose's lengths by, 1 where they are right.
+    /// Scale of the matrix, or the factor that converts lengths of the pose to the model's unit; else 1.
     pub factor: f32,
-    /// How far the joint is from what it may be: off a rotation, or off the place to which its parent carries it.
+    /// Deviation of the joint: from a rotation, or from where the joint's parent carries the joint.
     pub found: f32,
-    /// How far it may be.
+    /// Largest deviation that is allowed.
     pub allowed: f32,
-    /// Which axis of the pose each axis of the model is, from 1 and negative where it is turned round.
+    /// Axis of the pose for each axis of the model, from 1; negative if the axis points the other way.
     pub axes: [i8; 3],
 }
 
-/// The mistake of a [`PoseFault`].
+/// Mistake of a [`PoseFault`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum PoseFaultKind {
-    /// The pose has not one matrix a joint.
+    /// The number of matrices differs from the number of joints.
     Length = 1,
     /// A matrix is not finite.
     NonFinite = 2,
@@ -31,17 +40,17 @@ pub enum PoseFaultKind {
     Mirrored = 3,
     /// A matrix scales by [`PoseFault::factor`] along all axes.
     Scaled = 4,
-    /// A matrix scales along axes by different factors, or shears.
+    /// A matrix scales unevenly, or shears.
     Stretched = 5,
-    /// The matrices' rotations are transposed, and their translations may be lost.
+    /// The rotations are transposed, and the translations may be lost.
     Transposed = 6,
-    /// Lengths are in another unit: [`PoseFault::factor`] of them make one of the model's.
+    /// Lengths are in another unit: multiply lengths by [`PoseFault::factor`] to get the model's unit.
     Units = 7,
-    /// The pose is in other axes of the same handedness, [`PoseFault::axes`].
+    /// The pose has other axes of the same handedness, [`PoseFault::axes`].
     Axes = 8,
-    /// The pose is in axes of the other handedness, [`PoseFault::axes`].
+    /// The pose has axes of the other handedness, [`PoseFault::axes`].
     Handedness = 9,
-    /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
+    /// A joint is not where its parent carries it, and no mistake about the whole pose explains the gap.
     Apart = 10,
     /// No frame was written: a matrix is zero, or all gathered frames are the identity.
     Unset = 11,
@@ -54,7 +63,7 @@ pub enum PoseFaultKind {
 }
 
 impl PoseFault {
-    /// Makes a fault of a joint, in the model's own axes and unit.
+    /// Makes a fault of a joint, in the model's axes and unit.
     pub(super) const fn new(kind: PoseFaultKind, joint: usize) -> Self {
         Self { kind, joint, factor: 1.0, found: 0.0, allowed: 0.0, axes: [1, 2, 3] }
     }
@@ -79,10 +88,10 @@ impl PoseFaultKind {
         Self::Local,
     ];
 
-    /// Returns what to do about it.
+    /// Returns how to fix the mistake.
     pub const fn remedy(self) -> &'static str {
         match self {
-            Self::Length => "give one matrix a joint, in the order of the file's joints",
+            Self::Length => "give one matrix for each joint, in the order of the file's joints",
             Self::NonFinite => "look where the joint's matrix comes from",
             Self::Mirrored => "take the mirror out of the actor and put it on the palette",
             Self::Scaled => {
@@ -120,7 +129,9 @@ impl fmt::Display for PoseFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, joint, factor, found, allowed, axes: [x, y, z] } = *self;
         match kind {
-            PoseFaultKind::Length => write!(f, "pose: {joint} matrices are not one a joint")?,
+            PoseFaultKind::Length => {
+                write!(f, "pose: {joint} matrices are not one for each joint")?
+            }
             PoseFaultKind::NonFinite => write!(f, "pose: joint {joint} is not finite")?,
             PoseFaultKind::Mirrored => write!(f, "pose: joint {joint} is mirrored")?,
             PoseFaultKind::Scaled => write!(f, "pose: joint {joint} is scaled by {factor}")?,
@@ -176,4 +187,24 @@ impl fmt::Display for PoseFault {
         }
         write!(f, ": {}", kind.remedy())
     }
+}
+
+/// Returns the gap allowed between a joint and its parent, without the rounding of its position.
+///
+/// - `diagonal`: of the rest pose's box.
+/// - `gap`: the joint's largest gap in training.
+#[inline]
+pub(super) fn allowance(diagonal: f32, gap: f32) -> f32 {
+    GAP_TOLERANCE * diagonal + GAP_MARGIN * gap
+}
+
+/// Returns the [`allowance`] of a joint of an envelope.
+pub(super) fn allowance_of(envelope: &Envelope<'_>, joint: usize) -> f32 {
+    allowance(envelope.certificate().diagonal, envelope.pose_gap(joint).unwrap_or_default())
+}
+
+/// Returns the rest origin of a joint in model space, from the joint's inverse bind matrix.
+#[inline]
+pub(super) fn rest_origin(bind: &Matrix3x4) -> [f32; 3] {
+    inverse(bind).map(|[.., shift]| shift)
 }
