@@ -7,7 +7,7 @@
 //! centres and metric. [`bound`] bounds the rounding error of f32, [`deviation`] measures it on the baked file.
 //!
 //! **To add a kernel** of METHOD §2.1, positive definite and 1 at its centre:
-//! 1. `runtime/src/envelope/group_kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
+//! 1. `runtime/src/envelope/group/kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
 //!    f32 values and its place in `ALL` (`from_number` expects consecutive numbers).
 //! 2. [`crate::regression::function`]: value and slope in f64, and a place in `SMOOTHEST_FIRST`; every training then
 //!    tries the kernel. [`crate::regression::map`]: rounding of its value, and whether the bound there covers its slope.

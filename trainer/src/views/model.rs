@@ -6,9 +6,9 @@ use super::object::Reference;
 use super::set::Element;
 use crate::bake::sections::{floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
-use crate::scattered;
-use crate::scattered::model::KernelModel;
 use crate::page::picture::Picture;
+use crate::scattered::bake::part;
+use crate::scattered::model::KernelModel;
 use nalgebra::Complex;
 use sinew_runtime::format::{Element as Number, PartKind, SectionKind};
 use sinew_runtime::views::{Layer, NO_VERTEX, NOTHING, ViewsCounts};
@@ -91,7 +91,7 @@ const BITS: usize = 32;
 /// # Errors
 /// [`BakeError::Size`]: a count does not fit the file.
 pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, BakeError> {
-    let maps = model.maps.iter().map(kernel::bake::part);
+    let maps = model.maps.iter().map(part);
     let mut out = maps.collect::<Result<Vec<_>, _>>()?;
     out.push(object(model)?);
     Ok(out)

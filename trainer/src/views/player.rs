@@ -2,7 +2,6 @@
 
 use super::fit::{FitError, given, weights};
 use super::set::Values;
-use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};

@@ -1,12 +1,13 @@
-//! Counts every number that sets a fit, so that a new number must be worth its cost.
+//! Every number that a fit is set to, so that a new one has to earn its place.
 
 use sinew_trainer::settings::Settings;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders of the fit, and sources in them that do not belong to the fit.
-const FIT: [&str; 2] = ["src/envelope", "src/kernel"];
-const OTHERS: [&str; 16] = [
+/// Sources of the fit.
+const FIT: [&str; 3] = ["src/envelope", "src/regression", "src/settings.rs"];
+/// Folders and files inside [`FIT`] that set no fit.
+const OTHERS: [&str; 6] = [
     "envelope/bake",
     "envelope/choose/report.rs",
     "envelope/model",
@@ -14,9 +15,7 @@ const OTHERS: [&str; 16] = [
     "regression/arithmetic.rs",
     "regression/rotations.rs",
 ];
-/// Other parts of `kernel` that envelopes do not use.
-const KERNELS: [&str; 6] = ["hyper", "problem", "rotations.rs", "scattered", "bake.rs", "model"];
-/// Limit besides the fields of [`Settings`]; raise it only for a gain of 3 % on two sets.
+/// Beside the fields of [`Settings`]; raised only for what earns 3 % on two sets.
 const MOST: usize = 105;
 
 fn sources(path: PathBuf, found: &mut Vec<PathBuf>) {
@@ -33,7 +32,7 @@ fn sources(path: PathBuf, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Returns the numeric constants of a source above its tests: name and value.
+/// The numeric constants of a source, above its tests: name and value.
 fn constants(source: &str) -> Vec<(String, String)> {
     let source = source.split("#[cfg(test)]").next().unwrap();
     let after = |part: &str| -> Option<(String, String)> {

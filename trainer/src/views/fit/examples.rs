@@ -4,12 +4,6 @@ use super::block::{
     Block, Candidate, Fitted, LeftOutViews, Monomial, TermSet, Width, term_sets, terms,
 };
 use super::map::{FitError, MapOutputs, Shown, encodings, given};
-use crate::scattered::bound::{largest, rounded};
-use crate::regression::fade::Fade;
-use crate::scattered::model::{Figures, Input, KernelModel, features};
-use crate::scattered::solver::matrix::distances;
-use crate::scattered::solver::scaling::{Block as Inputs, Scaling};
-use crate::scattered::sum::KernelSum;
 use crate::numeric::columns::ends;
 use crate::regression::fade::Fade;
 use crate::scattered::bound::{largest, rounded};

@@ -4,10 +4,10 @@
 //! So the file alone says which angles a parameter sets. Outputs are points with depths, visibility, scores of key
 //! views, and opacities and orders of layers, in the order of the file.
 
-use crate::scattered::model::{EvaluationError, Input, InputKind, KernelModel, Output, OutputKind};
-use crate::regression::rotations::Feature;
-use crate::scattered::solver::error::KernelError;
 use crate::numeric::columns::ends;
+use crate::regression::rotations::Feature;
+use crate::scattered::model::{EvaluationError, Input, InputKind, KernelModel, Output, OutputKind};
+use crate::scattered::solver::error::KernelError;
 use crate::views::set::{Examples, Parameter, Values, View};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::views::{Blend, Views};
