@@ -1,12 +1,24 @@
 //! What a batch asks for, in terms of no part: what a plan is cut of.
 
-use super::array::Array;
 use super::error::LayoutError;
 use super::limits::DeviceLimits;
-use super::resource::Resource;
+use super::resource::{ALIGNMENT, Array, Attribute, Resource, Span};
 use super::stage::{Stage, WORKGROUP};
-use sinew_runtime::Model;
 use sinew_runtime::format::SectionKind;
+use sinew_runtime::{Model, Skin};
+use std::ops::Range;
+
+/// A member of the uniform block, u32, and its value.
+pub type Param = (&'static str, u32);
+
+/// The span of each resource; `None` for those that a batch does not need.
+pub(super) type Spans = [Option<Span>; Resource::ALL.len()];
+
+/// Positions, normals and tangents, as far as they are written.
+pub(super) type Attributes = [Option<Attribute>; 3];
+
+/// Floats of a position, a normal and a tangent.
+const FLOATS: [usize; 3] = [3, 3, 4];
 
 /// Stands for the offset of an array, or of a section, that is not there.
 pub(super) const NONE: usize = u32::MAX as usize;
@@ -54,6 +66,86 @@ impl Demand {
         }
         Ok(stages)
     }
+
+    /// Checks that every binding is within the device's largest; 32 bits count its bytes.
+    pub(super) fn check_spans(
+        &self,
+        instances: Range<usize>,
+        limits: &DeviceLimits,
+    ) -> Result<(), LayoutError> {
+        let limit = limits.storage_binding_bytes.min(u32::MAX.into());
+        let spans = self.spans(instances, 0);
+        for (resource, span) in Resource::ALL.into_iter().zip(spans) {
+            match span {
+                Some(Span { bytes, .. }) if bytes > limit => {
+                    return Err(LayoutError::Binding { resource, limit, found: bytes });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns what instances, the chunk of that number, take of each resource.
+    pub(super) fn spans(&self, instances: Range<usize>, chunk: usize) -> Spans {
+        Resource::ALL.map(|resource| match resource {
+            Resource::Params => {
+                Some(Span { offset: chunk as u64 * ALIGNMENT, bytes: self.param_bytes() })
+            }
+            // Words are read.
+            Resource::Blob => {
+                Some(Span { offset: 0, bytes: self.blob_bytes.next_multiple_of(4).max(4) })
+            }
+            _ => self.words(resource, &instances).map(|Range { start, end }| {
+                let offset = start.saturating_mul(4) / ALIGNMENT * ALIGNMENT;
+                // What cannot be counted is larger than any binding.
+                let bytes = end.checked_mul(4).map_or(u64::MAX, |end| end - offset);
+                Span { offset, bytes }
+            }),
+        })
+    }
+
+    /// Returns the words of a resource's buffer from the first to the last that instances take; `None`
+    /// if they take none.
+    fn words(&self, resource: Resource, instances: &Range<usize>) -> Option<Range<u64>> {
+        let own = self.arrays.iter().filter(|(own, _, len)| *own == resource && *len > 0);
+        let words = own.map(|&(_, Array { offset, stride }, len)| {
+            let at = |instance: usize| {
+                (instance as u64).saturating_mul(stride as u64).saturating_add(offset as u64)
+            };
+            // A stride can be 0, or less than what lies at its steps.
+            let last = at(instances.end.saturating_sub(1));
+            at(instances.start)..last.saturating_add(len as u64)
+        });
+        words.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
+    }
+
+    /// Returns the bytes of the block: its members, up to a whole number of vectors of four.
+    fn param_bytes(&self) -> u64 {
+        (4 * self.members.len() as u64).next_multiple_of(16)
+    }
+
+    /// Lists the members of a chunk's block, in the order in which they lie in it.
+    ///
+    /// - `first`: the chunk's first instance.
+    pub(super) fn params(&self, first: usize, spans: &Spans) -> Vec<Param> {
+        let value = |member: Member| match member {
+            Member::Number(number) => number,
+            Member::Offset(resource, array) => {
+                let (Some(Array { offset, stride }), Some(span)) =
+                    (array, spans[resource as usize])
+                else {
+                    return NONE;
+                };
+                let at = (first as u64).saturating_mul(stride as u64).saturating_add(offset as u64);
+                at.saturating_sub(span.offset / 4) as usize
+            }
+        };
+        let members = self.members.iter();
+        // What lies within a binding has 30 bits; a longer stride is never taken.
+        let narrow = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
+        members.map(|&(name, member)| (name, narrow(value(member)))).collect()
+    }
 }
 
 /// Counts the workgroups of so many threads.
@@ -69,6 +161,58 @@ pub(super) fn array_members(
 ) -> [(&'static str, Member); 2] {
     let own = array.map_or(0, |array| array.stride);
     [(offset, Member::Offset(resource, array)), (stride, Member::Number(own))]
+}
+
+/// Lays the attributes of a skin out without gaps: the V positions of an instance, its V normals and, if the skin has
+/// tangents, its V tangents; then the next instance.
+pub(super) fn packed_attributes(skin: &Skin<'_>) -> Attributes {
+    let vertex_len = skin.vertex_len();
+    let floats = if skin.has_tangents() { 10 } else { 6 };
+    let attribute = |before: usize, stride| {
+        let (offset, instance_stride) = (before * vertex_len, floats * vertex_len);
+        Some(Attribute { offset, stride, instance_stride })
+    };
+    [attribute(0, 3), attribute(3, 3), attribute(6, 4).filter(|_| skin.has_tangents())]
+}
+
+/// Lists the arrays of attributes of `vertex_len` vertices, with the words of one instance.
+pub(super) fn attribute_arrays(
+    attributes: Attributes,
+    vertex_len: usize,
+) -> impl Iterator<Item = (Resource, Array, usize)> {
+    attributes.into_iter().zip(FLOATS).filter_map(move |(attribute, len)| {
+        let (own, last) = (attribute?, vertex_len.checked_sub(1)?);
+        let len = last.saturating_mul(own.stride).saturating_add(len);
+        Some((Resource::Out, own.array(), len))
+    })
+}
+
+/// Checks that no attribute of a vertex reaches into the next vertex.
+///
+/// # Errors
+/// [`LayoutError::Stride`]
+pub(super) fn check_attribute_strides(attributes: Attributes) -> Result<(), LayoutError> {
+    let written = attributes.into_iter().zip(FLOATS);
+    let mut written = written.filter_map(|(own, least)| Some((own?.stride, least)));
+    written.try_for_each(|(stride, least)| check_stride(Resource::Out, least, stride))
+}
+
+/// Returns the members of attributes: of each where it lies, from a vertex to the next, and from an instance to the
+/// next.
+pub(super) fn attribute_members(
+    [positions, normals, tangents]: Attributes,
+) -> impl Iterator<Item = (&'static str, Member)> {
+    let of_positions = ["positions_offset", "positions_stride", "positions_instance_stride"];
+    let of_normals = ["normals_offset", "normals_stride", "normals_instance_stride"];
+    let of_tangents = ["tangents_offset", "tangents_stride", "tangents_instance_stride"];
+    let all = [(of_positions, positions), (of_normals, normals), (of_tangents, tangents)];
+    all.into_iter().flat_map(|([offset, stride, instance_stride], attribute)| {
+        let array = attribute.map(|own| own.array());
+        let places = [offset, instance_stride];
+        let [offset, instance_stride] = array_members(places, Resource::Out, array);
+        let stride = (stride, Member::Number(attribute.map_or(0, |own| own.stride)));
+        [offset, stride, instance_stride]
+    })
 }
 
 /// Returns the member of a part's section: its first word in the blob; [`NONE`] if there is no such section.

@@ -1,9 +1,8 @@
 //! Batches of a filter, and what they ask for.
 
-use super::array::Array;
 use super::demand::{Demand, Member, array_members, check_stride, section_member, threads};
 use super::error::LayoutError;
-use super::resource::Resource;
+use super::resource::{Array, Resource};
 use super::stage::Stage;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};

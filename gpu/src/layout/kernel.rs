@@ -1,9 +1,8 @@
 //! Batches of a kernel, and what they ask for.
 
-use super::array::Array;
 use super::demand::{Demand, Member, array_members, check_stride, section_member};
 use super::error::LayoutError;
-use super::resource::Resource;
+use super::resource::{Array, Resource};
 use super::stage::Stage;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::{KernelMap, Model};

@@ -17,31 +17,24 @@
 //!
 //! Of a kernel, outputs and the confidence are computed here; its Jacobian and its variance on a CPU alone.
 
-mod array;
-mod attribute;
-mod chunk;
 mod demand;
 mod envelope;
 mod error;
-mod extents;
 mod filter;
 mod kernel;
 mod limits;
-mod params;
 mod plan;
 mod resource;
 mod shapes;
 mod stage;
 
-pub use array::Array;
-pub use attribute::Attribute;
-pub use chunk::{Chunk, Param, Span};
+pub use demand::Param;
 pub use envelope::{Batch, Rest, SkinBatch};
 pub use error::LayoutError;
 pub use filter::FilterBatch;
 pub use kernel::KernelBatch;
 pub use limits::DeviceLimits;
-pub use plan::Plan;
-pub use resource::{ALIGNMENT, Resource};
+pub use plan::{Chunk, Plan};
+pub use resource::{ALIGNMENT, Array, Attribute, Resource, Span};
 pub use shapes::ShapesBatch;
 pub use stage::{Binding, Stage, WORKGROUP};

@@ -1,13 +1,12 @@
 //! A batch that has been checked, and cut where a binding or a dispatch would be too large.
 
-use super::chunk::{Chunk, Span};
-use super::demand::Demand;
+use super::demand::{Demand, Param, Spans};
 use super::envelope::{self, Batch};
 use super::error::LayoutError;
 use super::filter::{self, FilterBatch};
 use super::kernel::{self, KernelBatch};
 use super::limits::DeviceLimits;
-use super::resource::{ALIGNMENT, Resource};
+use super::resource::{ALIGNMENT, Resource, Span};
 use super::shapes::{self, ShapesBatch};
 use super::stage::Stage;
 use sinew_runtime::{Envelope, Filter, KernelMap, Model, Skin};
@@ -15,6 +14,37 @@ use std::ops::Range;
 
 /// So many words are [`ALIGNMENT`] bytes.
 const ALIGNED: usize = ALIGNMENT as usize / 4;
+
+/// Instances that are bound and dispatched together: all of a batch, where the device's limits allow
+/// it.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    /// Which of the batch.
+    pub instances: Range<usize>,
+    pub(super) spans: Spans,
+    pub(super) params: Vec<Param>,
+}
+
+impl Chunk {
+    /// Returns what of a resource's buffer is read or written; `None` if nothing is.
+    pub fn span(&self, resource: Resource) -> Option<Span> {
+        self.spans[resource as usize]
+    }
+
+    /// Returns what is bound for a resource: itself or, as a binding must be filled in any case,
+    /// [`Resource::Blob`] in place of what a stage would read and the batch does not have: of
+    /// [`Resource::Host`] where the host brings nothing, of [`Resource::Scratch`] where no stage writes
+    /// to it.
+    pub fn bound(&self, resource: Resource) -> (Resource, Option<Span>) {
+        let resource = if self.span(resource).is_some() { resource } else { Resource::Blob };
+        (resource, self.span(resource))
+    }
+
+    /// Lists the members of its block in [`Resource::Params`], in the order in which they lie in it.
+    pub fn params(&self) -> &[Param] {
+        &self.params
+    }
+}
 
 /// How a batch is evaluated on a device.
 #[derive(Clone, Debug)]

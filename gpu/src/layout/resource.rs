@@ -1,4 +1,4 @@
-//! The buffers of a batch.
+//! The buffers of a batch, and where arrays lie in them.
 
 /// Where a span of a buffer may start, in bytes: what every device allows.
 pub const ALIGNMENT: u64 = 256;
@@ -63,5 +63,43 @@ impl Resource {
             Self::Host => "host",
             Self::Out => "out",
         }
+    }
+}
+
+/// Bytes of a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The first, from where the host's buffer for the resource starts: a multiple of
+    /// [`super::ALIGNMENT`].
+    pub offset: u64,
+    /// How many.
+    pub bytes: u64,
+}
+
+/// Where an array with one stretch of words an instance lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Array {
+    /// The first instance's first word.
+    pub offset: usize,
+    /// Words from an instance to the next.
+    pub stride: usize,
+}
+
+/// Where an attribute is written in [`super::Resource::Out`]: vertex i *of the range* of instance n at
+/// `offset + n * instance_stride + i * stride`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attribute {
+    /// The first instance's first vertex.
+    pub offset: usize,
+    /// Floats from a vertex to the next; at least the attribute's own, 3 or 4.
+    pub stride: usize,
+    /// Floats from an instance to the next.
+    pub instance_stride: usize,
+}
+
+impl Attribute {
+    /// Returns where it lies, as an array with a stretch of words an instance.
+    pub(super) fn array(&self) -> Array {
+        Array { offset: self.offset, stride: self.instance_stride }
     }
 }

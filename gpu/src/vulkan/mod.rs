@@ -89,9 +89,7 @@ mod error;
 #[cfg(feature = "headless")]
 pub mod headless;
 mod pipelines;
-mod requirements;
 
 pub use bound::{Bound, Buffers, barrier};
 pub use error::Error;
-pub use pipelines::Pipelines;
-pub use requirements::{limits, pool_sizes, set_len, usage};
+pub use pipelines::{Pipelines, limits, pool_sizes, set_len, usage};

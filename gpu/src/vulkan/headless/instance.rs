@@ -1,10 +1,10 @@
 //! An instance of Vulkan 1.1, with or without validation, and the devices that it sees.
 
-use super::error::while_doing;
-use super::messages::{Messages, Messenger};
+use super::super::error::Error;
 use crate::headless::{DeviceInfo, HeadlessError};
-use ash::{Entry, Instance, ext, khr, vk};
-use std::ffi::CStr;
+use ash::{Entry, Instance, ext, ext::debug_utils, khr, vk};
+use std::ffi::{CStr, c_void};
+use std::sync::{Mutex, PoisonError};
 
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -153,4 +153,103 @@ fn create(entry: &Entry, messages: Option<&Messages>) -> Result<Instance, Headle
 
 fn has(extensions: &[vk::ExtensionProperties], name: &CStr) -> bool {
     extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
+}
+
+/// The messages so far. It stays where it is: layers hold its address.
+struct Messages(Box<Mutex<Vec<String>>>);
+
+/// What hands messages over, until it is destroyed.
+struct Messenger {
+    api: debug_utils::Instance,
+    handle: vk::DebugUtilsMessengerEXT,
+}
+
+impl Messages {
+    fn new() -> Self {
+        Self(Box::new(Mutex::new(Vec::new())))
+    }
+
+    /// Describes a messenger of warnings and errors, which must not outlive this.
+    fn info(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+        let own: *const Mutex<_> = &*self.0;
+        vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+            )
+            // What is general comes from the loader, about drivers that are not asked for.
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+            )
+            .pfn_user_callback(Some(receive))
+            .user_data(own.cast_mut().cast())
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Messenger {
+    /// # Safety
+    /// The instance must be valid and have the extension; the messages must outlive the messenger.
+    unsafe fn new(
+        entry: &Entry,
+        instance: &Instance,
+        messages: &Messages,
+    ) -> Result<Self, HeadlessError> {
+        let api = debug_utils::Instance::new(entry, instance);
+        // SAFETY: as our own caller promises.
+        let handle = unsafe { api.create_debug_utils_messenger(&messages.info(), None) }
+            .map_err(while_doing("making a messenger"))?;
+        Ok(Self { api, handle })
+    }
+
+    /// # Safety
+    /// The instance must be valid.
+    unsafe fn destroy(&self) {
+        // SAFETY: as our own caller promises.
+        unsafe { self.api.destroy_debug_utils_messenger(self.handle, None) };
+    }
+}
+
+/// Keeps a message; as Vulkan asks, lets the call go on.
+unsafe extern "system" fn receive(
+    _: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    messages: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the layer hands over its data, and the address that `info` gave it.
+    let (data, messages) = unsafe { (&*data, &*messages.cast::<Mutex<Vec<String>>>()) };
+    let text = [data.p_message_id_name, data.p_message].map(|text| {
+        if text.is_null() {
+            return String::new();
+        }
+        // SAFETY: texts end with nul.
+        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    });
+    messages.lock().unwrap_or_else(PoisonError::into_inner).push(text.join(": "));
+    vk::FALSE
+}
+
+/// Makes a function that turns a result into an error.
+pub(super) fn while_doing(doing: &'static str) -> impl Fn(vk::Result) -> HeadlessError {
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST => HeadlessError::Lost(doing.to_owned()),
+        _ => HeadlessError::Refused { doing, detail: result.to_string() },
+    }
+}
+
+impl From<Error> for HeadlessError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Layout(error) => Self::Layout(error),
+            Error::Vulkan { doing, result } => while_doing(doing)(result),
+            Error::NoPipeline { .. } | Error::NotPlanned { .. } | Error::Sets { .. } => {
+                Self::Refused { doing: "preparing or recording a batch", detail: error.to_string() }
+            }
+        }
+    }
 }

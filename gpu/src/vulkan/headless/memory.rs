@@ -1,7 +1,7 @@
 //! Buffers, each with memory of its own.
 
 use super::device::Device;
-use super::error::while_doing;
+use super::instance::while_doing;
 use crate::headless::HeadlessError;
 use ash::vk::{self, MemoryPropertyFlags as Flags};
 

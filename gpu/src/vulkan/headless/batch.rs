@@ -1,17 +1,138 @@
-//! What a batch holds on a device: buffers, descriptor pool and a command buffer to copy with.
+//! A batch whose buffers the helper owns.
 
-use super::super::bound::Buffers;
-use super::super::requirements::{pool_sizes, set_len, usage};
-use super::commands::Commands;
-use super::device::Device;
-use super::error::while_doing;
+use super::super::bound::{Bound, Buffers, barrier};
+use super::super::pipelines::{pool_sizes, set_len, usage};
+use super::device::{Commands, Device};
+use super::instance::while_doing;
 use super::memory::Memory;
-use crate::headless::HeadlessError;
-use crate::layout::{LayoutError, Plan, Resource};
+use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
+use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use ash::vk::{self, AccessFlags as Access, PipelineStageFlags as Stages};
+use std::time::{Duration, Instant};
+
+/// A batch on a device, with its buffers in the device's own memory.
+pub struct VulkanBatch<'d> {
+    held: Held<'d>,
+    bound: Bound,
+}
+
+impl<'d> VulkanBatch<'d> {
+    fn new(device: &'d Device, blob: &[u8], plan: &Plan) -> Result<Self, HeadlessError> {
+        let mut held = Held::new(device, plan)?;
+        held.write(Resource::Params, 0, &plan.params())?;
+        // Words are bound.
+        let mut blob = blob.to_vec();
+        blob.resize(blob.len().next_multiple_of(4), 0);
+        held.write(Resource::Blob, 0, &blob)?;
+        let pipelines = device.pipelines();
+        let (sets, buffers) = (held.sets(plan)?, held.buffers());
+        // SAFETY: buffers and sets have just been made for this plan, and live as long as the batch.
+        let bound = unsafe { Bound::new(device.device(), pipelines, plan, &buffers, &sets) }?;
+        Ok(Self { held, bound })
+    }
+
+    /// Returns what is recorded.
+    pub fn bound(&self) -> &Bound {
+        &self.bound
+    }
+
+    /// Returns a resource's buffer.
+    ///
+    /// # Errors
+    /// [`crate::layout::LayoutError::Missing`]: the plan does not need it.
+    pub fn memory(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
+        self.held.memory(resource)
+    }
+}
+
+impl Uploaded for VulkanBatch<'_> {
+    fn write(
+        &mut self,
+        resource: Resource,
+        first: usize,
+        floats: &[f32],
+    ) -> Result<(), HeadlessError> {
+        let bytes: Vec<u8> = floats.iter().flat_map(|float| float.to_le_bytes()).collect();
+        self.held.write(resource, (first as u64).saturating_mul(4), &bytes)
+    }
+
+    fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError> {
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
+            // SAFETY: the command buffer is being recorded; the barrier above is what is asked for.
+            Ok(unsafe { self.bound.record(device, commands, instance_len) }?)
+        })
+    }
+
+    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
+            // SAFETY: likewise; the second barrier is for what other stages have written.
+            unsafe {
+                barrier(device, commands);
+                Ok(self.bound.record_stage(device, commands, stage, instance_len)?)
+            }
+        })
+    }
+
+    fn time_stage(
+        &mut self,
+        stage: Stage,
+        instance_len: usize,
+        repeat_len: usize,
+    ) -> Result<Duration, HeadlessError> {
+        let start = Instant::now();
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
+            for _ in 0..repeat_len {
+                // SAFETY: as in `run_stage`.
+                unsafe {
+                    barrier(device, commands);
+                    self.bound.record_stage(device, commands, stage, instance_len)?;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(start.elapsed())
+    }
+
+    fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {
+        let bytes = self.held.read(resource)?;
+        let words = bytes.as_chunks::<4>().0;
+        Ok(words.iter().map(|word| f32::from_le_bytes(*word)).collect())
+    }
+}
+
+impl Device {
+    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    pub fn batch(&self, blob: &[u8], plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
+        VulkanBatch::new(self, blob, plan)
+    }
+}
+
+impl headless::Device for Device {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        self.limits
+    }
+
+    fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
+        Ok(Box::new(self.batch(blob, plan)?))
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        self.messages().map(|messages| messages.len())
+    }
+}
 
 /// Freed when dropped.
-pub(super) struct Held<'d> {
+struct Held<'d> {
     device: &'d Device,
     memory: [Option<Memory<'d>>; Resource::ALL.len()],
     sets: vk::DescriptorPool,
@@ -20,7 +141,7 @@ pub(super) struct Held<'d> {
 
 impl<'d> Held<'d> {
     /// Allocates a plan's buffers, zero at first.
-    pub(super) fn new(device: &'d Device, plan: &Plan) -> Result<Self, HeadlessError> {
+    fn new(device: &'d Device, plan: &Plan) -> Result<Self, HeadlessError> {
         let mut held = Self {
             device,
             memory: [const { None }; Resource::ALL.len()],
@@ -39,7 +160,7 @@ impl<'d> Held<'d> {
     }
 
     /// Allocates a plan's descriptor sets.
-    pub(super) fn sets(&mut self, plan: &Plan) -> Result<Vec<vk::DescriptorSet>, HeadlessError> {
+    fn sets(&mut self, plan: &Plan) -> Result<Vec<vk::DescriptorSet>, HeadlessError> {
         let layouts = self.device.pipelines().set_layouts(plan)?;
         let sizes = pool_sizes(plan);
         let info =
@@ -56,7 +177,7 @@ impl<'d> Held<'d> {
     }
 
     /// Returns the buffers as the stages take them.
-    pub(super) fn buffers(&self) -> Buffers {
+    fn buffers(&self) -> Buffers {
         let own = Resource::ALL.into_iter().zip(&self.memory);
         own.fold(Buffers::default(), |buffers, (resource, memory)| match memory {
             Some(memory) => buffers.with(resource, memory.buffer(), 0, memory.bytes()),
@@ -64,17 +185,12 @@ impl<'d> Held<'d> {
         })
     }
 
-    pub(super) fn memory(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
+    fn memory(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
         let memory = self.memory[resource as usize].as_ref();
         memory.ok_or(HeadlessError::Layout(LayoutError::Missing { resource }))
     }
 
-    pub(super) fn write(
-        &self,
-        resource: Resource,
-        first: u64,
-        bytes: &[u8],
-    ) -> Result<(), HeadlessError> {
+    fn write(&self, resource: Resource, first: u64, bytes: &[u8]) -> Result<(), HeadlessError> {
         let to = self.memory(resource)?;
         let least = first.saturating_add(bytes.len() as u64);
         if least > to.bytes() {
@@ -89,7 +205,7 @@ impl<'d> Held<'d> {
         self.copy(&from, to, first)
     }
 
-    pub(super) fn read(&self, resource: Resource) -> Result<Vec<u8>, HeadlessError> {
+    fn read(&self, resource: Resource) -> Result<Vec<u8>, HeadlessError> {
         let from = self.memory(resource)?;
         let to = Memory::staging(self.device, from.bytes(), vk::BufferUsageFlags::empty())?;
         self.copy(from, &to, 0)?;
@@ -99,7 +215,7 @@ impl<'d> Held<'d> {
     }
 
     /// Records, submits, and waits.
-    pub(super) fn submit(
+    fn submit(
         &self,
         record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), HeadlessError>,
     ) -> Result<(), HeadlessError> {
@@ -125,12 +241,12 @@ impl<'d> Held<'d> {
             let wrote = Access::SHADER_WRITE | Access::TRANSFER_WRITE;
             let copies = Access::TRANSFER_READ | Access::TRANSFER_WRITE;
             let stages = Stages::COMPUTE_SHADER | Stages::TRANSFER;
-            barrier(device, commands, (stages, wrote), (Stages::TRANSFER, copies));
+            record_barrier(device, commands, (stages, wrote), (Stages::TRANSFER, copies));
             // SAFETY: both are the device's and hold the region.
             unsafe {
                 device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
             }
-            barrier(
+            record_barrier(
                 device,
                 commands,
                 (Stages::TRANSFER, Access::TRANSFER_WRITE),
@@ -149,14 +265,14 @@ impl Drop for Held<'_> {
 }
 
 /// Records that uploads are visible to the stages.
-pub(super) fn uploaded(device: &ash::Device, commands: vk::CommandBuffer) {
+fn uploaded(device: &ash::Device, commands: vk::CommandBuffer) {
     let uses = Access::SHADER_READ | Access::SHADER_WRITE | Access::UNIFORM_READ;
     let before = (Stages::TRANSFER, Access::TRANSFER_WRITE);
-    barrier(device, commands, before, (Stages::COMPUTE_SHADER, uses));
+    record_barrier(device, commands, before, (Stages::COMPUTE_SHADER, uses));
 }
 
 /// Records a barrier, while the command buffer is being recorded.
-fn barrier(
+fn record_barrier(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     before: (Stages, Access),
