@@ -318,13 +318,3 @@ fn is_marked(case: &KernelCase<'_>, device: &dyn Device, bytes: &[u8], query: &[
     assert_eq!(found.is_nan(), refused);
     refused
 }
-
-/// A plan of three queries of a kernel that has everything.
-pub(crate) fn kernel_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
-    let content = KernelContent::every(Kernel::Gaussian);
-    let bytes = Pieces::kernels(&[content]).bytes();
-    let model = load(&bytes);
-    let kernel = model.kernel().unwrap();
-    let plan = Plan::of_kernel(&model, &kernel, &KernelBatch::new(&kernel, 3), limits).unwrap();
-    (plan, model.blob().to_vec())
-}

@@ -3,16 +3,19 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod case;
-pub(crate) mod filter;
 pub(crate) mod kernels;
-pub(crate) mod shapes;
 
 pub(crate) use case::{Case, POISON, differing};
 pub(crate) use models::{GOLDEN, TURNED};
 
-use models::Rng;
+use models::{FilterContent, KernelContent, Pieces, Rng};
 use sinew_gpu::headless::Device;
-use sinew_gpu::layout::{Array, Attribute, Batch, Rest, SkinBatch};
+use sinew_gpu::layout::{
+    Array, Attribute, Batch, DeviceLimits, FilterBatch, KernelBatch, Plan, Rest, ShapesBatch,
+    SkinBatch,
+};
+use sinew_runtime::filter::Samples;
+use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
 
 pub(crate) fn load(bytes: &[u8]) -> Model<&[u8]> {
@@ -123,4 +126,60 @@ pub(crate) fn past_65535_workgroups(device: &dyn Device, bytes: &[u8]) {
     let limits = &device.limits();
     let chunks = Case { bytes, batch: &batch, limits, instance_len: INSTANCES - 5 }.check(device);
     assert!(chunks > 1, "{chunks} chunks");
+}
+
+/// A plan of three queries of a kernel that has everything.
+pub(crate) fn kernel_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let content = KernelContent::every(Kernel::Gaussian);
+    let bytes = Pieces::kernels(&[content]).bytes();
+    let model = load(&bytes);
+    let kernel = model.kernel().unwrap();
+    let plan = Plan::of_kernel(&model, &kernel, &KernelBatch::new(&kernel, 3), limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Plans three instances of the shapes of a skin; returns the blob beside.
+pub(crate) fn shapes_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let [.., face] = Pieces::shaped();
+    let bytes = face.bytes();
+    let model = load(&bytes);
+    let skin = model.skin().unwrap();
+    let plan = Plan::of_shapes(&model, &skin, &ShapesBatch::new(&skin, 3), limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Plans three signals of a filter; returns the blob beside.
+pub(crate) fn filter_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let bytes = Pieces::filter(&FilterContent::sample(2, 5)).bytes();
+    let model = load(&bytes);
+    let filter = model.filter().unwrap();
+    let samples = Samples { signal_len: 3, sample_len: 9, lane_len: 2 };
+    let batch = FilterBatch::new(&filter, samples);
+    let plan = Plan::of_filter(&model, &filter, &batch, limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Evaluates each golden: nothing odd, everything odd, palettes only, what the host brings, one
+/// instance, some of many.
+pub(crate) fn every_batch(device: &dyn Device) {
+    println!("on {:?}", device.info());
+    let limits = &device.limits();
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let runs = [
+            (Batch::skinned(&envelope, &skin, 1), 1),
+            (Batch::skinned(&envelope, &skin, 17), 17),
+            (Batch::palettes(&envelope, 5), 5),
+            (odd_batch(&envelope, &skin, 3), 3),
+            (odd_batch(&envelope, &skin, 129), 129),
+            (odd_batch(&envelope, &skin, 129), 7),
+            (hosted_batch(&envelope, &skin, 9), 9),
+            (hosted_batch(&envelope, &skin, 9), 4),
+            (Batch { confidences: None, ..odd_batch(&envelope, &skin, 4) }, 4),
+        ];
+        for (batch, instance_len) in &runs {
+            Case { bytes, batch, limits, instance_len: *instance_len }.check(device);
+        }
+    }
 }

@@ -8,7 +8,6 @@ mod callbacks;
 #[path = "../common/mod.rs"]
 mod common;
 mod fake;
-mod kernels;
 mod refusals;
 
 use sinew_gpu::headless::{Device as _, HeadlessError};

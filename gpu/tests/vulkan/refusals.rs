@@ -1,9 +1,8 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
-use crate::common::filter::filter_plan;
-use crate::common::kernels::kernel_plan;
-use crate::common::shapes::shapes_plan;
-use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
+use crate::common::{
+    GOLDEN, filter_plan, hosted_batch, kernel_plan, load, parts, remapped_batch, shapes_plan,
+};
 use crate::fake;
 use ash::vk::{self, Handle};
 use sinew_gpu::headless::HeadlessError;

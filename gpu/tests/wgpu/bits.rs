@@ -1,53 +1,14 @@
 //! The stages on wgpu, end to end, against the CPU's bits.
 
-use crate::common::{Case, GOLDEN, TURNED, hosted_batch, load, odd_batch, parts};
+use crate::common::{self, Case, GOLDEN, TURNED, kernels, load, odd_batch, parts};
+use crate::lavapipe;
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 
-pub(crate) fn lavapipe() -> Device {
-    Device::of_driver("llvmpipe", true)
-        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
-}
-
 #[test]
-fn every_predictor_has_the_cpus_bits() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &Batch::skinned(&envelope, &skin, 67);
-        Case { bytes, batch, limits, instance_len: 67 }.check(&device);
-        let batch = &Batch::palettes(&envelope, 5);
-        Case { bytes, batch, limits, instance_len: 5 }.check(&device);
-    }
-}
-
-#[test]
-fn odd_offsets_and_strides_are_kept_and_gaps_left_alone() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &odd_batch(&envelope, &skin, 9);
-        Case { bytes, batch, limits, instance_len: 9 }.check(&device);
-    }
-}
-
-#[test]
-fn a_remap_and_a_rest_mesh_of_the_hosts_are_skinned_as_on_a_cpu() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &hosted_batch(&envelope, &skin, 9);
-        for instance_len in [9, 4] {
-            Case { bytes, batch, limits, instance_len }.check(&device);
-        }
-    }
+fn lavapipe_has_the_cpus_bits() {
+    common::every_batch(&lavapipe());
 }
 
 #[test]
@@ -74,7 +35,7 @@ fn a_batch_in_chunks_has_the_same_bits() {
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
     for bytes in GOLDEN.into_iter().chain(TURNED) {
-        crate::common::past_65535_workgroups(&device, bytes);
+        common::past_65535_workgroups(&device, bytes);
     }
 }
 
@@ -140,4 +101,24 @@ fn writing_past_a_buffer_or_to_none_is_refused() {
         uploaded.read(Resource::Out),
         Err(HeadlessError::Layout(LayoutError::Missing { resource: Resource::Out }))
     ));
+}
+
+#[test]
+fn every_kernel_and_rule_has_the_cpus_bits() {
+    kernels::every_kernel_has_the_cpus_bits(&lavapipe());
+}
+
+#[test]
+fn odd_offsets_chunks_and_fewer_queries_have_the_same_bits() {
+    kernels::odd_queries_have_the_cpus_bits(&lavapipe());
+}
+
+#[test]
+fn past_65535_queries_nothing_else_is_written() {
+    kernels::past_65535_queries(&lavapipe());
+}
+
+#[test]
+fn what_a_cpu_refuses_is_marked() {
+    kernels::a_query_that_is_wrong_is_seen(&lavapipe());
 }

@@ -1,102 +1,12 @@
 //! What the wgpu backend refuses, before anything is recorded.
 
-use crate::common::filter::filter_plan;
-use crate::common::kernels::kernel_plan;
-use crate::common::shapes::shapes_plan;
-use crate::common::{GOLDEN, load, parts, remapped_batch};
+use crate::common::{GOLDEN, load, parts};
+use crate::{COPIED, Scene, buffer, palettes, scene, scenes, whole};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 use sinew_gpu::wgpu::{Bound, Buffers, Error, Pipelines, limits};
-use sinew_runtime::{Envelope, Skin};
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, ErrorFilter, Limits};
-
-/// A batch with one buffer a resource.
-struct Scene {
-    device: Device,
-    pipelines: Pipelines,
-    plan: Plan,
-    own: Vec<Buffer>,
-}
-
-const COPIED: BufferUsages = BufferUsages::COPY_SRC.union(BufferUsages::COPY_DST);
-
-/// Palettes of three instances and nothing else.
-fn palettes(envelope: &Envelope<'_>, _: &Skin<'_>) -> Batch {
-    Batch { confidences: None, ..Batch::palettes(envelope, 3) }
-}
-
-/// Three instances for which every resource is needed.
-fn whole(envelope: &Envelope<'_>, skin: &Skin<'_>) -> Batch {
-    remapped_batch(envelope, skin, 3)
-}
-
-fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Scene {
-    let model = load(bytes);
-    let (envelope, skin) = parts(&model);
-    scene_of(|limits| {
-        let batch = batch(&envelope, &skin);
-        let plan = Plan::new(&model, &envelope, &batch, limits).unwrap();
-        (plan, model.blob().to_vec())
-    })
-}
-
-/// Of every kind of batch; together they need every resource.
-fn scenes() -> [Scene; 4] {
-    let scenes = [
-        scene(GOLDEN[1], whole),
-        scene_of(kernel_plan),
-        scene_of(shapes_plan),
-        scene_of(filter_plan),
-    ];
-    assert!(Resource::ALL.into_iter().all(|own| scenes.iter().any(|scene| scene.needs(own))));
-    scenes
-}
-
-fn scene_of(plan: impl Fn(&DeviceLimits) -> (Plan, Vec<u8>)) -> Scene {
-    let device = Device::of_driver("llvmpipe", true)
-        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
-    let (plan, mut blob) = plan(&device.limits());
-    let pipelines = Pipelines::new(device.device(), Stage::ALL).unwrap();
-    let own = Resource::ALL.map(|resource| {
-        let kind = match resource {
-            Resource::Params => BufferUsages::UNIFORM,
-            _ => BufferUsages::STORAGE,
-        };
-        buffer(device.device(), plan.bytes(resource).max(4), kind | COPIED)
-    });
-    device.queue().write_buffer(&own[Resource::Params as usize], 0, &plan.params());
-    blob.resize(plan.bytes(Resource::Blob) as usize, 0);
-    device.queue().write_buffer(&own[Resource::Blob as usize], 0, &blob);
-    Scene { device, pipelines, plan, own: own.into() }
-}
-
-fn buffer(device: &wgpu::Device, size: u64, usage: BufferUsages) -> Buffer {
-    device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
-}
-
-impl Scene {
-    fn buffers(&self) -> Buffers<'_> {
-        let all = Resource::ALL.into_iter().zip(&self.own);
-        all.fold(Buffers::new(), |buffers, (resource, own)| buffers.with(resource, own, 0))
-    }
-
-    fn needs(&self, resource: Resource) -> bool {
-        self.plan.bytes(resource) > 0
-    }
-
-    fn needed(&self) -> impl Iterator<Item = Resource> {
-        Resource::ALL.into_iter().filter(|resource| self.needs(*resource))
-    }
-
-    fn refused(&self, buffers: &Buffers<'_>) -> Error {
-        Bound::new(&self.pipelines, &self.plan, buffers).map(drop).unwrap_err()
-    }
-
-    fn make(&self, size: u64, usage: BufferUsages) -> Buffer {
-        buffer(self.device.device(), size, usage)
-    }
-}
+use wgpu::{BufferUsages, ErrorFilter, Limits};
 
 #[test]
 fn a_buffer_that_is_missing_short_or_misaligned_is_refused() {
@@ -284,7 +194,7 @@ fn wgpu_refuses_what_is_shared() {
 
 #[test]
 fn a_buffer_of_another_device_is_refused() {
-    let adapter = lavapipe();
+    let adapter = adapter();
     let open = || pollster::block_on(adapter.request_device(&Default::default())).unwrap().0;
     let [device, other] = [(); 2].map(|()| open());
     let model = load(GOLDEN[1]);
@@ -353,7 +263,7 @@ fn a_wrong_number_of_instances_records_nothing() {
 
 #[test]
 fn limits_too_small_are_refused() {
-    let adapter = lavapipe();
+    let adapter = adapter();
     type Change = fn(&mut Limits);
     let small: [(Change, &str); 3] = [
         (|limits| limits.max_storage_buffers_per_shader_stage = 3, "storage buffers"),
@@ -454,7 +364,7 @@ fn submit(device: &Device, bound: &Bound, instance_len: usize) -> Result<(), Err
     Ok(())
 }
 
-fn lavapipe() -> wgpu::Adapter {
+fn adapter() -> wgpu::Adapter {
     let backends = wgpu::Backends::VULKAN;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,

@@ -4,6 +4,7 @@
 
 pub mod backend;
 pub mod compare;
+pub mod cpu;
 pub mod devices;
 pub mod filters;
 pub mod finding;

@@ -1,10 +1,8 @@
 //! The stages on a device. Everything lies with room between: what a stage has no business with must
 //! stay as it was.
 
+mod alone;
 mod batched;
-mod filter;
-mod kernel;
-mod shapes;
 
 use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
 use crate::filters::FilterSubject;
@@ -187,7 +185,7 @@ impl Backend for Gpu<'_> {
         out: &mut [f32],
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        kernel::evaluate(self.device, &self.limits, subject, queries, [out, out_confidences])
+        alone::kernel(self.device, &self.limits, subject, queries, [out, out_confidences])
     }
 
     fn shapes(
@@ -196,11 +194,11 @@ impl Backend for Gpu<'_> {
         batch: &ShapesBatch,
         out: &mut [f32],
     ) -> Result<(), Failure> {
-        shapes::evaluate(self.device, &self.limits, subject, batch, out)
+        alone::shapes(self.device, &self.limits, subject, batch, out)
     }
 
     fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
-        filter::evaluate(self.device, &self.limits, subject, out)
+        alone::filter(self.device, &self.limits, subject, out)
     }
 
     fn whole(

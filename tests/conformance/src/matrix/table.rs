@@ -1,6 +1,7 @@
 //! The table: a column a backend, a row a stage.
 
-use crate::backend::{Backend, Cpu, Failure};
+use crate::backend::{Backend, Failure};
+use crate::cpu::Cpu;
 use crate::filters::FilterSubject;
 use crate::finding::{Finding, sound};
 use crate::gpu::Gpu;

@@ -1,8 +1,9 @@
 //! The confidence of rotational models, on the rotations that stage gradients gave.
 
 use super::gradients::{exact_rotations, gradients_of};
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance;

@@ -2,11 +2,12 @@
 
 use super::features::features_of;
 use super::gradients::gradients_of;
+use super::gradients::{compare_transforms, exact};
 use super::joints::joints_of;
 use super::palette::palettes_on;
-use super::transforms::{compare_transforms, exact};
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance;

@@ -1,7 +1,8 @@
 //! The pose features of models with a correction.
 
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, part, poisoned_transforms};
+use super::gradients::compare_transforms;
+use crate::backend::{Backend, Failure, part, poisoned_transforms};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance::{self, Inexact};

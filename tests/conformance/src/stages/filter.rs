@@ -1,7 +1,8 @@
 //! Stage filter, from samples to finer ones.
 
-use crate::backend::{Backend, Cpu, Failure};
+use crate::backend::{Backend, Failure};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::filters::FilterSubject;
 use crate::finding::Finding;
 use crate::tolerance::{self, UNDERFLOW};

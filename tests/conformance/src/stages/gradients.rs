@@ -1,10 +1,13 @@
 //! Stage gradients: each of its three outputs on the f32 inputs it was made from.
 
-use crate::backend::{Backend, Failure, Gradients, part};
+use crate::backend::{Backend, Failure, Gradients, floats, part};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
+use crate::poses::widened;
 use crate::subject::Subject;
-use crate::tolerance::{self, Inexact, UNDERFLOW};
+use crate::tolerance::{self, Inexact, Transform, UNDERFLOW};
 use nalgebra::{SMatrix, Vector3};
+use sinew_runtime::Matrix3x4;
 
 /// Compares relative transforms, rotations and gradients.
 ///
@@ -12,8 +15,7 @@ use nalgebra::{SMatrix, Vector3};
 /// What the backend refuses.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (oracle, n, arithmetic) = (&subject.oracle, subject.poses.len(), backend.arithmetic());
-    let (found, cpu) =
-        (gradients_of(backend, subject)?, gradients_of(&crate::backend::Cpu, subject)?);
+    let (found, cpu) = (gradients_of(backend, subject)?, gradients_of(&Cpu, subject)?);
     let [mut relative, mut rotations, mut gradients] =
         ["relative", "rotations", "gradients"].map(Finding::new);
     for (i, pose) in subject.poses.iter().enumerate() {
@@ -86,4 +88,23 @@ fn compare_rotations(
     let values: Vec<_> = expected.value.iter().flat_map(|v| v.iter().copied()).collect();
     let tolerances: Vec<_> = expected.error.iter().flat_map(|&e| [e + UNDERFLOW; 3]).collect();
     finding.compare(found.as_flattened(), cpu.as_flattened(), &values, &tolerances)
+}
+
+/// Takes transforms as given.
+pub fn exact(transforms: &[Matrix3x4]) -> Inexact<Transform> {
+    Inexact::exact(transforms.iter().map(widened).collect())
+}
+
+/// Compares transforms with the CPU's and with those expected.
+pub(super) fn compare_transforms(
+    finding: &mut Finding,
+    found: &[Matrix3x4],
+    cpu: &[Matrix3x4],
+    expected: &Inexact<Transform>,
+) -> bool {
+    let flat = |list: &[Transform]| -> Vec<f64> {
+        list.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect()
+    };
+    let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();
+    finding.compare(floats(found), floats(cpu), &flat(&expected.value), &tolerances)
 }

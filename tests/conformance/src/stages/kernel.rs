@@ -1,7 +1,8 @@
 //! Kernels, from queries to outputs.
 
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::kernels::KernelSubject;
 use crate::tolerance::{self, UNDERFLOW};

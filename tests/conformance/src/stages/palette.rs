@@ -1,8 +1,9 @@
 //! Stage palette: on the stacks that stage gradients gave.
 
+use super::gradients::compare_transforms;
 use super::gradients::{columns, gradients_of};
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_transforms};
+use crate::backend::{Backend, Failure, Gradients, part, poisoned_transforms};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::poses::widened;
 use crate::subject::Subject;

@@ -1,6 +1,7 @@
 //! Stage shapes, from weights to a rest mesh.
 
-use crate::backend::{Backend, Cpu, Failure, part, poisoned_attributes};
+use crate::backend::{Backend, Failure, part, poisoned_attributes};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::shapes::ShapeSubject;
 use crate::tolerance::{self, UNDERFLOW};

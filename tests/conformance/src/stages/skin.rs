@@ -1,7 +1,8 @@
 //! Stage skin: on the palettes that the poses have.
 
-use super::transforms::exact;
-use crate::backend::{Backend, Cpu, Failure, Whole, part, poisoned_out};
+use super::gradients::exact;
+use crate::backend::{Backend, Failure, Whole, part, poisoned_out};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform, UNDERFLOW};

@@ -1,9 +1,10 @@
 //! From a pose to the skin: the stages' tolerances chained.
 
+use super::gradients::compare_transforms;
 use super::gradients::gradients_of;
 use super::skin::{self, Skinned, findings, plain, whole_of};
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::poses::{Kind, Pose, rigid_motion, rounded};
 use crate::subject::Subject;

@@ -1,9 +1,9 @@
 //! One model with its poses, and what every stage makes of them.
 
-use super::tolerances::{Tolerance, numbers_tolerance, transforms_tolerance};
-use super::written::Written;
+use super::written::{Tolerance, Written, numbers_tolerance, transforms_tolerance};
 use super::{Folder, VectorError};
-use crate::backend::{Cpu, Failure, Loaded, floats, part};
+use crate::backend::{Failure, Loaded, floats, part};
+use crate::cpu::Cpu;
 use crate::poses::{Kind, Pose, poses};
 use crate::stages::correction::base_of;
 use crate::stages::exact;

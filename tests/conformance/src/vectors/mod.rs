@@ -1,11 +1,8 @@
 //! Inputs, outputs and tolerances of every stage in plain files, for whoever writes a backend.
 
+mod alone;
 mod case;
-mod filter;
 mod folder;
-mod kernel;
-mod shapes;
-mod tolerances;
 mod written;
 
 pub use folder::{Folder, VectorError};
@@ -53,15 +50,15 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
     for content in KernelContent::goldens().into_iter().chain([KernelContent::servo()]) {
         let name = content.name.replace([' ', '/'], "-").replace('é', "e");
         let bytes = Pieces::kernels(&[content]).bytes();
-        kernel::write(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
+        alone::kernel(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
     }
     for (element, pieces) in ["f32", "f16", "i8", "few"].into_iter().zip(Pieces::shaped()) {
-        shapes::write(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
+        alone::shapes(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
     }
     for (bytes, lanes) in filters::files().iter().zip([1, 3, 8, 5]) {
         let subject = FilterSubject::new(bytes, SIGNALS, lanes);
         let case = format!("filter-{}-{}", subject.filter.factor(), subject.filter.tap_len());
-        filter::write(&case, bytes, &subject, &folder)?;
+        alone::filter(&case, bytes, &subject, &folder)?;
     }
     folder.finish()
 }

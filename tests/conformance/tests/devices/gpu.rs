@@ -5,15 +5,14 @@ use conformance::backend::Failure;
 use conformance::compare::Mismatch;
 use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
-use conformance::kernels::{KernelSubject, files};
 use conformance::models::{self, SHAPES, shape_of};
-use conformance::stages::{Body, applies, body, kernel, layout, whole};
+use conformance::stages::{Body, applies, body, layout, whole};
 use conformance::subject::Subject;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
 use sinew_runtime::envelope::Predictor;
 
-fn fails(found: Result<Vec<Finding>, Failure>) -> bool {
+pub(crate) fn fails(found: Result<Vec<Finding>, Failure>) -> bool {
     match found {
         Ok(findings) => {
             sound(&findings).is_err() || findings.iter().any(|finding| finding.differing > 0)
@@ -60,8 +59,7 @@ fn places(stage: Stage) -> (Resource, usize, Resource, usize) {
         Stage::Correction => (Resource::Palettes, 4 + 12 * 6, Resource::Scratch, 0),
         Stage::Confidence => (Resource::Confidences, 1, Resource::Confidences, 2),
         Stage::Skin => (Resource::Out, 0, Resource::Palettes, 1),
-        Stage::Kernel => (Resource::Out, 5, Resource::Queries, 7),
-        Stage::Shapes | Stage::Filter => panic!("files of their own have them"),
+        Stage::Kernel | Stage::Shapes | Stage::Filter => panic!("files of their own have them"),
     }
 }
 
@@ -89,24 +87,6 @@ fn a_device_that_is_wrong_is_caught() {
         assert!(matches!(touched, Err(Failure::Touched { .. })), "{stage:?}: {touched:?}");
         let device = Software::new(&bytes, Some(Fault::Idle(stage)));
         assert!(fails(whole::body(&Gpu::new(&device), &subject)), "{stage:?}: from end to end");
-    }
-}
-
-#[test]
-fn a_device_that_is_wrong_about_a_kernel_is_caught() {
-    for bytes in files() {
-        let subject = KernelSubject::new(bytes, 14);
-        let (own, place, other, stray) = places(Stage::Kernel);
-        let run = |fault| kernel::body(&Gpu::new(&Software::new(bytes, fault)), &subject);
-        assert!(!fails(run(None)), "{}", subject.described());
-        assert!(fails(run(Some(Fault::Bit(Stage::Kernel, own, place)))), "one bit");
-        assert!(fails(run(Some(Fault::Idle(Stage::Kernel)))), "left alone");
-        // A query; before the first output, and behind the first confidence.
-        let behind = 7 + subject.kernel.result_len();
-        for (resource, float) in [(other, stray), (own, 4), (own, behind)] {
-            let touched = run(Some(Fault::Stray(Stage::Kernel, resource, float)));
-            assert!(matches!(touched, Err(Failure::Touched { .. })), "{touched:?}");
-        }
     }
 }
 

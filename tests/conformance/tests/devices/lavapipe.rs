@@ -1,8 +1,12 @@
-//! Real devices: lavapipe, which must be here and gives the CPU's bits, and whatever else is.
+//! Real devices: lavapipe, which must be here and has the CPU's bits, and every other device of the machine.
+#![allow(
+    unsafe_code,
+    reason = "only an unchecked shader makes the validation layer report something"
+)]
 
-use crate::layer::messages_of_a_broken_shader;
+use conformance::backend::Failure;
 use conformance::devices::{Counter, LAVAPIPE, list, open};
-use conformance::finding::sound;
+use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
 use conformance::models::{self, shape_of};
 use conformance::stages::{applies, body, layout, whole};
@@ -10,13 +14,17 @@ use conformance::subject::{FEWER_POSES, Subject, random, shapes, trained};
 use sinew_gpu::headless::{Device, DeviceInfo};
 use sinew_gpu::layout::{DeviceLimits, Stage};
 use sinew_runtime::envelope::Predictor;
+use wgpu::{
+    Backends, DeviceDescriptor, ExperimentalFeatures, Features, Instance, InstanceDescriptor,
+    InstanceFlags, Limits, PassthroughShaderEntryPoint, ShaderModuleDescriptorPassthrough,
+};
 
-pub(crate) const APIS: [&str; 2] = ["wgpu", "vulkan"];
+const APIS: [&str; 2] = ["wgpu", "vulkan"];
 
 /// Poses of the trained character: at least a thousand of each predictor.
 const POSES: usize = 1024;
 
-pub(crate) fn lavapipe(api: &str) -> DeviceInfo {
+fn lavapipe(api: &str) -> DeviceInfo {
     let all = list().unwrap_or_default();
     let found = all.iter().find(|info| info.api == api && info.driver == LAVAPIPE);
     found.cloned().unwrap_or_else(|| {
@@ -145,4 +153,102 @@ fn every_other_device_is_within_the_tolerances() {
         assert!(std::env::var_os("CI").is_none(), "CI is set, but no device but lavapipe is here");
         println!("no device but lavapipe is here");
     }
+}
+
+/// Runs all batches of a part on a device, with so many instances in each; returns the values compared, and how many
+/// of them differ from the CPU's.
+pub(crate) type Evaluate = fn(&dyn Device, usize) -> (usize, usize);
+
+/// Sees lavapipe have the bits of the CPU, of at least so many values.
+pub(crate) fn same_bits(evaluate: Evaluate, instance_len: usize, least: usize) {
+    for api in APIS {
+        let device = open(&lavapipe(api), false).expect("lavapipe opens");
+        let (values, differing) = evaluate(&*device, instance_len);
+        println!("{:?}: {differing} of {values} values have other bits", device.info());
+        assert_eq!(differing, 0);
+        assert!(values > least, "{values}");
+    }
+}
+
+/// Sees validation have nothing to say.
+pub(crate) fn silent(evaluate: Evaluate, instance_len: usize, least: usize) {
+    Counter::install();
+    for api in APIS {
+        let before = Counter::message_len();
+        let device = open(&lavapipe(api), true).expect("lavapipe opens with its layer");
+        let (values, _) = evaluate(&*device, instance_len);
+        let counted = device.message_len().unwrap_or_else(|| Counter::message_len() - before);
+        assert!(values > least && counted == 0, "{counted} messages");
+    }
+}
+
+/// Sees every device but lavapipe stay within the tolerances.
+pub(crate) fn within_tolerances(evaluate: Evaluate, instance_len: usize, least: usize) {
+    for info in list().expect("devices can be listed").iter().filter(|info| info.driver != LAVAPIPE)
+    {
+        let device = open(info, false).expect("a device that is listed opens");
+        let (values, differing) = evaluate(&*device, instance_len);
+        println!("{info:?}: {differing} of {values} values have other bits");
+        assert!(values > least, "{values}");
+    }
+}
+
+/// Runs a body by the device's limits, and by smaller bindings, which cut the batch into chunks; returns the values
+/// compared, and how many of them differ from the CPU's.
+pub(crate) fn whole_and_cut(
+    device: &dyn Device,
+    storage_binding_bytes: u64,
+    described: &str,
+    body: impl Fn(&Gpu<'_>) -> Result<Vec<Finding>, Failure>,
+) -> (usize, usize) {
+    let cut = DeviceLimits { storage_binding_bytes, ..device.limits() };
+    let (mut values, mut differing) = (0, 0);
+    for limits in [device.limits(), cut] {
+        let findings = body(&Gpu { device, limits });
+        let findings = findings.unwrap_or_else(|failure| panic!("{described}: {failure}"));
+        assert_eq!(sound(&findings), Ok(()), "{described}");
+        values += findings.iter().map(|finding| finding.values).sum::<usize>();
+        differing += findings.iter().map(|finding| finding.differing).sum::<usize>();
+    }
+    (values, differing)
+}
+
+/// Adds up the counts of several subjects.
+pub(crate) fn sum(counts: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
+    counts.fold((0, 0), |(values, differing), own| (values + own.0, differing + own.1))
+}
+
+/// Hands the driver a shader without the capability of shaders; returns how many messages were counted.
+fn messages_of_a_broken_shader() -> usize {
+    let instance = Instance::new(InstanceDescriptor {
+        backends: Backends::VULKAN,
+        flags: InstanceFlags::VALIDATION | InstanceFlags::DEBUG | InstanceFlags::DISCARD_HAL_LABELS,
+        ..InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
+    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().driver == LAVAPIPE);
+    let opened = adapter.expect("lavapipe is here").request_device(&DeviceDescriptor {
+        required_features: Features::PASSTHROUGH_SHADERS,
+        required_limits: Limits::downlevel_defaults(),
+        // SAFETY: nothing experimental is used but the shader below.
+        experimental_features: unsafe { ExperimentalFeatures::enabled() },
+        ..Default::default()
+    });
+    let (device, _) = pollster::block_on(opened).expect("lavapipe takes shaders as they are");
+    let words = Stage::Joints.spirv().as_chunks::<4>().0.iter().map(|le| u32::from_le_bytes(*le));
+    let mut words: Vec<u32> = words.collect();
+    // Instead of the capability of shaders, the first that is declared, that of 16-bit integers.
+    words[6] = 22;
+    let before = Counter::message_len();
+    let entry = PassthroughShaderEntryPoint { name: "main".into(), workgroup_size: (64, 1, 1) };
+    // SAFETY: no pipeline is made of it; the layer reads it, and the driver keeps a copy.
+    let module = unsafe {
+        device.create_shader_module_passthrough(ShaderModuleDescriptorPassthrough {
+            entry_points: vec![entry].into(),
+            spirv: Some(words.into()),
+            ..Default::default()
+        })
+    };
+    drop(module);
+    Counter::message_len() - before
 }

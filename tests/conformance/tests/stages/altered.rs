@@ -1,6 +1,7 @@
 //! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
 
-use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::backend::{Backend, Failure, Gradients, Loaded, Whole};
+use conformance::cpu::Cpu;
 use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
 use conformance::shapes::ShapeSubject;

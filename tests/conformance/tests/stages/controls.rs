@@ -3,8 +3,9 @@
 
 use crate::altered::{Altered, Idle, Step};
 use ::models::Pieces;
-use conformance::backend::{Backend, Cpu, Failure, Loaded, part};
+use conformance::backend::{Backend, Failure, Loaded, part};
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::models::{self, SHAPES, shape_of};
 use conformance::poses::widened;

@@ -1,7 +1,8 @@
 //! The kernel maps over very many poses.
 
-use conformance::backend::{Cpu, part};
+use conformance::backend::part;
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::models::{self, shape_of};
 use conformance::stages::correction::on;
 use conformance::stages::features::features_of;

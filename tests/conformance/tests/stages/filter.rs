@@ -1,8 +1,9 @@
 //! Filters against their f64 oracle, and what is wrong with one is caught.
 
 use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Cpu};
+use conformance::backend::Backend;
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::filters::{FilterSubject, SIGNALS, filters};
 use conformance::finding::sound;
 use conformance::stages::filter::body;

@@ -1,8 +1,9 @@
 //! Kernels against their f64 oracle, and what is wrong with one is caught.
 
 use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Cpu, part};
+use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::kernels::{KernelSubject, QUERIES, kernels};
 use conformance::stages::kernel::body;

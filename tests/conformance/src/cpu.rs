@@ -1,6 +1,6 @@
 //! The runtime as a backend.
 
-use super::{Backend, Failure, Gradients, Loaded, Whole, part};
+use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
 use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
