@@ -13,61 +13,61 @@ use sinew_runtime::skin::SkinLayout;
 use sinew_runtime::{Envelope, Model, Skin};
 use std::ops::Range;
 
-/// Instances of one model, and where in the host's buffers their arrays lie.
+/// Instances of one model, and the places of their arrays in the host's buffers.
 ///
-/// Offsets and strides count words of 4 bytes: floats, and indices of a remap. Instances may lie in any
-/// order that does not make two of them write to one place, which is not checked.
+/// Offsets and strides count words of 4 bytes: floats, and indices of a remap. Instances may be in
+/// any order, but no two may write to the same word; this is not checked.
 #[derive(Clone, Debug)]
 pub struct Batch {
-    /// How many instances there are room for. A frame can evaluate fewer, the first ones; nothing is
-    /// written for the others.
+    /// Number of instances that the buffers have room for. A frame may evaluate only the first
+    /// ones; nothing is written for the others.
     pub instance_len: usize,
-    /// [`Resource::Poses`]: 12 J floats an instance. A stride of 0 gives all the same pose.
+    /// [`Resource::Poses`]: 12 J floats an instance. With a stride of 0 all instances share one pose.
     pub poses: Array,
-    /// [`Resource::Palettes`]: 12 floats for each transform. Where they are skinned, offset and
+    /// [`Resource::Palettes`]: 12 floats for each transform. If the batch skins, offset and stride must be multiples of 4.
     /// stride are multiples of 4.
     pub palettes: Array,
-    /// [`Resource::Confidences`]: one float; `None` leaves the stage out.
+    /// [`Resource::Confidences`]: one float an instance; `None` omits the stage.
     pub confidences: Option<Array>,
-    /// What to skin; `None` for the palettes only.
+    /// The skin to evaluate; `None` for palettes only.
     pub skin: Option<SkinBatch>,
 }
 
-/// What is skinned, and where to: a [`sinew_runtime::SkinJob`] for every instance.
+/// Vertices to skin and places of the results: a [`sinew_runtime::SkinJob`] for every instance.
 #[derive(Clone, Debug)]
 pub struct SkinBatch {
     /// [`Skin::layout`] of a skin that follows the batch's envelope.
     pub skin: SkinLayout,
-    /// The vertices: of the remap where there is one, else of the skin. An empty range is skinned by
-    /// no stage, but tells a shader of the host's, in [`Resource::Params`], where the skin lies.
+    /// Vertices of the remap, or of the skin if there is no remap. No stage skins an empty range,
+    /// but [`Resource::Params`] still tells the host's own shader the places of the skin's arrays.
     pub vertices: Range<usize>,
-    /// In [`Resource::Host`]: for each vertex of the engine's the skin's that it is a copy of,
-    /// u32. An index beyond the mesh, which a CPU refuses, is taken for the last vertex.
+    /// In [`Resource::Host`], u32: maps each engine vertex to the skin vertex that it copies. A CPU
+    /// refuses an index outside the mesh; a GPU uses the last vertex instead.
     pub remap: Option<Array>,
-    /// What stands for the file's rest mesh.
+    /// The host's rest mesh, in place of the file's.
     pub rest: Rest,
-    /// Where to put positions: 3 floats, model space.
+    /// Place of the positions: 3 floats, model space.
     pub positions: Option<Attribute>,
-    /// Where to put normals: 3 floats of length 1.
+    /// Place of the normals: 3 floats, of length 1.
     pub normals: Option<Attribute>,
-    /// Where to put tangents: 3 floats of length 1 and the handedness.
+    /// Place of the tangents: 3 floats of length 1, then the handedness.
     pub tangents: Option<Attribute>,
 }
 
-/// A rest mesh of the host's in [`Resource::Host`], by the skin's own vertices. What is not given
-/// is the file's. A stride of 0 gives all instances the same.
+/// The host's rest mesh in [`Resource::Host`], indexed by the skin's own vertices. An attribute
+/// that is `None` comes from the file. With a stride of 0 all instances share the attribute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rest {
     /// V positions of 3 floats.
     pub positions: Option<Array>,
     /// V normals of 3 floats, of length 1.
     pub normals: Option<Array>,
-    /// V tangents of 4 floats: length 1, and the handedness.
+    /// V tangents of 4 floats: a vector of length 1, then the handedness.
     pub tangents: Option<Array>,
 }
 
 impl Batch {
-    /// Describes palettes and confidences one after the other, and nothing to skin.
+    /// Lays out palettes and confidences without gaps, and skins nothing.
     pub fn palettes(envelope: &Envelope<'_>, instance_len: usize) -> Self {
         Self {
             instance_len,
@@ -78,15 +78,15 @@ impl Batch {
         }
     }
 
-    /// Describes palettes, confidences and the whole of a skin, as [`SkinBatch::new`] lays it out.
+    /// Lays out palettes and confidences without gaps, and a whole skin as [`SkinBatch::new`] does.
     pub fn skinned(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Self {
         Self { skin: Some(SkinBatch::new(skin)), ..Self::palettes(envelope, instance_len) }
     }
 }
 
 impl SkinBatch {
-    /// Describes the whole of a skin without gaps: instance after instance, of each its V positions,
-    /// then its V normals and, where the skin has them, its V tangents.
+    /// Lays out a whole skin without gaps. For each instance: its V positions, its V normals and,
+    /// if the skin has tangents, its V tangents.
     pub fn new(skin: &Skin<'_>) -> Self {
         let [positions, normals, tangents] = packed_attributes(skin);
         Self {
@@ -104,8 +104,8 @@ impl SkinBatch {
         [self.positions, self.normals, self.tangents]
     }
 
-    /// Lists what lies in [`Resource::Host`], with the words of an instance: the remap up to the
-    /// last vertex that is skinned, then the rest mesh of V vertices.
+    /// Lists the arrays in [`Resource::Host`] with the words of one instance: the remap up to the
+    /// last skinned vertex, then the rest mesh of V vertices.
     fn host(&self, vertex_len: usize) -> [(Option<Array>, usize); 4] {
         let Rest { positions, normals, tangents } = self.rest;
         let of = |floats: usize| vertex_len.saturating_mul(floats);
@@ -113,7 +113,8 @@ impl SkinBatch {
     }
 }
 
-/// The sections that shaders read, by the name of their member: the skin's, or the envelope's.
+/// Sections that shaders read; each has the name of its member. `true` marks sections of the skin,
+/// `false` those of the envelope.
 const SECTIONS: [(bool, SectionKind); 14] = [
     (false, SectionKind::Hierarchy),
     (true, SectionKind::RestPositions),
@@ -131,7 +132,7 @@ const SECTIONS: [(bool, SectionKind); 14] = [
     (false, SectionKind::Corrections),
 ];
 
-/// Checks a batch against a model and an envelope, and says what it asks for.
+/// Checks a batch against a model and an envelope, and returns its requirements.
 pub(super) fn demand(
     model: &Model<impl AsRef<[u8]>>,
     envelope: &Envelope<'_>,
@@ -157,8 +158,8 @@ pub(super) fn demand(
     })
 }
 
-/// Lists the stages of a batch, in the order of [`Stage::ALL`], with the workgroups of one instance: none
-/// of those that the predictor has no use for.
+/// Lists the stages of a batch in the order of [`Stage::ALL`], with the workgroups of one instance.
+/// A stage that the predictor does not need has 0 workgroups.
 fn stages(envelope: &Envelope<'_>, batch: &Batch) -> Vec<(Stage, u64)> {
     let predictor = envelope.predictor();
     let vertex_len = batch.skin.as_ref().map_or(0, |skin| skin.vertices.len());
@@ -200,7 +201,7 @@ fn arrays(
     out
 }
 
-/// Lists the members that count.
+/// Lists the members that hold counts.
 fn counts(
     envelope: &Envelope<'_>,
     skin: Option<&Skin<'_>>,
@@ -222,7 +223,7 @@ fn counts(
     .map(number)
 }
 
-/// Lists where arrays lie in the scratch of an instance.
+/// Lists the offsets of arrays in the scratch of an instance.
 fn inner(scratch: &ScratchLayout) -> [(&'static str, Member); 7] {
     [
         ("relative", scratch.relative),
@@ -236,7 +237,7 @@ fn inner(scratch: &ScratchLayout) -> [(&'static str, Member); 7] {
     .map(number)
 }
 
-/// Lists where arrays lie in their bindings.
+/// Lists the offsets and strides of arrays in their bindings.
 fn outer(batch: &Batch, scratch: &ScratchLayout) -> Vec<(&'static str, Member)> {
     let own = batch.skin.as_ref();
     let rest = own.map(|own| own.rest).unwrap_or_default();
@@ -300,7 +301,8 @@ fn check_skin(skin: &Skin<'_>, batch: &SkinBatch) -> Result<(), LayoutError> {
     }
     let (Range { start, end }, vertex_len) = (batch.vertices.clone(), skin.vertex_len());
     let is_within = match batch.remap {
-        // How long it is only the host knows: its buffer must be as long as the range asks.
+        // Only the host knows the length of the remap; `Plan::check_buffers` requires a buffer that
+        // holds the range.
         Some(_) => vertex_len > 0 || start == end,
         None => end <= vertex_len,
     };

@@ -1,4 +1,4 @@
-//! A device without a window or an engine: finds it, allocates, submits and waits.
+//! A device without a window or an engine: opens it, allocates, submits and waits.
 
 use super::bound::{Bound, Buffers};
 use super::error::{Error, scoped};
@@ -13,16 +13,16 @@ use ::wgpu::{
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-/// Vulkan where there is Vulkan, so that both APIs can be compared on one driver.
+/// Vulkan if the build has it, so that both APIs can be compared on one driver.
 const BACKENDS: Backends = if Instance::enabled_backend_features().contains(Backends::VULKAN) {
     Backends::VULKAN
 } else {
     Backends::PRIMARY
 };
 
-/// What has the layer's messages go to `log`: without DEBUG wgpu does not listen to it. DEBUG also has
-/// shaders say that they were WGSL, to which layers of 1.3.239 and older object; labels, to which some
-/// versions object as well, are left out.
+/// Flags that send the layer's messages to `log`. wgpu subscribes to the layer only with DEBUG.
+/// DEBUG also marks shaders as compiled from WGSL, and layers of 1.3.239 and older reject that
+/// mark. Labels are discarded, because some versions reject labels as well.
 const VALIDATING: InstanceFlags =
     InstanceFlags::VALIDATION.union(InstanceFlags::DEBUG).union(InstanceFlags::DISCARD_HAL_LABELS);
 
@@ -36,18 +36,19 @@ pub struct Device {
     pipelines: OnceLock<Pipelines>,
 }
 
-/// Lists the devices that there are.
+/// Lists the devices of the machine.
 pub fn devices() -> Vec<DeviceInfo> {
     adapters(InstanceFlags::empty()).into_iter().map(|(_, info)| info).collect()
 }
 
 impl Device {
-    /// Opens the first device that is wanted; `name` says in words what that is. With `validation`,
-    /// through the API's validation layer where it is installed, whose messages go to `log`.
+    /// Opens the first device that `wanted` accepts; `name` describes the request in words.
+    /// `validation` turns on the API's validation layer if it is installed; the layer's messages go
+    /// to `log`.
     ///
     /// # Errors
     /// - [`HeadlessError::NoDevice`]
-    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    /// - [`HeadlessError::Refused`]: the device cannot be opened.
     pub fn open(
         wanted: impl Fn(&DeviceInfo) -> bool,
         name: &str,
@@ -70,15 +71,16 @@ impl Device {
             detail: error.to_string(),
         })?;
         let lost = Arc::new(Mutex::new(None));
-        let told = Arc::clone(&lost);
+        let reported = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            *told.lock().unwrap_or_else(PoisonError::into_inner) =
+            *reported.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(format!("{reason:?} {message}").trim_end().to_owned());
         });
         Ok(Self { info, device, queue, lost, pipelines: OnceLock::new() })
     }
 
-    /// Opens the device of a driver: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`, ...
+    /// Opens the first device of a driver: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`,
+    /// ...
     ///
     /// # Errors
     /// As [`Device::open`].
@@ -91,16 +93,16 @@ impl Device {
         &self.device
     }
 
-    /// Returns its queue.
+    /// Returns wgpu's queue.
     pub fn queue(&self) -> &Queue {
         &self.queue
     }
 
-    /// Submits what a closure records, and waits until it is done.
+    /// Submits the commands that a closure records, and waits for completion.
     ///
     /// # Errors
     /// - [`HeadlessError::Lost`]
-    /// - What the closure returns.
+    /// - The closure's own error.
     pub fn submit(
         &self,
         record: impl FnOnce(&mut CommandEncoder) -> Result<(), HeadlessError>,
@@ -112,7 +114,7 @@ impl Device {
         self.wait()
     }
 
-    /// Reads a buffer's floats through a copy of it; the buffer must have `COPY_SRC`.
+    /// Reads a buffer's floats through a mapped copy; the buffer must have `COPY_SRC`.
     ///
     /// # Errors
     /// - [`HeadlessError::Lost`]
@@ -122,7 +124,7 @@ impl Device {
         Ok(bytes.as_chunks::<4>().0.iter().map(|le| f32::from_le_bytes(*le)).collect())
     }
 
-    /// Reads a buffer's bytes likewise.
+    /// Reads a buffer's bytes through a mapped copy; the buffer must have `COPY_SRC`.
     ///
     /// # Errors
     /// As [`Device::read`].
@@ -134,7 +136,7 @@ impl Device {
         })?;
         let refused = |detail: String| HeadlessError::Refused { doing: "mapping a buffer", detail };
         let (send, receive) = mpsc::channel();
-        // Nobody listens any more only if this function has returned.
+        // Sending fails only if this function has returned.
         copy.map_async(MapMode::Read, .., move |mapped| drop(send.send(mapped)));
         self.wait()?;
         let mapped = receive.recv().map_err(|error| refused(error.to_string()))?;
@@ -209,14 +211,14 @@ impl headless::Device for Device {
         let uploaded = Uploaded { device: self, bound, buffers: own };
         uploaded.write_bytes(Resource::Params, 0, &plan.params())?;
         let mut blob = blob.to_vec();
-        // Copies are of whole words.
+        // Copies have whole words.
         blob.resize(plan.bytes(Resource::Blob) as usize, 0);
         uploaded.write_bytes(Resource::Blob, 0, &blob)?;
         Ok(Box::new(uploaded))
     }
 
     fn message_len(&self) -> Option<usize> {
-        // They go to `log`, whose one logger is the program's.
+        // The messages go to `log`, whose only logger belongs to the program.
         None
     }
 }

@@ -1,4 +1,4 @@
-//! A batch whose buffers the helper owns.
+//! A batch that owns its buffers.
 
 use super::super::bound::{Bound, Buffers, barrier};
 use super::super::pipelines::{pool_sizes, set_len, usage};
@@ -12,26 +12,27 @@ use std::time::{Duration, Instant};
 
 /// A batch on a device, with its buffers in the device's own memory.
 pub struct VulkanBatch<'d> {
-    held: Held<'d>,
+    memory: BatchMemory<'d>,
     bound: Bound,
 }
 
 impl<'d> VulkanBatch<'d> {
     fn new(device: &'d Device, blob: &[u8], plan: &Plan) -> Result<Self, HeadlessError> {
-        let mut held = Held::new(device, plan)?;
-        held.write(Resource::Params, 0, &plan.params())?;
-        // Words are bound.
+        let mut memory = BatchMemory::new(device, plan)?;
+        memory.write(Resource::Params, 0, &plan.params())?;
+        // Bindings have whole words.
         let mut blob = blob.to_vec();
         blob.resize(blob.len().next_multiple_of(4), 0);
-        held.write(Resource::Blob, 0, &blob)?;
+        memory.write(Resource::Blob, 0, &blob)?;
         let pipelines = device.pipelines();
-        let (sets, buffers) = (held.sets(plan)?, held.buffers());
-        // SAFETY: buffers and sets have just been made for this plan, and live as long as the batch.
+        let (sets, buffers) = (memory.sets(plan)?, memory.buffers());
+        // SAFETY: buffers and sets have just been made for this plan, and live as long as the
+        // batch.
         let bound = unsafe { Bound::new(device.device(), pipelines, plan, &buffers, &sets) }?;
-        Ok(Self { held, bound })
+        Ok(Self { memory, bound })
     }
 
-    /// Returns what is recorded.
+    /// Returns the bound plan.
     pub fn bound(&self) -> &Bound {
         &self.bound
     }
@@ -39,9 +40,9 @@ impl<'d> VulkanBatch<'d> {
     /// Returns a resource's buffer.
     ///
     /// # Errors
-    /// [`crate::layout::LayoutError::Missing`]: the plan does not need it.
+    /// [`crate::layout::LayoutError::Missing`]: the plan does not need the resource.
     pub fn memory(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
-        self.held.memory(resource)
+        self.memory.buffer(resource)
     }
 }
 
@@ -53,21 +54,22 @@ impl Uploaded for VulkanBatch<'_> {
         floats: &[f32],
     ) -> Result<(), HeadlessError> {
         let bytes: Vec<u8> = floats.iter().flat_map(|float| float.to_le_bytes()).collect();
-        self.held.write(resource, (first as u64).saturating_mul(4), &bytes)
+        self.memory.write(resource, (first as u64).saturating_mul(4), &bytes)
     }
 
     fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError> {
-        self.held.submit(|device, commands| {
+        self.memory.submit(|device, commands| {
             uploaded(device, commands);
-            // SAFETY: the command buffer is being recorded; the barrier above is what is asked for.
+            // SAFETY: the command buffer is being recorded; the barrier above is the one that
+            // `record` requires.
             Ok(unsafe { self.bound.record(device, commands, instance_len) }?)
         })
     }
 
     fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
-        self.held.submit(|device, commands| {
+        self.memory.submit(|device, commands| {
             uploaded(device, commands);
-            // SAFETY: likewise; the second barrier is for what other stages have written.
+            // SAFETY: as above; the second barrier makes the writes of other stages visible.
             unsafe {
                 barrier(device, commands);
                 Ok(self.bound.record_stage(device, commands, stage, instance_len)?)
@@ -82,7 +84,7 @@ impl Uploaded for VulkanBatch<'_> {
         repeat_len: usize,
     ) -> Result<Duration, HeadlessError> {
         let start = Instant::now();
-        self.held.submit(|device, commands| {
+        self.memory.submit(|device, commands| {
             uploaded(device, commands);
             for _ in 0..repeat_len {
                 // SAFETY: as in `run_stage`.
@@ -97,14 +99,15 @@ impl Uploaded for VulkanBatch<'_> {
     }
 
     fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {
-        let bytes = self.held.read(resource)?;
+        let bytes = self.memory.read(resource)?;
         let words = bytes.as_chunks::<4>().0;
         Ok(words.iter().map(|word| f32::from_le_bytes(*word)).collect())
     }
 }
 
 impl Device {
-    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
+    /// Allocates the buffers of a batch, as [`headless::Device::upload`], but returns the concrete
+    /// type.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -131,20 +134,21 @@ impl headless::Device for Device {
     }
 }
 
-/// Freed when dropped.
-struct Held<'d> {
+/// The memory of a batch: buffers, descriptor pool and a command buffer for copies; freed when
+/// dropped.
+struct BatchMemory<'d> {
     device: &'d Device,
-    memory: [Option<Memory<'d>>; Resource::ALL.len()],
+    buffers: [Option<Memory<'d>>; Resource::ALL.len()],
     sets: vk::DescriptorPool,
     commands: Commands<'d>,
 }
 
-impl<'d> Held<'d> {
-    /// Allocates a plan's buffers, zero at first.
+impl<'d> BatchMemory<'d> {
+    /// Allocates a plan's buffers, filled with zeros.
     fn new(device: &'d Device, plan: &Plan) -> Result<Self, HeadlessError> {
-        let mut held = Self {
+        let mut own = Self {
             device,
-            memory: [const { None }; Resource::ALL.len()],
+            buffers: [const { None }; Resource::ALL.len()],
             sets: vk::DescriptorPool::null(),
             commands: Commands::new(device)?,
         };
@@ -152,11 +156,11 @@ impl<'d> Held<'d> {
             let bytes = plan.bytes(resource);
             if bytes > 0 {
                 let memory = Memory::local(device, bytes.next_multiple_of(4), usage(resource))?;
-                held.memory[resource as usize] = Some(memory);
+                own.buffers[resource as usize] = Some(memory);
             }
         }
-        held.clear()?;
-        Ok(held)
+        own.clear()?;
+        Ok(own)
     }
 
     /// Allocates a plan's descriptor sets.
@@ -171,27 +175,27 @@ impl<'d> Held<'d> {
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.sets)
             .set_layouts(&layouts);
-        // SAFETY: the pool has just been made, the layouts are of this device.
+        // SAFETY: the pool has just been made, and the layouts belong to this device.
         unsafe { self.device.device().allocate_descriptor_sets(&info) }
             .map_err(while_doing("allocating descriptor sets"))
     }
 
-    /// Returns the buffers as the stages take them.
+    /// Returns the buffers by resource.
     fn buffers(&self) -> Buffers {
-        let own = Resource::ALL.into_iter().zip(&self.memory);
+        let own = Resource::ALL.into_iter().zip(&self.buffers);
         own.fold(Buffers::default(), |buffers, (resource, memory)| match memory {
             Some(memory) => buffers.with(resource, memory.buffer(), 0, memory.bytes()),
             None => buffers,
         })
     }
 
-    fn memory(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
-        let memory = self.memory[resource as usize].as_ref();
+    fn buffer(&self, resource: Resource) -> Result<&Memory<'d>, HeadlessError> {
+        let memory = self.buffers[resource as usize].as_ref();
         memory.ok_or(HeadlessError::Layout(LayoutError::Missing { resource }))
     }
 
     fn write(&self, resource: Resource, first: u64, bytes: &[u8]) -> Result<(), HeadlessError> {
-        let to = self.memory(resource)?;
+        let to = self.buffer(resource)?;
         let least = first.saturating_add(bytes.len() as u64);
         if least > to.bytes() {
             return Err(LayoutError::TooShort { resource, least, found: to.bytes() }.into());
@@ -206,7 +210,7 @@ impl<'d> Held<'d> {
     }
 
     fn read(&self, resource: Resource) -> Result<Vec<u8>, HeadlessError> {
-        let from = self.memory(resource)?;
+        let from = self.buffer(resource)?;
         let to = Memory::staging(self.device, from.bytes(), vk::BufferUsageFlags::empty())?;
         self.copy(from, &to, 0)?;
         let mut bytes = vec![0; from.bytes() as usize];
@@ -219,22 +223,22 @@ impl<'d> Held<'d> {
         &self,
         record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), HeadlessError>,
     ) -> Result<(), HeadlessError> {
-        // SAFETY: those who call this record what is valid.
+        // SAFETY: the callers in this file record valid commands.
         unsafe { self.commands.submit(record) }
     }
 
     fn clear(&self) -> Result<(), HeadlessError> {
         self.submit(|device, commands| {
-            for memory in self.memory.iter().flatten() {
+            for memory in self.buffers.iter().flatten() {
                 let (buffer, whole) = (memory.buffer(), vk::WHOLE_SIZE);
-                // SAFETY: the buffer is the device's, and may be copied to.
+                // SAFETY: the buffer belongs to the device, and can be copied to.
                 unsafe { device.cmd_fill_buffer(commands, buffer, 0, whole, 0) };
             }
             Ok(())
         })
     }
 
-    /// Copies the whole of a buffer to a place in another.
+    /// Copies a whole buffer into another, starting at byte `first`.
     fn copy(&self, from: &Memory<'_>, to: &Memory<'_>, first: u64) -> Result<(), HeadlessError> {
         let regions = [vk::BufferCopy { src_offset: 0, dst_offset: first, size: from.bytes() }];
         self.submit(|device, commands| {
@@ -242,7 +246,7 @@ impl<'d> Held<'d> {
             let copies = Access::TRANSFER_READ | Access::TRANSFER_WRITE;
             let stages = Stages::COMPUTE_SHADER | Stages::TRANSFER;
             record_barrier(device, commands, (stages, wrote), (Stages::TRANSFER, copies));
-            // SAFETY: both are the device's and hold the region.
+            // SAFETY: both buffers belong to the device and hold the region.
             unsafe {
                 device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
             }
@@ -257,21 +261,21 @@ impl<'d> Held<'d> {
     }
 }
 
-impl Drop for Held<'_> {
+impl Drop for BatchMemory<'_> {
     fn drop(&mut self) {
         // SAFETY: every submission has been waited for.
         unsafe { self.device.device().destroy_descriptor_pool(self.sets, None) };
     }
 }
 
-/// Records that uploads are visible to the stages.
+/// Records a barrier that makes uploads visible to the stages.
 fn uploaded(device: &ash::Device, commands: vk::CommandBuffer) {
     let uses = Access::SHADER_READ | Access::SHADER_WRITE | Access::UNIFORM_READ;
     let before = (Stages::TRANSFER, Access::TRANSFER_WRITE);
     record_barrier(device, commands, before, (Stages::COMPUTE_SHADER, uses));
 }
 
-/// Records a barrier, while the command buffer is being recorded.
+/// Records a barrier into a command buffer that is being recorded.
 fn record_barrier(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -280,6 +284,6 @@ fn record_barrier(
 ) {
     let memory = [vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1)];
     let none = vk::DependencyFlags::empty();
-    // SAFETY: the command buffer is valid, and as said.
+    // SAFETY: the command buffer is valid and being recorded.
     unsafe { device.cmd_pipeline_barrier(commands, before.0, after.0, none, &memory, &[], &[]) };
 }

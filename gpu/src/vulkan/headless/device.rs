@@ -1,4 +1,4 @@
-//! A device that has been opened, its queue and its pipelines.
+//! An open device, its queue, its pipelines, and its command buffers.
 
 use super::super::pipelines::{Pipelines, limits};
 use super::instance::{Vulkan, while_doing};
@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::mem::take;
 
-/// Lists the devices that there are.
+/// Lists the devices of the machine.
 ///
 /// # Errors
 /// - [`HeadlessError::Missing`]: no loader, or no driver.
@@ -19,7 +19,7 @@ pub fn devices() -> Result<Vec<DeviceInfo>, HeadlessError> {
     Ok(devices.into_iter().map(|(_, info)| info).collect())
 }
 
-/// A device, opened without any feature, with the pipelines of every stage.
+/// An open device without optional features, with the pipelines of every stage.
 pub struct Device {
     device: ash::Device,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
@@ -31,18 +31,19 @@ pub struct Device {
     pub(super) info: DeviceInfo,
     pub(super) limits: DeviceLimits,
     vulkan: Vulkan,
-    /// Command pool and queue are one thread's at a time.
+    /// Only one thread at a time may use the command pool and the queue.
     _not_sync: PhantomData<Cell<()>>,
 }
 
 impl Device {
-    /// Opens the first device that is wanted; `name` says in words what that is. Validation turns the
-    /// Khronos layer on, synchronisation included.
+    /// Opens the first device that `wanted` accepts; `name` describes the request in words.
+    /// `validation` turns on the Khronos layer, with synchronisation validation.
     ///
     /// # Errors
-    /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer where validation is asked for.
+    /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer although validation is
+    ///   requested.
     /// - [`HeadlessError::NoDevice`]
-    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    /// - [`HeadlessError::Refused`]: the device cannot be opened.
     pub fn open(
         wanted: impl Fn(&DeviceInfo) -> bool,
         name: &str,
@@ -55,7 +56,7 @@ impl Device {
         let Some((physical, info)) = own else {
             return Err(HeadlessError::NoDevice { api: "vulkan", wanted: name.to_owned(), found });
         };
-        // SAFETY: the device is this instance's.
+        // SAFETY: the device belongs to this instance.
         let families =
             unsafe { vulkan.instance.get_physical_device_queue_family_properties(physical) };
         let compute =
@@ -68,7 +69,7 @@ impl Device {
             .queue_family_index(family)
             .queue_priorities(&[1.0])];
         let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
-        // SAFETY: the family is the device's, and what is pointed to lives through the call.
+        // SAFETY: the family belongs to the device, and all pointers live through the call.
         let device = unsafe { vulkan.instance.create_device(physical, &create, None) }
             .map_err(while_doing("opening the device"))?;
         // SAFETY: the device is valid.
@@ -79,7 +80,7 @@ impl Device {
             )
         };
         let real = limits(&properties.limits);
-        // Whoever drops it has it freed, from here on.
+        // From here on, a drop frees everything.
         let mut own = Self {
             // SAFETY: the device has one queue of this family.
             queue: unsafe { device.get_device_queue(family, 0) },
@@ -97,7 +98,7 @@ impl Device {
         let create = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
             .queue_family_index(family);
-        // SAFETY: likewise.
+        // SAFETY: as above.
         own.commands = unsafe { own.device.create_command_pool(&create, None) }
             .map_err(while_doing("making a command pool"))?;
         let cache = vk::PipelineCache::null();
@@ -142,7 +143,7 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: batches borrow this and are gone; whatever was submitted has been waited for.
+        // SAFETY: batches borrow this and are gone; all submissions have been waited for.
         unsafe {
             take(&mut self.pipelines).destroy(&self.device, None);
             self.device.destroy_command_pool(self.commands, None);
@@ -151,14 +152,14 @@ impl Drop for Device {
     }
 }
 
-/// A command buffer that can be recorded again and again; freed when dropped.
+/// A command buffer that can be recorded repeatedly; freed when dropped.
 pub struct Commands<'d> {
     device: &'d Device,
     raw: vk::CommandBuffer,
 }
 
 impl<'d> Commands<'d> {
-    /// Allocates it.
+    /// Allocates a command buffer.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -167,19 +168,19 @@ impl<'d> Commands<'d> {
             .command_pool(device.commands)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: the pool is this device's.
+        // SAFETY: the pool belongs to this device.
         let buffers = unsafe { device.device().allocate_command_buffers(&info) }
             .map_err(while_doing("allocating a command buffer"))?;
         Ok(Self { device, raw: buffers.first().copied().unwrap_or_default() })
     }
 
-    /// Records, submits, and waits: nothing of it is in flight afterwards.
+    /// Records, submits, and waits for completion.
     ///
     /// # Errors
-    /// [`HeadlessError`]; where `record` fails, nothing is submitted.
+    /// [`HeadlessError`]; if `record` fails, nothing is submitted.
     ///
     /// # Safety
-    /// What is recorded must be valid.
+    /// `record` must record valid commands.
     pub unsafe fn submit(
         &self,
         record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), HeadlessError>,
@@ -187,17 +188,17 @@ impl<'d> Commands<'d> {
         let device = self.device.device();
         let begin = vk::CommandBufferBeginInfo::default()
             .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: it is not in flight, and its pool lets it be reset.
+        // SAFETY: the command buffer is not in flight, and its pool allows a reset.
         unsafe { device.begin_command_buffer(self.raw, &begin) }
             .map_err(while_doing("beginning a command buffer"))?;
         let recorded = record(device, self.raw);
-        // SAFETY: it has been begun.
+        // SAFETY: the command buffer has been begun.
         unsafe { device.end_command_buffer(self.raw) }
             .map_err(while_doing("ending a command buffer"))?;
         recorded?;
         let (queue, buffers) = (self.device.queue().0, [self.raw]);
         let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
-        // SAFETY: as our own caller promises; the queue is one thread's, as the device is.
+        // SAFETY: as our own caller promises; the device, and so the queue, is used by one thread.
         unsafe {
             device
                 .queue_submit(queue, &submits, vk::Fence::null())
@@ -210,12 +211,13 @@ impl<'d> Commands<'d> {
 impl Drop for Commands<'_> {
     fn drop(&mut self) {
         let device = self.device.device();
-        // SAFETY: it comes from this pool, and whatever was submitted has been waited for.
+        // SAFETY: the command buffer comes from this pool, and all submissions have been waited
+        // for.
         unsafe { device.free_command_buffers(self.device.commands, &[self.raw]) };
     }
 }
 
-/// Returns a device's limits, but none beyond another's.
+/// Returns the stricter of two devices' limits, limit by limit.
 fn at_most(own: DeviceLimits, other: DeviceLimits) -> DeviceLimits {
     DeviceLimits {
         storage_binding_bytes: own.storage_binding_bytes.min(other.storage_binding_bytes),

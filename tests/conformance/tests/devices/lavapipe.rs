@@ -1,8 +1,4 @@
 //! Real devices: lavapipe, which must be here and has the CPU's bits, and every other device of the machine.
-#![allow(
-    unsafe_code,
-    reason = "only an unchecked shader makes the validation layer report something"
-)]
 
 use conformance::backend::Failure;
 use conformance::devices::{Counter, LAVAPIPE, list, open};
@@ -219,6 +215,7 @@ pub(crate) fn sum(counts: impl Iterator<Item = (usize, usize)>) -> (usize, usize
 }
 
 /// Hands the driver a shader without the capability of shaders; returns how many messages were counted.
+#[allow(unsafe_code, reason = "the layer reports only a shader that nobody has checked")]
 fn messages_of_a_broken_shader() -> usize {
     let instance = Instance::new(InstanceDescriptor {
         backends: Backends::VULKAN,
