@@ -1,4 +1,5 @@
-//! Batches: what a plan refuses, where it cuts, and that what is cut lies where the whole would.
+//! Batches of an envelope and its skin: stages, workgroups, cuts, and the places of arrays in
+//! chunks.
 
 use crate::common::{GOLDEN, hosted_batch, load, parts};
 use sinew_gpu::layout::{
@@ -11,11 +12,12 @@ use sinew_runtime::{Envelope, Skin};
 pub(super) const ROTATIONAL: &[u8] = GOLDEN[0];
 pub(super) const KERNEL: &[u8] = GOLDEN[1];
 
-/// A device of large bindings.
+/// A device with large bindings.
 pub(super) const LARGE: DeviceLimits =
     DeviceLimits { storage_binding_bytes: 1 << 32, ..DeviceLimits::DOWNLEVEL };
 
-/// Positions and tangents vertex by vertex with gaps; normals of all instances of a vertex side by side.
+/// Positions and tangents vertex by vertex with gaps; normals of a vertex for all instances side by
+/// side.
 pub(super) fn scattered(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
     let attribute =
         |offset, stride, instance_stride| Some(Attribute { offset, stride, instance_stride });
@@ -68,9 +70,9 @@ fn stages_bind_four_storage_buffers_at_most() {
     }
 }
 
-/// Each word of each instance lies in its chunk's binding where it would lie in the whole buffer.
+/// In a chunk's binding, each word of each instance is at its place in the whole buffer.
 #[test]
-fn what_is_cut_lies_where_the_whole_would() {
+fn chunks_keep_the_places_of_the_whole_batch() {
     for bytes in GOLDEN {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
@@ -177,7 +179,7 @@ fn large_chunks_without_gaps_do_not_meet() {
 }
 
 #[test]
-fn what_is_not_there_is_bound_to_the_blob() {
+fn a_missing_resource_is_bound_to_the_blob() {
     let model = load(ROTATIONAL);
     let (envelope, skin) = parts(&model);
     let bound = |batch: Batch| {
@@ -189,7 +191,7 @@ fn what_is_not_there_is_bound_to_the_blob() {
     let (resource, bytes) = bound(hosted_batch(&envelope, &skin, 2));
     assert!(resource == Resource::Host && bytes > 0);
     assert_eq!(bound(Batch::skinned(&envelope, &skin, 2)), (Resource::Blob, 0));
-    // Every stage only reads the two that it can stand for.
+    // The blob replaces `Host`, so no stage may write to `Host`.
     for binding in Stage::ALL.into_iter().flat_map(Stage::bindings) {
         assert!(!binding.writable || binding.resource != Resource::Host);
     }
@@ -225,7 +227,8 @@ fn every_instance_has_workgroups_of_its_own() {
             let own = batch.skin.as_mut().unwrap();
             (own.remap, own.vertices) = (Some(Array { offset: 0, stride: 0 }), 5..134);
             let plan = Plan::new(&model, &envelope, &batch, &LARGE).unwrap();
-            // All that an axis has; where there are more, so many that spans do not meet.
+            // All workgroups of an axis; if there are more instances, the largest number whose
+            // spans do not overlap.
             let most = if instance_len > 65_535 { 65_472 } else { 65_535 };
             assert_eq!(plan.chunks().len(), instance_len.div_ceil(most));
             let mut instances = 0;
@@ -280,7 +283,7 @@ fn an_empty_range_is_skinned_by_no_stage() {
         let plan = Plan::new(&model, &envelope, &batch, &LARGE).unwrap();
         assert!(plan.stages().all(|stage| stage != Stage::Skin));
         assert_eq!([Resource::Host, Resource::Out].map(|own| plan.bytes(own)), [0; 2]);
-        // A shader of the host's finds the skin nevertheless.
+        // The host's own shader still finds the skin.
         let chunk = &plan.chunks()[0];
         assert_eq!(param(chunk, "influence_len"), skin.influence_len() as u64);
         assert!(param(chunk, "influence_weights") > 0);

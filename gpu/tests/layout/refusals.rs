@@ -12,7 +12,7 @@ use sinew_runtime::format::PartKind;
 use sinew_runtime::{Envelope, Model, Skin};
 
 #[test]
-fn what_a_model_or_a_device_does_not_have_is_refused() {
+fn a_batch_beyond_the_model_or_the_device_is_refused() {
     let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
     let refused = |change: &dyn Fn(&mut Batch)| {
@@ -111,7 +111,7 @@ fn a_skin_that_follows_another_envelope_or_none_is_refused() {
     assert_eq!(planned(1, "spiral").unwrap_err(), refused(1, Some(0)));
     assert_eq!(planned(0, "none").unwrap_err(), refused(0, None));
 
-    // Each skin is found where it lies, with the same numbers of the same envelope.
+    // Each skin's arrays are found, with equal numbers for equal parts.
     let [first, second] = [planned(0, "spiral").unwrap(), planned(1, "second").unwrap()];
     let words = |plan: &Plan, name: &str| {
         let params = plan.chunks()[0].params().to_vec();
@@ -154,7 +154,7 @@ fn buffers_and_counts_are_checked() {
     let resource = Resource::Poses;
     let least = plan.bytes(resource);
     assert_eq!(least, 4 * 48 * envelope.joint_len() as u64);
-    // A buffer each; of those that are not needed none is asked for.
+    // Each resource has its own buffer; resources that are not needed are not requested.
     let with = |own: Option<Span>| {
         plan.check_buffers(|other| match plan.bytes(other) {
             0 => panic!("{other:?} is not needed"),

@@ -1,4 +1,4 @@
-//! What comes out has the CPU's bits, and what is not to be written stays as it was.
+//! Outputs have the CPU's bits, and no other float changes.
 
 use crate::common::{
     self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, kernels, load, odd_batch, parts,
@@ -54,7 +54,7 @@ fn past_65535_workgroups_nothing_else_is_written() {
 }
 
 #[test]
-fn what_is_timed_is_run_and_well_guarded() {
+fn timing_a_stage_runs_it_with_its_barriers() {
     let device = lavapipe();
     let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
@@ -103,7 +103,8 @@ fn the_comparison_sees_one_bit() {
 
 #[test]
 fn every_kernel_and_rule_has_the_cpus_bits() {
-    // SwiftShader flushes what is subnormal, as sums of very distant centres are.
+    // Not on SwiftShader, which flushes subnormal numbers; sums over very distant centres are
+    // subnormal.
     let device = lavapipe();
     kernels::every_kernel_has_the_cpus_bits(&device);
     assert_silent(&device);
@@ -120,11 +121,11 @@ fn past_65535_queries_nothing_else_is_written() {
 }
 
 #[test]
-fn what_a_cpu_refuses_is_marked() {
+fn a_refused_query_has_confidence_nan() {
     on_each(|device| kernels::a_query_that_is_wrong_is_seen(device));
 }
 
-/// Runs a body on lavapipe and, where it is here, on SwiftShader.
+/// Runs a body on lavapipe and, if it is installed, on SwiftShader.
 fn on_each(body: impl Fn(&Device)) {
     for device in [Some(lavapipe()), swiftshader()].into_iter().flatten() {
         body(&device);

@@ -1,4 +1,4 @@
-//! The stages on wgpu, end to end, against the CPU's bits.
+//! The stages on wgpu, end to end, compared with the CPU's bits.
 
 use crate::common::{self, Case, GOLDEN, TURNED, kernels, load, odd_batch, parts};
 use crate::lavapipe;
@@ -19,7 +19,7 @@ fn a_batch_in_chunks_has_the_same_bits() {
         let (envelope, skin) = parts(&model);
         let instances = 60;
         let batch = &odd_batch(&envelope, &skin, instances);
-        // As small as the model allows.
+        // The smallest binding that the model allows.
         let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
         let limits = &DeviceLimits { storage_binding_bytes, ..device.limits() };
         let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
@@ -40,7 +40,7 @@ fn past_65535_workgroups_nothing_else_is_written() {
 }
 
 #[test]
-fn the_count_sees_a_nudge() {
+fn a_changed_pose_is_counted() {
     let device = lavapipe();
     for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
@@ -49,13 +49,13 @@ fn the_count_sees_a_nudge() {
         let case = Case { bytes, batch, limits: &device.limits(), instance_len: 3 };
         assert_eq!(case.differing(&device, |_| {}).0, 0);
         // The third instance's last joint.
-        let nudge = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
-        assert_ne!(case.differing(&device, nudge).0, 0);
+        let change = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
+        assert_ne!(case.differing(&device, change).0, 0);
     }
 }
 
 #[test]
-fn a_lost_device_is_told() {
+fn a_lost_device_is_reported() {
     let device = lavapipe();
     let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
@@ -73,7 +73,7 @@ fn a_lost_device_is_told() {
 }
 
 #[test]
-fn a_device_that_is_not_there_is_told_with_those_that_are() {
+fn a_missing_device_is_reported_with_the_drivers_found() {
     let Err(HeadlessError::NoDevice { api: "wgpu", wanted, found }) =
         Device::of_driver("no such driver", false)
     else {
@@ -119,6 +119,6 @@ fn past_65535_queries_nothing_else_is_written() {
 }
 
 #[test]
-fn what_a_cpu_refuses_is_marked() {
+fn a_refused_query_has_confidence_nan() {
     kernels::a_query_that_is_wrong_is_seen(&lavapipe());
 }

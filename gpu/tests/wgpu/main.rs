@@ -1,4 +1,4 @@
-//! The stages on wgpu: against the CPU's bits, and against a host's mistakes.
+//! The stages on wgpu: compared with the CPU's bits, and with a host's mistakes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod bits;
@@ -19,7 +19,7 @@ fn lavapipe() -> Device {
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
 }
 
-/// A batch with one buffer a resource.
+/// A batch with one buffer for each resource.
 struct Scene {
     device: Device,
     pipelines: Pipelines,
@@ -29,12 +29,12 @@ struct Scene {
 
 const COPIED: BufferUsages = BufferUsages::COPY_SRC.union(BufferUsages::COPY_DST);
 
-/// Palettes of three instances and nothing else.
+/// Only palettes, of three instances.
 fn palettes(envelope: &Envelope<'_>, _: &Skin<'_>) -> Batch {
     Batch { confidences: None, ..Batch::palettes(envelope, 3) }
 }
 
-/// Three instances for which every resource is needed.
+/// Three instances that need every resource.
 fn whole(envelope: &Envelope<'_>, skin: &Skin<'_>) -> Batch {
     remapped_batch(envelope, skin, 3)
 }
@@ -49,7 +49,7 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
     })
 }
 
-/// Of every kind of batch; together they need every resource.
+/// Scenes of every kind of batch; together they need every resource.
 fn scenes() -> [Scene; 4] {
     let scenes = [
         scene(GOLDEN[1], whole),

@@ -1,4 +1,4 @@
-//! What the wgpu backend refuses, before anything is recorded.
+//! The wgpu backend refuses each mistake before anything is recorded.
 
 use crate::common::{GOLDEN, load, parts};
 use crate::{COPIED, Scene, buffer, palettes, scene, scenes, whole};
@@ -43,7 +43,7 @@ fn missing_short_and_misaligned(scene: &Scene) {
                 expected.into()
             );
         }
-        // Past the end of all memory.
+        // Past the end of the address space.
         let beyond = u64::MAX - 255;
         assert_eq!(
             scene.refused(&scene.buffers().with(resource, &long, beyond)),
@@ -87,7 +87,7 @@ fn what_is_not_needed_may_be_left_out_or_wrong() {
 #[test]
 fn one_buffer_may_hold_what_no_stage_both_reads_and_writes() {
     let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM | COPIED;
-    // No stage of the kernel predictor reads what it writes, and one writes two.
+    // No stage of the kernel predictor reads a resource that it writes, and one stage writes two.
     let scene = scene(GOLDEN[1], whole);
     let bytes = |resource| scene.plan.bytes(resource).next_multiple_of(256);
     let [a, b] = [Resource::Scratch, Resource::Palettes].map(bytes);
@@ -145,7 +145,7 @@ fn overlapping(scene: &Scene) {
     }
 }
 
-/// What is refused as shared is what wgpu would refuse when commands are finished.
+/// Each buffer that is refused as shared is one that wgpu would refuse when the encoder finishes.
 #[test]
 fn wgpu_refuses_what_is_shared() {
     let scene = scene(GOLDEN[1], whole);
@@ -256,7 +256,7 @@ fn a_wrong_number_of_instances_records_nothing() {
         scene.device.queue().submit([encoder.finish()]);
         assert_eq!(scene.device.read_bytes(palettes).unwrap(), poison);
     }
-    // The control: one that is right does write.
+    // Control: a correct call writes.
     submit(&scene.device, &bound, 3).unwrap();
     assert_ne!(scene.device.read_bytes(palettes).unwrap(), poison);
 }
@@ -323,13 +323,14 @@ fn a_plan_by_larger_limits_is_refused() {
     assert_eq!(found, u64::from(own.workgroups));
 }
 
-/// wgpu tells it to the host's own callback, and to no error scope: what is made is void.
+/// Device loss reaches only the host's callback, not an error scope. Objects of the lost device are
+/// void.
 #[test]
-fn a_lost_device_is_told_to_the_host_alone() {
+fn device_loss_reaches_only_the_hosts_callback() {
     let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
-    let (tell, told) = std::sync::mpsc::channel();
-    device.set_device_lost_callback(move |_, _| tell.send(()).unwrap());
+    let (send, receive) = std::sync::mpsc::channel();
+    device.set_device_lost_callback(move |_, _| send.send(()).unwrap());
     device.destroy();
     let pipelines = Pipelines::new(device, Stage::ALL).unwrap();
     let bound = Bound::new(&pipelines, &scene.plan, &scene.buffers()).unwrap();
@@ -337,12 +338,12 @@ fn a_lost_device_is_told_to_the_host_alone() {
     assert_eq!(bound.encode(&mut encoder, 3), Ok(()));
     scene.device.queue().submit([encoder.finish()]);
     drop(device.poll(wgpu::PollType::Poll));
-    assert_eq!(told.try_recv(), Ok(()));
+    assert_eq!(receive.try_recv(), Ok(()));
 }
 
-/// What cannot be seen beforehand is told by wgpu at submission.
+/// A mistake that cannot be detected in advance is reported by wgpu at submission.
 #[test]
-fn a_destroyed_buffer_is_told_by_wgpu() {
+fn wgpu_reports_a_destroyed_buffer() {
     let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
     let bound = Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
