@@ -10,7 +10,7 @@ use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, ShapesJob, SkinJob, stages};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
-/// The runtime itself, one pose after the other.
+/// The runtime itself, one pose after another.
 pub struct Cpu;
 
 impl Backend for Cpu {
@@ -142,7 +142,7 @@ impl Backend for Cpu {
         if skin.vertices.is_empty() {
             return Ok(());
         }
-        // A kernel model without helpers still has its joints: there is a transform in every palette.
+        // A kernel model without helpers still has joints, so every palette has a transform.
         let n = palettes.len() / loaded.envelope.palette_len();
         let out = cells(out);
         for i in 0..n {

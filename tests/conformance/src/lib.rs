@@ -1,5 +1,5 @@
-//! What the conformance tests and the programs share: backends, the models and poses they are run
-//! on, tolerances, comparators, and one body a stage.
+//! Shared by the conformance tests and programs: backends, models and poses, tolerances,
+//! comparators, and one function for each stage that compares a backend with the oracle.
 #![forbid(unsafe_code)]
 
 pub mod backend;

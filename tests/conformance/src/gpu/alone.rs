@@ -97,15 +97,16 @@ pub(super) fn filter(
     found.check_rest()
 }
 
-/// The floats of [`Resource::Out`] after a stage; those that have been taken are poisoned again.
+/// The floats of [`Resource::Out`] after a stage. Floats that have been copied out are poisoned
+/// again.
 struct Output {
     stage: Stage,
     floats: Vec<f32>,
 }
 
 impl Output {
-    /// Poisons the buffers of a batch, writes the input of each instance, runs the stage, and reads the output. The
-    /// input and the gaps in it must be unchanged.
+    /// Poisons the buffers of a batch, writes each instance's input, runs the stage, and reads the
+    /// outputs. Checks that the stage changed neither the input nor the gaps in it.
     ///
     /// # Errors
     /// [`Failure`]
@@ -136,14 +137,14 @@ impl Output {
         Ok(Self { stage, floats: uploaded.read(Resource::Out)? })
     }
 
-    /// Copies floats out, from `at` on.
+    /// Copies floats out, starting at float `at`.
     fn take(&mut self, at: usize, out: &mut [f32]) {
         let own = &mut self.floats[at..][..out.len()];
         out.copy_from_slice(own);
         own.fill(POISON);
     }
 
-    /// Checks that the stage wrote to no other float.
+    /// Checks that the stage wrote no other float.
     fn check_rest(&self) -> Result<(), Failure> {
         let poison = vec![POISON; self.floats.len()];
         check_same(self.stage, Resource::Out, &self.floats, &poison)

@@ -1,4 +1,4 @@
-//! The matrix: every stage on every device of this machine, in figures.
+//! The matrix: figures of every stage on every device of this machine.
 
 mod page;
 mod table;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Writes a table of every backend, device and stage, and what failed under it.
+/// Returns a Markdown table of every backend, device and stage, with the failures below.
 pub fn markdown(matrix: &Matrix) -> String {
     let mut out = String::from(
         "| backend | device | stage | cases | bits differing | largest deviation |\n\
@@ -47,7 +47,7 @@ pub fn markdown(matrix: &Matrix) -> String {
     out
 }
 
-/// Writes the page.
+/// Returns the page.
 pub fn page(matrix: &Matrix) -> String {
     let verdict = if matrix.holds() {
         "Every stage is within its tolerance on every device."
@@ -81,7 +81,7 @@ const LEGEND: &str = "<section>\n<h2>How to read it</h2>\n\
     <p>Each stage runs alone, on inputs that the CPU has made; <i>whole</i> goes from a pose to \
     palettes, confidences and the skin; <i>kernel</i> from a query to outputs and their confidence.</p>\n</section>\n";
 
-/// Stages down, devices across.
+/// Returns the table: a row for each stage, a column for each device.
 fn table(columns: &[Column]) -> String {
     let mut stages: Vec<&str> = Vec::new();
     for row in columns.iter().flat_map(|column| &column.stages) {
@@ -134,7 +134,7 @@ fn failures(columns: &[Column]) -> String {
     if out.is_empty() { out } else { format!("<h2>What fails</h2>\n<ul>\n{out}</ul>\n") }
 }
 
-/// Text as HTML: names come from drivers and may hold anything.
+/// Escapes text for HTML: names come from drivers and may hold anything.
 fn text(text: &str) -> String {
     text.chars().fold(String::new(), |mut out, character| {
         match character {
@@ -149,7 +149,7 @@ fn text(text: &str) -> String {
     })
 }
 
-/// Text that cannot end a cell: names come from drivers.
+/// Escapes text for a Markdown cell: names come from drivers.
 fn table_cell(text: &str) -> String {
     text.replace('|', "\\|").replace(['\n', '\r'], " ")
 }

@@ -1,4 +1,4 @@
-//! Bounds hold every skinned vertex, and are not much larger than the skin.
+//! Bounds contain every skinned vertex, and are not much larger than the skin.
 
 use super::skin::{Skinned, plain, whole_of};
 use crate::backend::{Backend, Failure, part};
@@ -9,12 +9,12 @@ use crate::subject::Subject;
 use crate::tolerance::{BOUNDS_AT_REST, BOUNDS_POSED};
 use sinew_runtime::skin::Bounds;
 
-/// Compares each position with the bounds, 0 apart, and prints how many times longer than the skin's
-/// own box they are at most, at rest and in trained poses; not of random models, whose transforms have
-/// nothing to do with their vertices.
+/// Checks that every position is inside the bounds. Prints the largest ratio of the bounds'
+/// diagonal to that of the skin's own box, at rest and in trained poses. Random models have no
+/// ratio, because their transforms are unrelated to their vertices.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 ///
 /// # Panics
 /// If the bounds are too large.

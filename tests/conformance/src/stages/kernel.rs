@@ -1,4 +1,4 @@
-//! Kernels, from queries to outputs.
+//! Stage kernel, from queries to outputs and confidences.
 
 use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
@@ -10,7 +10,7 @@ use crate::tolerance::{self, UNDERFLOW};
 /// Compares outputs and confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &KernelSubject<'_>) -> Result<Vec<Finding>, Failure> {
     let n = subject.query_len();
     let (found, certain) = outputs_of(backend, subject)?;
@@ -30,7 +30,7 @@ pub fn body(backend: &dyn Backend, subject: &KernelSubject<'_>) -> Result<Vec<Fi
 /// Evaluates outputs and confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn outputs_of(
     backend: &dyn Backend,
     subject: &KernelSubject<'_>,

@@ -1,6 +1,7 @@
-//! One body a stage, for any backend: all poses of a subject go through the stage as one batch, on
-//! inputs that the CPU has made, and each is compared with the CPU's and with the oracle's.
-//! The bounds stand in `tolerance/`, by the same names; `tests/stages/main.rs` runs the bodies.
+//! One function for each stage compares any backend: all poses of a subject go through the stage as
+//! one batch, on inputs that the CPU has computed. The outputs are compared with the CPU's bits and
+//! with the oracle. The tolerances are in `tolerance/`, by the same names; `tests/stages/main.rs`
+//! runs the comparisons.
 
 pub mod bounds;
 pub mod confidence;
@@ -23,14 +24,14 @@ use crate::finding::Finding;
 use crate::subject::Subject;
 use sinew_gpu::layout::Stage;
 
-/// What is compared of a stage, or of several.
+/// Compares the outputs of a stage, or of several.
 pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
 
-/// Returns the body of a stage of an envelope or of its skin; kernels, shapes and filters have their own, as
-/// [`kernel::body`].
+/// Returns the comparison of a stage of an envelope or of its skin. Kernels, shapes and filters
+/// have their own, for example [`kernel::body`].
 ///
 /// # Panics
-/// If the stage is one of those.
+/// If the stage belongs to a kernel, to shapes or to a filter.
 pub fn body(stage: Stage) -> Body {
     match stage {
         Stage::Gradients => gradients::body,
@@ -44,8 +45,8 @@ pub fn body(stage: Stage) -> Body {
     }
 }
 
-/// Whether a model has a stage to compare by itself. The confidence of models with a correction is
-/// compared as an output of that.
+/// Whether a stage is compared alone for a model. For models with a correction, the confidence is
+/// compared as an output of the correction.
 pub fn applies(stage: Stage, backend: &dyn Backend, loaded: &Loaded<'_>) -> bool {
     let certain = stage == Stage::Confidence && loaded.envelope.predictor().corrects();
     !certain && backend.has(loaded, stage)

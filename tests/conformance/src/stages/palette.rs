@@ -1,4 +1,4 @@
-//! Stage palette: on the stacks that stage gradients gave.
+//! Stage palette, on the outputs of stage gradients.
 
 use super::gradients::compare_transforms;
 use super::gradients::{columns, gradients_of};
@@ -13,7 +13,7 @@ use sinew_runtime::Matrix3x4;
 /// Compares the transforms.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (root, n) = (subject.oracle.skeleton.root(), subject.poses.len());
     let input = gradients_of(&Cpu, subject)?;
@@ -30,10 +30,10 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(vec![transforms])
 }
 
-/// Evaluates the reconstruction of every pose on what stage gradients gave.
+/// Evaluates the palettes of every pose from outputs of stage gradients.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn palettes_on(
     backend: &dyn Backend,
     subject: &Subject<'_>,
