@@ -11,7 +11,7 @@ use sinew_runtime::{Envelope, Matrix3x4, Skin, SkinJob};
 pub(crate) const POISON: f32 = f32::from_bits(0x7fc0_dead);
 const OUTPUTS: [Resource; 3] = [Resource::Palettes, Resource::Confidences, Resource::Out];
 
-/// A batch of an envelope, of which the first `instance_len` instances are evaluated.
+/// A batch of an envelope; the first `instance_len` instances are evaluated.
 pub(crate) struct Case<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) batch: &'a Batch,

@@ -8,7 +8,7 @@ use sinew_gpu::layout::{Array, DeviceLimits, KernelBatch, Plan, Resource};
 use sinew_runtime::KernelMap;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
 
-/// A batch of a kernel, of which the first `instance_len` queries are evaluated.
+/// A batch of a kernel; the first `instance_len` queries are evaluated.
 pub(crate) struct KernelCase<'a> {
     pub(crate) content: &'a KernelContent,
     pub(crate) batch: &'a KernelBatch,

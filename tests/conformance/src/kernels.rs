@@ -51,9 +51,9 @@ impl<'a> KernelSubject<'a> {
     }
 }
 
-/// The files, one kernel in each: for every kernel the golden file, and one with every kind of
-/// input and output; a servo; a function of 27 numbers with 480 values; more centres than a shader
-/// evaluates at a time.
+/// The files, one kernel in each. For every kernel: the golden file, and one with every kind of
+/// input and output. Then a servo, a function of 27 numbers with 480 values, and a kernel with more
+/// centres than a shader evaluates at a time.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| {

@@ -195,8 +195,8 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     if coefficients { with_coefficients(&baked, 4.0) } else { baked }
 }
 
-/// Gives the skin of a file random tangent coefficients up to `size`, some of them 0, in place of
-/// its own.
+/// Gives the skin of a file random tangent coefficients up to `size`, some of them 0, replacing any
+/// that it has.
 ///
 /// # Panics
 /// If the file has no skin.

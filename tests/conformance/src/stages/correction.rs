@@ -22,7 +22,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(on(backend, subject, &subject.transforms, &features, &base)?.0.into())
 }
 
-/// Evaluates the base palettes, to which a correction is added.
+/// Evaluates the base palettes, before the correction.
 ///
 /// # Errors
 /// The backend's error.

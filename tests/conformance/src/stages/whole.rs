@@ -115,7 +115,7 @@ fn oracle_is_equivariant(
     }
     let (still, confidence) = oracle.evaluate(&pose.widened());
     let (carried, same) = oracle.evaluate(moved);
-    // A difference of large sums, as with the transforms below.
+    // Confidence and transforms are differences of large sums, so their errors exceed EXACT.
     assert!((confidence - same).abs() <= 1e3 * EXACT, "{confidence} {same}");
     for (transform, still) in carried.iter().zip(&still) {
         let expected = after(motion, still);

@@ -22,7 +22,7 @@ struct KernelCounts {
     output_len: usize,
 }
 
-/// Evaluates a kernel, and writes it into a folder of the case's name.
+/// Evaluates a kernel, and writes queries and outputs into a folder with the name of the case.
 ///
 /// # Errors
 /// [`VectorError`]
@@ -64,7 +64,8 @@ struct ShapeCounts {
     vertices: usize,
 }
 
-/// Shapes a skin, and writes it into a folder of the case's name.
+/// Evaluates the shapes of a skin, and writes weights and meshes into a folder with the name of the
+/// case.
 ///
 /// # Errors
 /// [`VectorError`]
@@ -119,7 +120,7 @@ struct FilterCounts {
     factor: usize,
 }
 
-/// Makes signals finer, and writes them into a folder of the case's name.
+/// Makes signals finer, and writes them into a folder with the name of the case.
 ///
 /// # Errors
 /// [`VectorError`]

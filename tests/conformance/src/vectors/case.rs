@@ -1,4 +1,4 @@
-//! One model with its poses, and what every stage makes of them.
+//! A case of a model with poses, and the outputs of every stage.
 
 use super::written::{Tolerance, Written, numbers_tolerance, transforms_tolerance};
 use super::{Folder, VectorError};
@@ -16,10 +16,10 @@ use serde::Serialize;
 use sinew_runtime::Matrix3x4;
 use std::f64::consts::PI;
 
-/// What a foreign backend may be as far off as.
+/// Precision that a foreign backend must have.
 const ARITHMETIC: Arithmetic = Arithmetic::VULKAN;
 
-/// A case: its description, and the files that this names.
+/// A case with its subject.
 pub(super) struct Case<'a> {
     subject: &'a Subject<'a>,
     written: Written<Counts>,
@@ -35,8 +35,8 @@ struct Counts {
     influences: usize,
 }
 
-/// Loads a model and draws poses, without those in which a joint is at a half turn within the
-/// tolerance: two rotation vectors stand for that, and gradients depend on which.
+/// Loads a model and draws poses. Poses with a joint at a half turn, within the tolerance, are left
+/// out: two rotation vectors represent a half turn, and gradients depend on the choice.
 pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
     let mut out = Subject::new("vectors", bytes, 0);
     let turned = |pose: &Pose| {
@@ -68,14 +68,15 @@ impl<'a> Case<'a> {
         Self { subject, written: Written::new(name, predictor, counts) }
     }
 
-    /// Evaluates everything, and writes it into a folder of the case's name.
+    /// Evaluates all stages, and writes the case into a folder with its name.
     pub(super) fn write(mut self, model: &[u8], folder: &Folder) -> Result<(), VectorError> {
         self.mesh();
         self.poses()?;
         self.written.write(model, folder)
     }
 
-    /// The mesh, which is in the model as well: a skin can be checked without reading that.
+    /// Adds the mesh. The model has the mesh as well, but this way a skin can be checked without a
+    /// reader of models.
     fn mesh(&mut self) {
         let skin = self.subject.loaded.skin;
         let (v, k) = (skin.vertex_len(), skin.influence_len());
@@ -111,7 +112,7 @@ impl<'a> Case<'a> {
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
             (subject.oracle.predictor().reconstructs(), subject.oracle.predictor().corrects());
-        // What the correction adds to has a name of its own.
+        // The palette before a correction is the array `base`.
         let base_name = if corrects { "base" } else { "palette" };
         let base = base_of(&Cpu, subject)?;
         let mut rotations = Vec::new();
@@ -145,7 +146,7 @@ impl<'a> Case<'a> {
         Ok(())
     }
 
-    /// Gradients and the palette; returns the rotations.
+    /// Adds stages gradients and palette; returns the rotations.
     fn reconstruction(
         &mut self,
         base_name: &'static str,
@@ -296,7 +297,7 @@ impl<'a> Case<'a> {
 }
 
 impl Subject<'_> {
-    /// Bounds of every pose.
+    /// Returns the bounds of a stage for every pose.
     fn transforms_of(
         &self,
         bound: impl Fn(Inexact<Transform>) -> Inexact<Transform>,

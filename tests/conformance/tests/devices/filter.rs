@@ -10,7 +10,7 @@ use conformance::stages::filter::body;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Resource, Stage};
 
-/// Runs every filter; returns the values compared, and how many differ.
+/// Runs every filter; returns the number of values compared, and of those that differ.
 fn evaluate(device: &dyn Device, signal_len: usize) -> (usize, usize) {
     sum(filters(signal_len).iter().map(|subject| {
         let blob = subject.model.blob().len().next_multiple_of(4) as u64;
@@ -31,7 +31,7 @@ fn a_device_that_is_wrong_about_filters_is_caught() {
         assert!(flipped.iter().any(|finding| finding.differing > 0), "one bit");
         let idle = run(Some(Fault::Idle(Stage::Filter))).unwrap();
         assert!(sound(&idle).is_err(), "left alone");
-        // Before the first sample, and before the first that is written.
+        // Before the first sample, and before the first output.
         for (resource, float) in [(Resource::Samples, 3), (Resource::Out, 1)] {
             let stray = run(Some(Fault::Stray(Stage::Filter, resource, float)));
             assert!(matches!(stray, Err(Failure::Touched { .. })), "{resource:?} {float}");

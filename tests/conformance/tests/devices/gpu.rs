@@ -1,4 +1,5 @@
-//! The backend that drives devices, on the program: it finds every output, and it sees every fault.
+//! The backend for devices, tested on a simulated device: it returns every output and detects every
+//! fault.
 
 use crate::software::{Fault, Software};
 use conformance::backend::Failure;
@@ -27,13 +28,13 @@ fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
         let bytes = models::random(shape);
         let subject = Subject::new("random", &bytes, 65);
         let device = Software::new(&bytes, None);
-        // The second cuts batches into chunks of few instances.
+        // The second limits cut batches into chunks of few instances.
         let cut = DeviceLimits { storage_binding_bytes: 48 << 10, ..device.limits() };
         for limits in [device.limits(), cut] {
             let gpu = Gpu { device: &device, limits };
             let stages = Stage::ALL.into_iter().filter(|own| applies(*own, &gpu, &subject.loaded));
             let bodies = stages.map(|stage| (stage.name(), body(stage)));
-            // Instances within vertices lie too far apart for small bindings.
+            // A layout with all instances of a vertex side by side is too wide for small bindings.
             let skinned = match shape.vertices {
                 0 => 0,
                 _ if limits == cut => 1,
@@ -49,7 +50,8 @@ fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
     }
 }
 
-/// What each stage writes to, and a float of the first instance's that is not its own.
+/// Returns a float that the stage writes, and a float near the first instance that the stage must
+/// not write.
 fn places(stage: Stage) -> (Resource, usize, Resource, usize) {
     match stage {
         Stage::Gradients => (Resource::Scratch, 1, Resource::Palettes, 2),
@@ -94,7 +96,7 @@ fn a_device_that_is_wrong_is_caught() {
 fn a_float_between_attributes_is_seen() {
     let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 3);
-    // The first of the interleaved layout, which begins at 1.
+    // The float before the interleaved layout, which starts at 1.
     let stray = Fault::Stray(Stage::Skin, Resource::Out, 0);
     let device = Software::new(&bytes, Some(stray));
     let found = layout::body(&Gpu::new(&device), &subject);

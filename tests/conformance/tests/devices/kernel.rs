@@ -10,7 +10,7 @@ use conformance::stages::kernel::body;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Resource, Stage};
 
-/// Runs every kernel; returns the values compared, and how many differ.
+/// Runs every kernel; returns the number of values compared, and of those that differ.
 fn evaluate(device: &dyn Device, query_len: usize) -> (usize, usize) {
     sum(kernels(query_len).iter().map(|subject| {
         let blob = subject.model.blob().len().next_multiple_of(4) as u64;
@@ -28,7 +28,7 @@ fn a_device_that_is_wrong_about_a_kernel_is_caught() {
         assert!(!fails(run(None)), "{}", subject.described());
         assert!(fails(run(Some(Fault::Bit(Stage::Kernel, Resource::Out, 5)))), "one bit");
         assert!(fails(run(Some(Fault::Idle(Stage::Kernel)))), "left alone");
-        // A query; before the first output, and behind the first confidence.
+        // A query; before the first output; and behind the first confidence.
         let behind = 7 + subject.kernel.result_len();
         for (resource, float) in
             [(Resource::Queries, 7), (Resource::Out, 4), (Resource::Out, behind)]

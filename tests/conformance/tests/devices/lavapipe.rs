@@ -1,4 +1,5 @@
-//! Real devices: lavapipe, which must be here and has the CPU's bits, and every other device of the machine.
+//! Real devices: lavapipe, which is required and has the CPU's bits, and every other device of the
+//! machine.
 
 use conformance::backend::Failure;
 use conformance::devices::{Counter, LAVAPIPE, list, open};
@@ -17,7 +18,7 @@ use wgpu::{
 
 const APIS: [&str; 2] = ["wgpu", "vulkan"];
 
-/// Poses of the trained character: at least a thousand of each predictor.
+/// Number of poses of the trained character: at least a thousand for each predictor.
 const POSES: usize = 1024;
 
 fn lavapipe(api: &str) -> DeviceInfo {
@@ -28,7 +29,8 @@ fn lavapipe(api: &str) -> DeviceInfo {
     })
 }
 
-/// Runs every stage alone and from end to end; returns the values compared.
+/// Runs every stage alone and from pose to skin; returns the number of values compared. `same`
+/// requires the CPU's bits.
 fn evaluate(device: &dyn Device, limits: DeviceLimits, subject: &Subject<'_>, same: bool) -> usize {
     let gpu = Gpu { device, limits };
     let stages = Stage::ALL.into_iter().filter(|stage| applies(*stage, &gpu, &subject.loaded));
@@ -54,7 +56,8 @@ fn evaluate(device: &dyn Device, limits: DeviceLimits, subject: &Subject<'_>, sa
     values
 }
 
-/// A random model of a predictor's first shape, in batches of one, an odd number, past a workgroup.
+/// Runs a random model of each predictor's first shape, in batches of one instance, an odd number,
+/// and more than a workgroup; returns the number of values compared.
 fn sizes(device: &dyn Device, same: bool) -> usize {
     let mut values = 0;
     for predictor in Predictor::ALL {
@@ -70,7 +73,7 @@ fn sizes(device: &dyn Device, same: bool) -> usize {
     values
 }
 
-/// Every shape, nothing of which there are none included.
+/// Runs every shape, those with a count of 0 included; returns the number of values compared.
 fn every_shape(device: &dyn Device, same: bool) -> usize {
     shapes(FEWER_POSES).map(|subject| evaluate(device, device.limits(), &subject, same)).sum()
 }
@@ -151,11 +154,11 @@ fn every_other_device_is_within_the_tolerances() {
     }
 }
 
-/// Runs all batches of a part on a device, with so many instances in each; returns the values compared, and how many
-/// of them differ from the CPU's.
+/// Runs all batches of a part on a device, each with the given number of instances; returns the
+/// number of values compared, and of those that differ from the CPU's.
 pub(crate) type Evaluate = fn(&dyn Device, usize) -> (usize, usize);
 
-/// Sees lavapipe have the bits of the CPU, of at least so many values.
+/// Asserts that lavapipe has the CPU's bits, in more than `least` values.
 pub(crate) fn same_bits(evaluate: Evaluate, instance_len: usize, least: usize) {
     for api in APIS {
         let device = open(&lavapipe(api), false).expect("lavapipe opens");
@@ -166,7 +169,7 @@ pub(crate) fn same_bits(evaluate: Evaluate, instance_len: usize, least: usize) {
     }
 }
 
-/// Sees validation have nothing to say.
+/// Asserts that validation reports nothing.
 pub(crate) fn silent(evaluate: Evaluate, instance_len: usize, least: usize) {
     Counter::install();
     for api in APIS {
@@ -178,7 +181,7 @@ pub(crate) fn silent(evaluate: Evaluate, instance_len: usize, least: usize) {
     }
 }
 
-/// Sees every device but lavapipe stay within the tolerances.
+/// Asserts that every device but lavapipe is within the tolerances.
 pub(crate) fn within_tolerances(evaluate: Evaluate, instance_len: usize, least: usize) {
     for info in list().expect("devices can be listed").iter().filter(|info| info.driver != LAVAPIPE)
     {
@@ -189,8 +192,8 @@ pub(crate) fn within_tolerances(evaluate: Evaluate, instance_len: usize, least: 
     }
 }
 
-/// Runs a body by the device's limits, and by smaller bindings, which cut the batch into chunks; returns the values
-/// compared, and how many of them differ from the CPU's.
+/// Compares a stage with the device's limits, and with smaller bindings, which cut the batch into
+/// chunks; returns the number of values compared, and of those that differ from the CPU's.
 pub(crate) fn whole_and_cut(
     device: &dyn Device,
     storage_binding_bytes: u64,
@@ -214,7 +217,8 @@ pub(crate) fn sum(counts: impl Iterator<Item = (usize, usize)>) -> (usize, usize
     counts.fold((0, 0), |(values, differing), own| (values + own.0, differing + own.1))
 }
 
-/// Hands the driver a shader without the capability of shaders; returns how many messages were counted.
+/// Passes a shader without the shader capability to the driver; returns the number of messages
+/// counted.
 #[allow(unsafe_code, reason = "the layer reports only a shader that nobody has checked")]
 fn messages_of_a_broken_shader() -> usize {
     let instance = Instance::new(InstanceDescriptor {
@@ -227,18 +231,18 @@ fn messages_of_a_broken_shader() -> usize {
     let opened = adapter.expect("lavapipe is here").request_device(&DeviceDescriptor {
         required_features: Features::PASSTHROUGH_SHADERS,
         required_limits: Limits::downlevel_defaults(),
-        // SAFETY: nothing experimental is used but the shader below.
+        // SAFETY: the shader below is the only experimental feature in use.
         experimental_features: unsafe { ExperimentalFeatures::enabled() },
         ..Default::default()
     });
     let (device, _) = pollster::block_on(opened).expect("lavapipe takes shaders as they are");
     let words = Stage::Joints.spirv().as_chunks::<4>().0.iter().map(|le| u32::from_le_bytes(*le));
     let mut words: Vec<u32> = words.collect();
-    // Instead of the capability of shaders, the first that is declared, that of 16-bit integers.
+    // Replaces the first declared capability, that of shaders, by that of 16-bit integers.
     words[6] = 22;
     let before = Counter::message_len();
     let entry = PassthroughShaderEntryPoint { name: "main".into(), workgroup_size: (64, 1, 1) };
-    // SAFETY: no pipeline is made of it; the layer reads it, and the driver keeps a copy.
+    // SAFETY: no pipeline uses the module; the layer reads it, and the driver keeps a copy.
     let module = unsafe {
         device.create_shader_module_passthrough(ShaderModuleDescriptorPassthrough {
             entry_points: vec![entry].into(),

@@ -1,5 +1,6 @@
-//! The stages on every device that is here, by both APIs: each alone on the CPU's inputs, and from
-//! end to end. What evaluates a batch on a device is first held against a device that is a program.
+//! The stages on every device of the machine, through both APIs: each alone on the CPU's inputs,
+//! and from pose to skin. The code that evaluates a batch on a device is tested first on a
+//! simulated device.
 
 mod filter;
 mod gpu;

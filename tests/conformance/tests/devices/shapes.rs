@@ -10,7 +10,7 @@ use conformance::stages::shapes::body;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Resource, Stage};
 
-/// Runs every skin; returns the values compared, and how many differ.
+/// Runs every skin; returns the number of values compared, and of those that differ.
 fn evaluate(device: &dyn Device, face_len: usize) -> (usize, usize) {
     sum(shapes(face_len).iter().map(|subject| {
         let blob = subject.model.blob().len().next_multiple_of(4) as u64;
@@ -40,7 +40,7 @@ fn a_device_that_is_wrong_about_shapes_is_caught() {
         assert!(flipped.last().is_some_and(|range| range.differing > 0), "the range's first float");
         let idle = run(Fault::Idle(Stage::Shapes)).unwrap();
         assert!(sound(&idle).is_err(), "left alone");
-        // A weight, or before them; before the first attribute of the range.
+        // A float before the weights, or a weight; before the first attribute of the range.
         for (resource, float) in
             [(Resource::Weights, 3), (Resource::Weights, 7), (Resource::Out, 0)]
         {

@@ -1,4 +1,4 @@
-//! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
+//! Faulty backends: the runtime with altered outputs, and one that does nothing.
 
 use conformance::backend::{Backend, Failure, Gradients, Loaded, Whole};
 use conformance::cpu::Cpu;
@@ -9,7 +9,7 @@ use conformance::tolerance::Arithmetic;
 use sinew_gpu::layout::{ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 
-/// What a stage was given, and what it gives.
+/// Inputs and outputs of a stage.
 pub(crate) enum Step<'a> {
     Gradients {
         poses: &'a [Matrix3x4],
@@ -54,7 +54,8 @@ pub(crate) enum Step<'a> {
     },
 }
 
-/// Hands every step to a closure, and says how exactly it computes.
+/// Passes every step to a closure, which may alter the outputs; the second field is the precision
+/// that the backend claims.
 pub(crate) struct Altered<F>(pub(crate) F, pub(crate) Arithmetic);
 
 impl<F: Fn(Step<'_>)> Backend for Altered<F> {
@@ -189,7 +190,7 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     }
 }
 
-/// Says that it has worked.
+/// Writes nothing, and reports success.
 pub(crate) struct Idle;
 
 impl Backend for Idle {

@@ -1,5 +1,5 @@
-//! The runtime's stages against the f64 oracle: one body a stage, run on the oracle's tolerances over
-//! models of every shape and over more than a thousand poses.
+//! The runtime's stages compared with the f64 oracle: one comparison for each stage, within the
+//! oracle's tolerances, on models of every shape and more than a thousand poses.
 
 mod altered;
 mod controls;
@@ -18,8 +18,8 @@ use conformance::stages::{Body, applies, body, bounds, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject, characters, random};
 use sinew_gpu::layout::Stage;
 
-/// Runs a body on every model that has vertices and that it is of, and prints the largest ratios of
-/// an error to its tolerance.
+/// Runs a comparison on every model that has vertices and for which `of` is true, and prints the
+/// largest ratios of an error to its tolerance.
 fn on_models_of(of: impl Fn(&Subject<'_>) -> bool, pose_len: usize, body: Body) {
     let mut count = 0;
     for subject in characters().into_iter().chain(random()).filter(of) {
