@@ -1,11 +1,11 @@
 //! A plan bound to the host's buffers.
 
 use super::error::{Error, scoped};
-use super::pipelines::{Pipelines, limits};
+use super::pipelines::{Pipelines, limits, usage};
 use crate::layout::{Binding, Chunk, DeviceLimits, LayoutError, Plan, Resource, Span, Stage};
 use ::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
-    BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
+    CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
 };
 use std::num::NonZero;
 
@@ -161,10 +161,7 @@ impl BoundStage {
 /// Checks that each buffer has the usage of its resource.
 fn check_usages(plan: &Plan, buffers: &Buffers<'_>) -> Result<(), Error> {
     for resource in Resource::ALL {
-        let expected = match resource {
-            Resource::Params => BufferUsages::UNIFORM,
-            _ => BufferUsages::STORAGE,
-        };
+        let expected = usage(resource);
         match buffers.get(resource) {
             Some((own, _)) if plan.bytes(resource) > 0 && !own.usage().contains(expected) => {
                 return Err(Error::Usage { resource, expected, found: own.usage() });

@@ -2,7 +2,7 @@
 
 use super::bound::{Bound, Buffers};
 use super::error::{Error, scoped};
-use super::pipelines::{Pipelines, limits};
+use super::pipelines::{Pipelines, limits, usage};
 use crate::headless::{self, DeviceInfo, HeadlessError};
 use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use ::wgpu::{
@@ -192,11 +192,7 @@ impl headless::Device for Device {
     ) -> Result<Box<dyn headless::Uploaded + '_>, HeadlessError> {
         let mut own: [Option<Buffer>; Resource::ALL.len()] = Default::default();
         for resource in Resource::ALL {
-            let usage = match resource {
-                Resource::Params => BufferUsages::UNIFORM,
-                _ => BufferUsages::STORAGE,
-            };
-            let usage = usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+            let usage = usage(resource) | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
             if plan.bytes(resource) > 0 {
                 own[resource as usize] = Some(self.buffer(plan.bytes(resource), usage)?);
             }

@@ -4,7 +4,7 @@ use super::error::{Error, scoped};
 use crate::layout::{DeviceLimits, Resource, Stage};
 use ::wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType,
-    BufferBindingType, ComputePipeline, ComputePipelineDescriptor, Device,
+    BufferBindingType, BufferUsages, ComputePipeline, ComputePipelineDescriptor, Device,
     PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
     ShaderStages,
 };
@@ -24,6 +24,14 @@ pub fn limits(limits: &::wgpu::Limits) -> DeviceLimits {
             .max_compute_invocations_per_workgroup
             .min(limits.max_compute_workgroup_size_x),
         workgroups: limits.max_compute_workgroups_per_dimension,
+    }
+}
+
+/// Returns the usage that a resource's buffer must have.
+pub(super) fn usage(resource: Resource) -> BufferUsages {
+    match resource {
+        Resource::Params => BufferUsages::UNIFORM,
+        _ => BufferUsages::STORAGE,
     }
 }
 

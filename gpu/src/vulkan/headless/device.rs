@@ -26,7 +26,6 @@ pub struct Device {
     pipelines: Pipelines,
     physical: vk::PhysicalDevice,
     queue: vk::Queue,
-    family: u32,
     commands: vk::CommandPool,
     pub(super) info: DeviceInfo,
     pub(super) limits: DeviceLimits,
@@ -88,7 +87,6 @@ impl Device {
             memory,
             pipelines: Pipelines::default(),
             physical,
-            family,
             commands: vk::CommandPool::null(),
             info,
             limits: at_most(real, DeviceLimits::DOWNLEVEL),
@@ -123,11 +121,6 @@ impl Device {
     /// Returns the instance and the physical device.
     pub fn physical(&self) -> (&ash::Instance, vk::PhysicalDevice) {
         (&self.vulkan.instance, self.physical)
-    }
-
-    /// Returns the queue and its family.
-    pub fn queue(&self) -> (vk::Queue, u32) {
-        (self.queue, self.family)
     }
 
     /// Returns the pipelines.
@@ -196,7 +189,7 @@ impl<'d> Commands<'d> {
         unsafe { device.end_command_buffer(self.raw) }
             .map_err(while_doing("ending a command buffer"))?;
         recorded?;
-        let (queue, buffers) = (self.device.queue().0, [self.raw]);
+        let (queue, buffers) = (self.device.queue, [self.raw]);
         let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
         // SAFETY: as our own caller promises; the device, and so the queue, is used by one thread.
         unsafe {

@@ -3,7 +3,7 @@
 
 use super::correction::base_of;
 use super::features::features_of;
-use super::skin::{Skinned, places, plain, skinned_by, whole_of};
+use super::skin::{Skinned, places, skinned_by, whole_of};
 use crate::backend::{Backend, Failure, attributes, floats, poisoned_out};
 use crate::compare::POISON;
 use crate::finding::Finding;
@@ -25,7 +25,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let (found, certain) = by_stages(backend, subject)?;
     palettes.equal(floats(&found), floats(&whole.palettes));
     confidences.equal(&certain, &whole.confidences);
-    let plain_layout = plain(skin);
+    let plain_layout = SkinBatch::new(skin);
     let plain = skinned_by(backend, subject, &whole.palettes)?;
     let end_to_end = Skinned::gather(&whole.skin, &plain_layout, n);
     same(&mut skins, &end_to_end, &plain);
@@ -70,7 +70,7 @@ fn layouts(skin: &Skin<'_>, n: usize) -> [Vec<SkinBatch>; 4] {
     let vertex_len = skin.vertex_len();
     let attribute =
         |offset, stride, instance_stride| Some(Attribute { offset, stride, instance_stride });
-    let whole = plain(skin);
+    let whole = SkinBatch::new(skin);
     let positions = SkinBatch {
         positions: attribute(0, 3, 3 * vertex_len),
         normals: None,

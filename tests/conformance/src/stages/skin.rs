@@ -38,11 +38,6 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(findings)
 }
 
-/// Returns the layout of [`SkinBatch::new`].
-pub fn plain(skin: &Skin<'_>) -> SkinBatch {
-    SkinBatch::new(skin)
-}
-
 /// Starts a finding for each attribute of a skin.
 pub fn findings(skin: &Skin<'_>) -> Vec<Finding> {
     let all = ["positions", "normals", "tangents"].map(Finding::new);
@@ -55,7 +50,7 @@ pub fn findings(skin: &Skin<'_>) -> Vec<Finding> {
 /// The backend's error.
 pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, Failure> {
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
-    let skin = plain(&subject.loaded.skin);
+    let skin = SkinBatch::new(&subject.loaded.skin);
     let mut out = Whole::poisoned(envelope, &skin, n);
     backend.whole(&subject.loaded, &subject.transforms, &skin, &mut out)?;
     Ok(out)
@@ -71,7 +66,7 @@ pub fn skinned_by(
     palettes: &[Matrix3x4],
 ) -> Result<Skinned, Failure> {
     let n = palettes.len() / subject.loaded.envelope.palette_len();
-    let skin = plain(&subject.loaded.skin);
+    let skin = SkinBatch::new(&subject.loaded.skin);
     let mut out = poisoned_out(&skin, n);
     backend.skin(&subject.loaded, palettes, &skin, &mut out)?;
     Ok(Skinned::gather(&out, &skin, n))

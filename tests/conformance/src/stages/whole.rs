@@ -2,7 +2,7 @@
 
 use super::gradients::compare_transforms;
 use super::gradients::gradients_of;
-use super::skin::{self, Skinned, findings, plain, whole_of};
+use super::skin::{self, Skinned, findings, whole_of};
 use crate::backend::{Backend, Failure, part};
 use crate::cpu::Cpu;
 use crate::finding::Finding;
@@ -11,6 +11,7 @@ use crate::subject::Subject;
 use crate::tolerance::{self, EXACT, Inexact, Transform, UNDERFLOW};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use sinew_gpu::layout::SkinBatch;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::numeric::affine::after;
 
@@ -59,7 +60,7 @@ pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<
 /// If the first pose is not the rest pose.
 pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     assert_eq!(subject.poses[0].kind, Kind::Rest);
-    let (n, skin) = (subject.poses.len(), plain(&subject.loaded.skin));
+    let (n, skin) = (subject.poses.len(), SkinBatch::new(&subject.loaded.skin));
     let positions = |backend: &dyn Backend| {
         Ok::<_, Failure>(Skinned::gather(&whole_of(backend, subject)?.skin, &skin, n).positions)
     };
@@ -84,7 +85,7 @@ fn compare(
     } else {
         Vec::new()
     };
-    let layout = plain(&subject.loaded.skin);
+    let layout = SkinBatch::new(&subject.loaded.skin);
     let (found, cpu) = (whole_of(backend, subject)?, whole_of(&Cpu, subject)?);
     let skins = [&found, &cpu].map(|whole| Skinned::gather(&whole.skin, &layout, n));
     let [mut palette, mut certain] = ["palette", "confidence"].map(Finding::new);

@@ -9,10 +9,11 @@ use crate::stages::correction::base_of;
 use crate::stages::exact;
 use crate::stages::features::features_of;
 use crate::stages::gradients::{columns, exact_rotations, gradients_of};
-use crate::stages::skin::{Skinned, plain, whole_of};
+use crate::stages::skin::{Skinned, whole_of};
 use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform};
 use serde::Serialize;
+use sinew_gpu::layout::SkinBatch;
 use sinew_runtime::Matrix3x4;
 use std::f64::consts::PI;
 
@@ -139,7 +140,7 @@ impl<'a> Case<'a> {
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
             self.written.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
         }
-        let skin = plain(&subject.loaded.skin);
+        let skin = SkinBatch::new(&subject.loaded.skin);
         let skinned = Skinned::gather(&whole.skin, &skin, n);
         self.skin(&whole.palettes, &skinned);
         self.end_to_end(&rotations, &whole.palettes, &whole.confidences, &skinned);

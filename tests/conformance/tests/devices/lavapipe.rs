@@ -6,6 +6,7 @@ use conformance::devices::{Counter, LAVAPIPE, list, open};
 use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
 use conformance::models::{self, shape_of};
+use conformance::poses::POSES;
 use conformance::stages::{applies, body, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject, random, shapes, trained};
 use sinew_gpu::headless::{Device, DeviceInfo};
@@ -17,9 +18,6 @@ use wgpu::{
 };
 
 const APIS: [&str; 2] = ["wgpu", "vulkan"];
-
-/// Number of poses of the trained character: at least a thousand for each predictor.
-const POSES: usize = 1024;
 
 fn lavapipe(api: &str) -> DeviceInfo {
     let all = list().unwrap_or_default();

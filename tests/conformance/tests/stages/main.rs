@@ -13,10 +13,10 @@ use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::models::{self, SHAPES};
-use conformance::stages::skin::{plain, skinned_by, whole_of};
+use conformance::stages::skin::{skinned_by, whole_of};
 use conformance::stages::{Body, applies, body, bounds, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject, characters, random};
-use sinew_gpu::layout::Stage;
+use sinew_gpu::layout::{SkinBatch, Stage};
 
 /// Runs a comparison on every model that has vertices and for which `of` is true, and prints the
 /// largest ratios of an error to its tolerance.
@@ -119,7 +119,7 @@ fn a_mesh_without_vertices_has_a_palette_and_nothing_to_skin() {
             assert_eq!(sound(&body(Stage::Correction)(&Cpu, &subject).unwrap()), Ok(()));
         }
         let palettes = whole_of(&Cpu, &subject).unwrap().palettes;
-        assert!(plain(own).vertices.is_empty());
+        assert!(SkinBatch::new(own).vertices.is_empty());
         assert!(skinned_by(&Cpu, &subject, &palettes).unwrap().positions.is_empty());
         assert_eq!(own.bounds(&palettes[..envelope.palette_len()], 0.0).unwrap(), None);
         let findings = body(Stage::Skin)(&Cpu, &subject).unwrap();
