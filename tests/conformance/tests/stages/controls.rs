@@ -1,7 +1,7 @@
 //! Negative controls: a backend with one value off by twice the tolerance is caught, and so is a
 //! backend that writes nothing.
 
-use crate::altered::{Altered, Idle, Step};
+use crate::altered::{Step, altered, idle};
 use ::models::Pieces;
 use conformance::backend::{Backend, Failure, Loaded, part};
 use conformance::compare::Mismatch;
@@ -207,7 +207,7 @@ fn off_by(
     body: stages::Body,
 ) -> Result<(), Mismatch> {
     let spoil = Spoil { subject, output, factor, seen: Cell::new(0) };
-    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step), IEEE), subject)
+    let findings = body(&altered(|step: Step<'_>| spoil.alter(step), IEEE), subject)
         .expect("the backend gives something");
     assert!(spoil.seen.get() >= 10, "{output:?} was reached");
     sound(&findings)
@@ -231,7 +231,7 @@ fn a_value_within_its_tolerance_still_counts_as_one_that_differs() {
     let subject = Subject::new("random", &bytes, FEWER_POSES);
     let spoil =
         Spoil { subject: &subject, output: Output::Palette, factor: 0.9, seen: Cell::new(0) };
-    let backend = Altered(|step: Step<'_>| spoil.alter(step), IEEE);
+    let backend = altered(|step: Step<'_>| spoil.alter(step), IEEE);
     let [Finding { differing, worst, .. }] = stages::palette::body(&backend, &subject).unwrap()[..]
     else {
         panic!("one output");
@@ -262,18 +262,18 @@ fn an_output_left_alone_is_caught() {
     for output in OUTPUTS {
         let bytes = models::random(shape_of(output.predictor()));
         let subject = Subject::new("random", &bytes, 2);
-        assert!(caught(&Idle, stages::body(output.stage()), &subject), "{output:?}");
+        assert!(caught(&idle(), stages::body(output.stage()), &subject), "{output:?}");
     }
     for predictor in Predictor::ALL {
         let bytes = models::random(shape_of(predictor));
         let subject = Subject::new("random", &bytes, 28);
         let bodies: [stages::Body; 4] = [whole::body, whole::rest, layout::body, bounds::body];
         for (number, body) in bodies.into_iter().enumerate() {
-            assert!(caught(&Idle, body, &subject), "{predictor:?}, body {number}");
+            assert!(caught(&idle(), body, &subject), "{predictor:?}, body {number}");
         }
         if predictor.corrects() {
             // Returns the confidence, but adds no correction.
-            let uncorrected = Altered(
+            let uncorrected = altered(
                 |step: Step<'_>| {
                     if let Step::Correction { base, out, .. } = step {
                         out.copy_from_slice(&base);
@@ -286,7 +286,7 @@ fn an_output_left_alone_is_caught() {
         }
     }
     let bytes = models::random(shape_of(Predictor::Kernel));
-    assert!(caught(&Idle, joints::body, &Subject::new("random", &bytes, 1)));
+    assert!(caught(&idle(), joints::body, &Subject::new("random", &bytes, 1)));
 }
 
 /// Compares stage skin of a backend whose file has other tangent coefficients (pairs of halves).
@@ -297,7 +297,7 @@ fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismat
     edit(coefficients.as_chunks_mut().0.as_chunks_mut().0);
     let other = pieces.bytes();
     let other = Loaded::new(&other);
-    let backend = Altered(
+    let backend = altered(
         |step: Step<'_>| {
             if let Step::Skin { palettes, skin, out } = step {
                 let skin = SkinBatch { skin: other.skin.layout(), ..skin.clone() };
@@ -331,7 +331,7 @@ fn other_tangent_coefficients_are_caught() {
 fn a_write_between_attributes_is_caught() {
     let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 14);
-    let careless = Altered(
+    let careless = altered(
         |step: Step<'_>| {
             if let Step::Skin { out, .. } = step {
                 let last = out.len() - 1;
@@ -352,7 +352,7 @@ fn vulkan_may_divide_and_take_roots_less_exactly_and_the_cpu_may_not() {
         let run = |arithmetic| {
             // A tenth more than one rounding for each operation explains.
             let spoil = Spoil { subject: &subject, output, factor: 1.1, seen: Cell::new(0) };
-            let backend = Altered(|step: Step<'_>| spoil.alter(step), arithmetic);
+            let backend = altered(|step: Step<'_>| spoil.alter(step), arithmetic);
             sound(&stages::body(output.stage())(&backend, &subject).unwrap())
         };
         assert_eq!(run(Arithmetic::VULKAN), Ok(()), "{output:?}");

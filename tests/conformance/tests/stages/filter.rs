@@ -1,6 +1,6 @@
 //! Filters compared with their f64 oracle, and controls that catch a wrong filter.
 
-use crate::altered::{Altered, Idle, Step};
+use crate::altered::{Step, altered, idle};
 use conformance::backend::Backend;
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
@@ -31,7 +31,7 @@ fn off_by(subject: &FilterSubject<'_>, factor: f64) -> Result<(), Mismatch> {
         let (value, error) = tolerance::filter(subject, 7);
         out[7] = (value + factor * error) as f32;
     };
-    sound(&body(&Altered(spoil, IEEE), subject).expect("the backend gives something"))
+    sound(&body(&altered(spoil, IEEE), subject).expect("the backend gives something"))
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn one_number_off_by_two_tolerances_is_caught() {
     let subject = FilterSubject::new(&bytes, 2, 3);
     assert!(matches!(off_by(&subject, 2.0), Err(Mismatch::Beyond { .. })));
     assert_eq!(off_by(&subject, 0.5), Ok(()));
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
 /// Whether a backend that uses another filter passes the comparison.
@@ -52,7 +52,7 @@ fn passes_with(edit: impl FnOnce(&mut FilterContent)) -> bool {
     let subject = FilterSubject::new(&bytes, 2, 3);
     let mut other = FilterSubject::new(&other, 2, 3);
     other.samples.clone_from(&subject.samples);
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Filter { out } = step else { return };
             Cpu.filter(&other, out).expect("it is as large");

@@ -1,6 +1,6 @@
 //! Kernels compared with their f64 oracle, and controls that catch a wrong kernel.
 
-use crate::altered::{Altered, Idle, Step};
+use crate::altered::{Step, altered, idle};
 use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
@@ -58,7 +58,7 @@ fn off_by(subject: &KernelSubject<'_>, of_confidence: bool, factor: f64) -> Resu
             }
         }
     };
-    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
+    let findings = body(&altered(spoil, IEEE), subject).expect("the backend gives something");
     assert!(seen.get() >= 10, "it was reached");
     sound(&findings)
 }
@@ -72,7 +72,7 @@ fn one_value_off_by_two_tolerances_is_caught() {
         assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{caught:?}");
         assert_eq!(off_by(&subject, of_confidence, 0.5), Ok(()));
     }
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
 /// Whether a backend that uses another file passes the comparison, and how many values differ.
@@ -81,7 +81,7 @@ fn passes_with(other: &[u8]) -> (bool, usize) {
     let subject = KernelSubject::new(&bytes, QUERIES);
     let model = Model::from_bytes(other).expect("a kernel loads");
     let kernel = model.kernel().expect("it holds a kernel");
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Kernel { queries, out, confidences } = step else { return };
             let other = KernelSubject { kernel, ..KernelSubject::new(&bytes, 1) };

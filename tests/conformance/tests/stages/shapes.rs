@@ -1,6 +1,6 @@
 //! Shapes compared with their f64 oracle, and controls that catch wrong shapes.
 
-use crate::altered::{Altered, Idle, Step};
+use crate::altered::{Step, altered, idle};
 use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
@@ -63,7 +63,7 @@ fn off_by(subject: &ShapeSubject<'_>, attribute: usize, factor: f64) -> Result<(
             }
         }
     };
-    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
+    let findings = body(&altered(spoil, IEEE), subject).expect("the backend gives something");
     assert!(seen.get() >= 10, "it was reached");
     sound(&findings)
 }
@@ -77,7 +77,7 @@ fn one_value_off_by_two_tolerances_is_caught() {
         assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{attribute}: {caught:?}");
         assert_eq!(off_by(&subject, attribute, 0.5), Ok(()));
     }
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
 /// Whether a backend that uses another file passes the comparison.
@@ -85,7 +85,7 @@ fn passes_with(other: &[u8]) -> bool {
     let bytes = file(|_| {});
     let subject = ShapeSubject::new(&bytes, 12);
     let other = ShapeSubject { weights: subject.weights.clone(), ..ShapeSubject::new(other, 12) };
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Shapes { batch, out } = step else { return };
             Cpu.shapes(&other, batch, out).expect("it is no larger");
