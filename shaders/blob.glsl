@@ -1,10 +1,10 @@
-// What every stage binds beside the block of its part: the model.
+// Binding of every stage beside its params: the model's blob.
 
 layout(set = 0, binding = 1, std430) readonly buffer Blob {
     uint blob[];
 };
 
-// Stands for the joint, the term or the array that there is not.
+// Values for "no joint", "no term" and "no array".
 const uint NO_JOINT = 0xffffu;
 const uint NO_TERM = 0xffffu;
 const uint NONE = 0xffffffffu;
@@ -21,7 +21,7 @@ vec4 blob_vec4(uint word) {
     return uintBitsToFloat(uvec4(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
 }
 
-// A u16 of an array of them that starts at a word.
+// Element `index` of an array of u16 that starts at a word.
 uint blob_half(uint word, uint index) {
     return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
 }

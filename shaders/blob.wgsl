@@ -1,9 +1,9 @@
-// What every stage binds: the block of its part, and the model.
+// Bindings of every stage: its params, and the model's blob.
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> blob: array<u32>;
 
-// Stands for the joint, the term or the array that there is not.
+// Values for "no joint", "no term" and "no array".
 const NO_JOINT: u32 = 0xffffu;
 const NO_TERM: u32 = 0xffffu;
 const NONE: u32 = 0xffffffffu;
@@ -20,7 +20,7 @@ fn blob_vec4(word: u32) -> vec4<f32> {
     return bitcast<vec4<f32>>(vec4<u32>(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
 }
 
-// A u16 of an array of them that starts at a word.
+// Element `index` of an array of u16 that starts at a word.
 fn blob_half(word: u32, index: u32) -> u32 {
     return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
 }

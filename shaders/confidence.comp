@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The confidence in a pose. One workgroup an instance, of which one thread has work.
+// Stage confidence: the confidence in a pose. One workgroup an instance, with one active thread.
 
 #include "params.glsl"
 #include "blob.glsl"
@@ -16,7 +16,7 @@ layout(set = 0, binding = 3, std430) buffer Confidences {
 
 const uint ROTATIONAL = 1u;
 
-// 1 up to an angle, and 0 where it is exceeded by half the range and 0.1.
+// 1 up to the angle `most`; falls to 0 where the angle exceeds it by half the range plus 0.1.
 float within(float angle, float most, float range) {
     precise float excess = max(angle - most, 0.0) / (0.5 * range + 0.1);
     precise float own = 1.0 - smooth_step(min(excess, 1.0));

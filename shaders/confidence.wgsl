@@ -1,11 +1,11 @@
-// The confidence in a pose. One workgroup an instance, of which one thread has work.
+// Stage confidence: the confidence in a pose. One workgroup an instance, with one active thread.
 
 @group(0) @binding(2) var<storage, read> scratch: array<f32>;
 @group(0) @binding(3) var<storage, read_write> confidences: array<f32>;
 
 const ROTATIONAL: u32 = 1u;
 
-// 1 up to an angle, and 0 where it is exceeded by half the range and 0.1.
+// 1 up to the angle `most`; falls to 0 where the angle exceeds it by half the range plus 0.1.
 fn within(angle: f32, most: f32, range: f32) -> f32 {
     let excess = max(angle - most, 0.0) / (0.5 * range + 0.1);
     return 1.0 - smooth_step(min(excess, 1.0));

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage correction: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
-// hand to each other lies in the group's scratch.
+// Stage correction: adds the results of the kernel maps to palettes. One workgroup a group of
+// helpers; its threads exchange results in the group's scratch.
 
 #include "params.glsl"
 #include "blob.glsl"
@@ -18,7 +18,7 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
-// What is left to doubt where nothing is known.
+// Uncertainty without evidence.
 const float DOUBT = 1.0e30;
 
 uint padded(uint len) {
@@ -152,7 +152,7 @@ void main() {
         }
         uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         uint dominant = pose + 12u * joint;
-        // A thread does a column of a transform.
+        // Each thread computes a column of a transform.
         for (uint i = thread; i < 4u * proxy_len; i += 64u) {
             precise vec3 added = vec3(0.0);
             for (uint r = 0u; r < 3u; r++) {

@@ -1,11 +1,11 @@
-// Stage correction: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
-// hand to each other lies in the group's scratch.
+// Stage correction: adds the results of the kernel maps to palettes. One workgroup a group of
+// helpers; its threads exchange results in the group's scratch.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
 
-// What is left to doubt where nothing is known.
+// Uncertainty without evidence.
 const DOUBT = 1.0e30;
 
 fn padded(len: u32) -> u32 {
@@ -135,7 +135,7 @@ fn main(
         }
         let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         let dominant = pose + 12u * joint;
-        // A thread does a column of a transform.
+        // Each thread computes a column of a transform.
         for (var i = thread; i < 4u * proxy_len; i += 64u) {
             var added = vec3<f32>(0.0);
             for (var r = 0u; r < 3u; r++) {

@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The pose features: how each joint has turned and moved against its parent. One thread a joint.
+// Stage features: the rotation and the translation of each joint relative to its parent. One thread
+// a joint.
 
 #include "params.glsl"
 #include "blob.glsl"
@@ -14,7 +15,7 @@ layout(set = 0, binding = 3, std430) buffer Scratch {
     float scratch[];
 };
 
-// S - I, S turning half as far as a rotation does, its odd part fading toward half a turn.
+// S - I, where S is half of a rotation; the odd part of S fades towards half a turn.
 mat3 half_of(mat3 m) {
     vec4 q = quaternion(m);
     precise float len = sqrt((q.x * q.x + q.y * q.y + q.z * q.z) + q.w * q.w);
@@ -66,7 +67,7 @@ void main() {
             precise float b = poses[own + 4u + c];
             precise float d = poses[own + 8u + c];
             if (c == 3u) {
-                // The difference is taken first, so that rest is exactly 0.
+                // The difference comes first, so that the rest pose gives exactly 0.
                 a -= poses[above + 3u];
                 b -= poses[above + 7u];
                 d -= poses[above + 11u];

@@ -1,4 +1,5 @@
-// The pose features: how each joint has turned and moved against its parent. One thread a joint.
+// Stage features: the rotation and the translation of each joint relative to its parent. One thread
+// a joint.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
@@ -37,7 +38,7 @@ fn main(
             var b = poses[own + 4u + c];
             var d = poses[own + 8u + c];
             if c == 3u {
-                // The difference is taken first, so that rest is exactly 0.
+                // The difference comes first, so that the rest pose gives exactly 0.
                 a -= poses[above + 3u];
                 b -= poses[above + 7u];
                 d -= poses[above + 11u];
@@ -56,7 +57,7 @@ fn main(
     }
 }
 
-// S - I, S turning half as far as a rotation does, its odd part fading toward half a turn.
+// S - I, where S is half of a rotation; the odd part of S fades towards half a turn.
 fn half_of(m: mat3x3<f32>) -> mat3x3<f32> {
     let q = quaternion(m);
     let length = sqrt((q.x * q.x + q.y * q.y + q.z * q.z) + q.w * q.w);

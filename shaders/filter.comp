@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage filter: samples of signals to finer ones. One thread a number.
+// Stage filter: samples of signals to finer samples. One thread a number.
 
 #include "filter_params.glsl"
 #include "blob.glsl"
@@ -22,7 +22,7 @@ void main() {
         return;
     }
     uint phase = fine - params.factor * coarse;
-    // The window: inside its middle is the sample, towards an end it stays.
+    // The window is centred on the sample; near an end of the signal the window stays inside.
     uint middle = params.tap_len / 2u;
     uint start = min(max(coarse, middle) - middle, params.sample_len - params.tap_len);
     uint row = (coarse - start) * params.factor + phase;

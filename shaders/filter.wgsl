@@ -1,4 +1,4 @@
-// Stage filter: samples of signals to finer ones. One thread a number.
+// Stage filter: samples of signals to finer samples. One thread a number.
 
 @group(0) @binding(2) var<storage, read> samples: array<f32>;
 @group(0) @binding(3) var<storage, read_write> out: array<f32>;
@@ -16,7 +16,7 @@ fn main(
         return;
     }
     let phase = fine - params.factor * coarse;
-    // The window: inside its middle is the sample, towards an end it stays.
+    // The window is centred on the sample; near an end of the signal the window stays inside.
     let middle = params.tap_len / 2u;
     let start = min(max(coarse, middle) - middle, params.sample_len - params.tap_len);
     let row = (coarse - start) * params.factor + phase;

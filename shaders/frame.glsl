@@ -1,4 +1,4 @@
-// Directions of a vertex, the frame of its surface, and numbers of half precision.
+// Directions of a vertex, the frame of its surface, and half-precision numbers.
 
 vec3 cross3(vec3 a, vec3 b) {
     precise vec3 product = a.yzx * b.zxy - a.zxy * b.yzx;
@@ -10,13 +10,13 @@ float dot3(vec3 a, vec3 b) {
     return sum;
 }
 
-// Whether a vector has a direction: its square is a normal number.
+// Whether a vector has a direction: its squared length is a normal number.
 bool has_direction(vec3 v) {
     float square = dot3(v, v);
     return square >= 1.17549435e-38 && square <= 3.4028234e+38;
 }
 
-// A vector at the length of side, which is 1 or -1, or else what stands for its direction.
+// A vector scaled to length 1, times `side` (1 or -1); `rest` if the vector has no direction.
 vec3 unit(vec3 v, float side, vec3 rest) {
     if (has_direction(v)) {
         precise float scale = side * (1.0 / sqrt(dot3(v, v)));
@@ -26,13 +26,13 @@ vec3 unit(vec3 v, float side, vec3 rest) {
     return rest;
 }
 
-// A number of half precision, normal or 0, in the upper half of a word.
+// Half-precision number, normal or 0, in the upper half of a word.
 float half_float(uint high) {
     uint bits = uint(int(high) >> 3) & 0x8fffe000u;
     return uintBitsToFloat((bits & 0x7fffffffu) == 0u ? bits : bits + 0x38000000u);
 }
 
-// Two directions along the surface at rest, which tangent coefficients and slopes are of.
+// Two tangent directions of the rest surface; tangent coefficients and slopes refer to them.
 struct Frame {
     vec3 g;
     vec3 h;
@@ -43,7 +43,7 @@ Frame frame_of_tangent(vec3 normal, vec3 tangent) {
     return Frame(cross3(h, normal), h);
 }
 
-// That of a normal alone; up is the z of the file's own.
+// Frame of a normal without a tangent; `up` is the z of the file's own normal.
 Frame frame_of_normal(vec3 n, float up) {
     float side = uintBitsToFloat(0x3f800000u | (floatBitsToUint(up) & 0x80000000u));
     precise float sided = side * n.x;

@@ -46,7 +46,7 @@ mat3 transform_columns(mat3 m, mat3 n) {
     return mat3(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 transform of rows.
+// Column c of a 3x4 transform that is stored by rows.
 vec3 pose_column(uint at, uint c) {
     return vec3(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
 }
@@ -71,7 +71,7 @@ vec3 log_of(mat3 m) {
     return theta;
 }
 
-// The rotation of a rotation vector.
+// The rotation matrix of a rotation vector.
 mat3 exp_of(vec3 v) {
     float square = dot3(v, v);
     precise float a = 1.0;
@@ -95,7 +95,7 @@ mat3 exp_of(vec3 v) {
     return mat3(x, y, z);
 }
 
-// The rotation of A theta, A three rows of the blob.
+// The rotation matrix of A theta; A is three rows of the blob.
 mat3 twist(uint at, vec3 theta) {
     return exp_of(vec3(
         dot3(blob_vec3(at), theta),
@@ -104,7 +104,7 @@ mat3 twist(uint at, vec3 theta) {
     ));
 }
 
-// A row of H, times the rotations of the joint and of its parent.
+// A row of H, times the rotation vectors of the joint and of its parent.
 float shear(uint at, vec3 b, vec3 p) {
     precise float sum = dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
     return sum;

@@ -32,7 +32,7 @@ fn transform_columns(m: mat3x3<f32>, n: mat3x3<f32>) -> mat3x3<f32> {
     return mat3x3<f32>(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 transform of rows.
+// Column c of a 3x4 transform that is stored by rows.
 fn pose_column(at: u32, c: u32) -> vec3<f32> {
     return vec3<f32>(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
 }
@@ -55,7 +55,7 @@ fn log_of(m: mat3x3<f32>) -> vec3<f32> {
     return v * (2.0 * quadrant_angle(length, w) / length);
 }
 
-// The rotation of a rotation vector.
+// The rotation matrix of a rotation vector.
 fn exp_of(v: vec3<f32>) -> mat3x3<f32> {
     let square = dot3(v, v);
     var a = 1.0;
@@ -80,7 +80,7 @@ fn exp_of(v: vec3<f32>) -> mat3x3<f32> {
     );
 }
 
-// The rotation of A theta, A three rows of the blob.
+// The rotation matrix of A theta; A is three rows of the blob.
 fn twist(at: u32, theta: vec3<f32>) -> mat3x3<f32> {
     return exp_of(vec3<f32>(
         dot3(blob_vec3(at), theta),
@@ -89,7 +89,7 @@ fn twist(at: u32, theta: vec3<f32>) -> mat3x3<f32> {
     ));
 }
 
-// A row of H, times the rotations of the joint and of its parent.
+// A row of H, times the rotation vectors of the joint and of its parent.
 fn shear(at: u32, b: vec3<f32>, p: vec3<f32>) -> f32 {
     return dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
 }

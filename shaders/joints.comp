@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage joints: the joints themselves, and the base of each helper. One thread a
-// transform.
+// Stage joints: copies the joints' transforms, and gives each helper the transform of its dominant
+// joint. One thread a transform.
 
 #include "params.glsl"
 #include "blob.glsl"
@@ -22,7 +22,8 @@ void main() {
     }
     uint joint = transform;
     if (transform >= params.joint_len) {
-        // The group whose proxies, which follow the previous group's, include this one.
+        // Finds the group of this helper; the helpers of a group follow those of the group before
+        // it.
         uint left = transform - params.joint_len;
         uint row = params.groups;
         uint proxy_len = blob[row + 2u] >> 16u;

@@ -1,5 +1,5 @@
-// Stage joints: the joints themselves, and the base of each helper. One thread a
-// transform.
+// Stage joints: copies the joints' transforms, and gives each helper the transform of its dominant
+// joint. One thread a transform.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
 @group(0) @binding(3) var<storage, read_write> palettes: array<f32>;
@@ -16,7 +16,8 @@ fn main(
     }
     var joint = transform;
     if transform >= params.joint_len {
-        // The group whose proxies, which follow the previous group's, include this one.
+        // Finds the group of this helper; the helpers of a group follow those of the group before
+        // it.
         var left = transform - params.joint_len;
         var row = params.groups;
         var proxy_len = blob[row + 2u] >> 16u;

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage kernel: queries to outputs and the confidence in them. One workgroup a query: what its threads hand
-// to each other lies in scratch, and a tile of centres at a time in the workgroup's memory.
+// Stage kernel: queries to outputs and their confidence. One workgroup a query. Its threads
+// exchange results in scratch, and in the workgroup's memory for one tile of centres at a time.
 
 #include "kernel_params.glsl"
 #include "blob.glsl"
@@ -25,14 +25,14 @@ const uint CLAMP = 1u;
 const uint FADE = 2u;
 const uint ALWAYS = 1u;
 const uint INFINITE = 0x7f800000u;
-// Centres that are evaluated before their values are summed.
+// Number of centres that are evaluated before their values are summed.
 const uint TILE = 256u;
 
 shared float basis[TILE];
 shared float doubts[TILE];
 shared float confidence;
 shared float divisor;
-// 1 where a CPU would refuse.
+// 1 if a CPU would refuse the query.
 shared uint unsound;
 
 uint query_rule() {
@@ -43,14 +43,15 @@ uint normalise_rule() {
     return blob[params.kernel_rule] >> 24u;
 }
 
-// Sees that a number is finite, which no comparison need tell on a GPU.
+// Marks the query if a number is not finite. Tests the bits, because comparisons on a GPU need not
+// respect NaN.
 void watch(float x) {
     if ((floatBitsToUint(x) & INFINITE) == INFINITE) {
         atomicOr(unsound, 1u);
     }
 }
 
-// The first word of a row of a matrix in blocks of 8 rows; 8 words on is the next column.
+// First word of a row of a matrix in blocks of 8 rows; the next column is 8 words further.
 uint row_of(uint matrix, uint column_len, uint row) {
     return matrix + row / 8u * (8u * column_len) + row % 8u;
 }
@@ -96,7 +97,8 @@ void main() {
         }
         scratch[metric + r] = sum;
     }
-    // Each monomial is of an earlier one; the last thread has the fewest rows.
+    // Each monomial is a multiple of an earlier one, so one thread computes them all: the last,
+    // which has the fewest rows.
     if (thread == 63u) {
         for (uint t = 0u; t < params.term_len; t++) {
             uint earlier = blob[params.terms + t] & 0xffffu;
@@ -212,7 +214,7 @@ void main() {
 
     if (thread == 0u && params.confidences_offset != NONE) {
         uint to = params.confidences_offset + instance * params.confidences_stride;
-        // Not a number, as bits: arithmetic need not make one.
+        // NaN from its bits, because arithmetic on a GPU need not produce NaN.
         out_floats[to] = unsound == 0u ? confidence : uintBitsToFloat(0x7fc00000u);
     }
 }

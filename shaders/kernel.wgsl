@@ -1,5 +1,5 @@
-// Stage kernel: queries to outputs and the confidence in them. One workgroup a query: what its threads hand
-// to each other lies in scratch, and a tile of centres at a time in the workgroup's memory.
+// Stage kernel: queries to outputs and their confidence. One workgroup a query. Its threads
+// exchange results in scratch, and in the workgroup's memory for one tile of centres at a time.
 
 @group(0) @binding(2) var<storage, read> queries: array<f32>;
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
@@ -11,14 +11,14 @@ const CLAMP: u32 = 1u;
 const FADE: u32 = 2u;
 const ALWAYS: u32 = 1u;
 const INFINITE: u32 = 0x7f800000u;
-// Centres that are evaluated before their values are summed.
+// Number of centres that are evaluated before their values are summed.
 const TILE: u32 = 256u;
 
 var<workgroup> basis: array<f32, TILE>;
 var<workgroup> doubts: array<f32, TILE>;
 var<workgroup> confidence: f32;
 var<workgroup> divisor: f32;
-// 1 where a CPU would refuse.
+// 1 if a CPU would refuse the query.
 var<workgroup> unsound: atomic<u32>;
 
 fn query_rule() -> u32 {
@@ -29,14 +29,15 @@ fn normalise_rule() -> u32 {
     return blob[params.kernel_rule] >> 24u;
 }
 
-// Sees that a number is finite, which no comparison need tell on a GPU.
+// Marks the query if a number is not finite. Tests the bits, because comparisons on a GPU need not
+// respect NaN.
 fn watch(x: f32) {
     if (bitcast<u32>(x) & INFINITE) == INFINITE {
         atomicStore(&unsound, 1u);
     }
 }
 
-// The first word of a row of a matrix in blocks of 8 rows; 8 words on is the next column.
+// First word of a row of a matrix in blocks of 8 rows; the next column is 8 words further.
 fn row_of(matrix: u32, column_len: u32, row: u32) -> u32 {
     return matrix + row / 8u * (8u * column_len) + row % 8u;
 }
@@ -76,7 +77,8 @@ fn main(
         }
         scratch[metric + r] = sum;
     }
-    // Each monomial is of an earlier one; the last thread has the fewest rows.
+    // Each monomial is a multiple of an earlier one, so one thread computes them all: the last,
+    // which has the fewest rows.
     if thread == 63u {
         for (var t = 0u; t < params.term_len; t++) {
             let earlier = blob[params.terms + t] & 0xffffu;
@@ -185,7 +187,7 @@ fn main(
 
     if thread == 0u && params.confidences_offset != NONE {
         let at = params.confidences_offset + instance * params.confidences_stride;
-        // Not a number, as bits: arithmetic need not make one.
+        // NaN from its bits, because arithmetic on a GPU need not produce NaN.
         let bits = select(bitcast<u32>(confidence), 0x7fc00000u, atomicLoad(&unsound) != 0u);
         out[at] = bitcast<f32>(bits);
     }

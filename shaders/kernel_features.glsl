@@ -1,11 +1,11 @@
-// The features of a query: quadratic forms of quaternions, over their square.
+// The features of a query: quadratic forms of quaternions, divided by their squared length.
 
-// Numbers of a query that an input of a kind takes.
+// Count of a query's numbers for an input of a kind.
 uint number_len(uint kind) {
     return kind == 1u ? 1u : (kind == 2u ? 3u : 4u);
 }
 
-// Features that are made of it.
+// Count of features of an input of a kind.
 uint feature_len(uint kind) {
     switch (kind) {
         case 3u:
@@ -31,7 +31,8 @@ float squared_length(vec4 q) {
     return sum;
 }
 
-// Angle of the twist, half of which has this sine and this cosine, within half a turn.
+// Angle of a twist, within half a turn, from a sine and a cosine in proportion to those of half the
+// angle.
 float twist_angle(float sine, float cosine) {
     bool flipped = cosine < 0.0 || (cosine == 0.0 && sine < 0.0);
     float about = flipped ? -sine : sine;
@@ -39,7 +40,7 @@ float twist_angle(float sine, float cosine) {
     return about < 0.0 ? -angle : angle;
 }
 
-// Puts a feature where it belongs: kept in its range if that is the rule, shifted and scaled.
+// Stores a feature: clamped to its range if the query rule says so, shifted and scaled.
 void put_feature(uint u, uint feature, float value) {
     uint row = params.features + 4u * feature;
     float kept = value;
@@ -59,7 +60,8 @@ void put_row(uint u, uint feature, vec3 row) {
     put_feature(u, feature + 2u, row.z);
 }
 
-// Makes the features of the input of a row of the file, from its numbers on.
+// Computes the features of one input, given by its row in the file, from the query's numbers at
+// `number`.
 void put_features(uint row, uint number, uint u, uint feature) {
     uint kind = blob[row] & 0xffu;
     for (uint i = 0u; i < number_len(kind); i++) {
@@ -77,7 +79,7 @@ void put_features(uint row, uint number, uint u, uint feature) {
     float w = queries[number + 3u];
     vec3 axis = blob_vec3(row + 1u);
     precise float square = squared_length(vec4(v, w));
-    // Of nothing there is no direction.
+    // A quaternion of length 0 has no direction.
     if ((floatBitsToUint(square) & INFINITE) == 0u) {
         atomicOr(unsound, 1u);
     }

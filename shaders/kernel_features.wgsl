@@ -1,6 +1,6 @@
-// The features of a query: quadratic forms of quaternions, over their square.
+// The features of a query: quadratic forms of quaternions, divided by their squared length.
 
-// Numbers of a query that an input of a kind takes.
+// Count of a query's numbers for an input of a kind.
 fn number_len(kind: u32) -> u32 {
     switch kind {
         case 1u: {
@@ -15,7 +15,7 @@ fn number_len(kind: u32) -> u32 {
     }
 }
 
-// Features that are made of it.
+// Count of features of an input of a kind.
 fn feature_len(kind: u32) -> u32 {
     switch kind {
         case 3u: {
@@ -44,7 +44,8 @@ fn squared_length(q: vec4<f32>) -> f32 {
     return dot3(q.xyz, q.xyz) + q.w * q.w;
 }
 
-// Angle of the twist, half of which has this sine and this cosine, within half a turn.
+// Angle of a twist, within half a turn, from a sine and a cosine in proportion to those of half the
+// angle.
 fn twist_angle(sine: f32, cosine: f32) -> f32 {
     let flipped = cosine < 0.0 || (cosine == 0.0 && sine < 0.0);
     let about = select(sine, -sine, flipped);
@@ -52,7 +53,7 @@ fn twist_angle(sine: f32, cosine: f32) -> f32 {
     return select(angle, -angle, about < 0.0);
 }
 
-// Puts a feature where it belongs: kept in its range if that is the rule, shifted and scaled.
+// Stores a feature: clamped to its range if the query rule says so, shifted and scaled.
 fn put_feature(u: u32, feature: u32, value: f32) {
     let row = params.features + 4u * feature;
     var kept = value;
@@ -71,7 +72,8 @@ fn put_row(u: u32, feature: u32, row: vec3<f32>) {
     put_feature(u, feature + 2u, row.z);
 }
 
-// Makes the features of the input of a row of the file, from its numbers on.
+// Computes the features of one input, given by its row in the file, from the query's numbers at
+// `number`.
 fn put_features(row: u32, number: u32, u: u32, feature: u32) {
     let kind = blob[row] & 0xffu;
     for (var i = 0u; i < number_len(kind); i++) {
@@ -89,7 +91,7 @@ fn put_features(row: u32, number: u32, u: u32, feature: u32) {
     let w = queries[number + 3u];
     let axis = blob_vec3(row + 1u);
     let square = squared_length(vec4<f32>(v, w));
-    // Of nothing there is no direction.
+    // A quaternion of length 0 has no direction.
     if (bitcast<u32>(square) & INFINITE) == 0u {
         atomicStore(&unsound, 1u);
     }

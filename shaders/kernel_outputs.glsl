@@ -1,6 +1,6 @@
-// From values to outputs: the fade, ranges, rotations from their vectors, and sums of 1.
+// From values to outputs: fades, ranges, rotations from their vectors, and outputs that sum to 1.
 
-// Numbers of an output of a kind; a rotation has one less as values.
+// Count of an output's numbers by its kind; a rotation has 4 numbers, but 3 values.
 uint output_len(uint kind) {
     return kind == 1u ? 1u : (kind == 2u ? 3u : 4u);
 }
@@ -9,7 +9,7 @@ uint value_len(uint kind) {
     return kind == 1u ? 1u : 3u;
 }
 
-// A value that tends to the neutral one, if that is the rule.
+// A value, blended towards the neutral value if the query rule is FADE.
 float faded(float value, float neutral) {
     precise float both = confidence * value + (1.0 - confidence) * neutral;
     return query_rule() == FADE ? both : value;
@@ -20,7 +20,7 @@ void put_output(uint at, float value) {
     out_floats[at] = value;
 }
 
-// The quaternion a b: first b, then a.
+// Stores the quaternion product a b: b is applied first.
 void put_product(uint at, vec4 a, vec4 b) {
     precise vec4 both = vec4(
         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -34,7 +34,7 @@ void put_product(uint at, vec4 a, vec4 b) {
     put_output(at + 3u, both.w);
 }
 
-// Makes the output of a row of the file of its values.
+// Computes one output, given by its row in the file, from its values.
 void put_outputs(uint row, uint value, uint at) {
     uint kind = blob[row] & 0xffu;
     vec4 neutral = blob_vec4(row + 3u);
@@ -63,12 +63,12 @@ void put_outputs(uint row, uint value, uint at) {
     put_product(at, neutral, turn);
 }
 
-// Whether an output of a row of the file is normalised with the others that are.
+// Whether an output, given by its row in the file, is one of the normalised outputs.
 bool is_marked(uint row) {
     return (blob[row] & 0xff00u) != 0u;
 }
 
-// What the marked outputs from a place on are divided by; 0 if they are not.
+// Divisor of the normalised outputs, which start at `first`; 0 if they are not divided.
 float divisor_of(uint first) {
     precise float sum = 0.0;
     uint at = first;

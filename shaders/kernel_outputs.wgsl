@@ -1,6 +1,6 @@
-// From values to outputs: the fade, ranges, rotations from their vectors, and sums of 1.
+// From values to outputs: fades, ranges, rotations from their vectors, and outputs that sum to 1.
 
-// Numbers of an output of a kind; a rotation has one less as values.
+// Count of an output's numbers by its kind; a rotation has 4 numbers, but 3 values.
 fn output_len(kind: u32) -> u32 {
     return select(select(4u, 3u, kind == 2u), 1u, kind == 1u);
 }
@@ -9,7 +9,7 @@ fn value_len(kind: u32) -> u32 {
     return select(3u, 1u, kind == 1u);
 }
 
-// A value that tends to the neutral one, if that is the rule.
+// A value, blended towards the neutral value if the query rule is FADE.
 fn faded(value: f32, neutral: f32) -> f32 {
     if query_rule() == FADE {
         return confidence * value + (1.0 - confidence) * neutral;
@@ -22,7 +22,7 @@ fn put_output(at: u32, value: f32) {
     out[at] = value;
 }
 
-// The quaternion a b: first b, then a.
+// Stores the quaternion product a b: b is applied first.
 fn put_product(at: u32, a: vec4<f32>, b: vec4<f32>) {
     put_output(at, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y);
     put_output(at + 1u, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x);
@@ -30,7 +30,7 @@ fn put_product(at: u32, a: vec4<f32>, b: vec4<f32>) {
     put_output(at + 3u, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
-// Makes the output of a row of the file of its values.
+// Computes one output, given by its row in the file, from its values.
 fn put_outputs(row: u32, value: u32, at: u32) {
     let kind = blob[row] & 0xffu;
     let neutral = blob_vec4(row + 3u);
@@ -58,12 +58,12 @@ fn put_outputs(row: u32, value: u32, at: u32) {
     put_product(at, neutral, turn);
 }
 
-// Whether an output of a row of the file is normalised with the others that are.
+// Whether an output, given by its row in the file, is one of the normalised outputs.
 fn is_marked(row: u32) -> bool {
     return (blob[row] & 0xff00u) != 0u;
 }
 
-// What the marked outputs from a place on are divided by; 0 if they are not.
+// Divisor of the normalised outputs, which start at `first`; 0 if they are not divided.
 fn divisor_of(first: u32) -> f32 {
     var sum = 0.0;
     var at = first;

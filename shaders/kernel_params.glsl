@@ -1,7 +1,7 @@
-// What the stages of a kernel are told: where everything lies, in words of 4 bytes.
+// Params of the stage kernel: counts, and places of arrays in words of 4 bytes.
 
 layout(set = 0, binding = 0, std140) uniform Params {
-    // The part's counts.
+    // Counts of the part.
     uint input_len;
     uint output_len;
     uint feature_len;
@@ -9,7 +9,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint centre_len;
     uint term_len;
     uint value_len;
-    // Sections, from the blob's start.
+    // Offsets of sections from the blob's start.
     uint kernel_rule;
     uint inputs;
     uint outputs;
@@ -18,8 +18,8 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint kernel_centres;
     uint terms;
     uint kernel_coefficients;
-    // Arrays from the binding's start: the first instance's, and from an instance to the next. An offset of NONE
-    // stands for what is not written.
+    // Offset of an array from the binding's start, and stride from an instance to the next. An
+    // offset of NONE: the array is not written.
     uint scratch_offset;
     uint scratch_stride;
     uint queries_offset;

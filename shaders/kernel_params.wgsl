@@ -1,7 +1,7 @@
-// What the stages of a kernel are told: where everything lies, in words of 4 bytes.
+// Params of the stage kernel: counts, and places of arrays in words of 4 bytes.
 
 struct Params {
-    // The part's counts.
+    // Counts of the part.
     input_len: u32,
     output_len: u32,
     feature_len: u32,
@@ -9,7 +9,7 @@ struct Params {
     centre_len: u32,
     term_len: u32,
     value_len: u32,
-    // Sections, from the blob's start.
+    // Offsets of sections from the blob's start.
     kernel_rule: u32,
     inputs: u32,
     outputs: u32,
@@ -18,8 +18,8 @@ struct Params {
     kernel_centres: u32,
     terms: u32,
     kernel_coefficients: u32,
-    // Arrays from the binding's start: the first instance's, and from an instance to the next. An offset of NONE
-    // stands for what is not written.
+    // Offset of an array from the binding's start, and stride from an instance to the next. An
+    // offset of NONE: the array is not written.
     scratch_offset: u32,
     scratch_stride: u32,
     queries_offset: u32,

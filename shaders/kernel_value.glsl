@@ -1,10 +1,10 @@
 // The kernels of scattered data, as functions of a squared distance.
 
-// Natural logarithm of x >= 0; below the least normal number, that number's.
+// Natural logarithm of x >= 0; subnormal numbers count as the least normal number.
 float ln(float x) {
-    // Whole numbers order floats >= 0 as these do.
+    // The bits of floats >= 0, read as integers, have the order of the floats.
     int bits = max(floatBitsToInt(x), 0x00800000);
-    // Less the bits of the root of 1/2: mantissas lie within that and the root of 2.
+    // Subtracting the bits of sqrt(1/2) puts mantissas between sqrt(1/2) and sqrt(2).
     int k = (bits - 0x3f3504f3) >> 23;
     precise float f = intBitsToFloat(bits - (k << 23)) - 1.0;
     float n = float(k);
@@ -16,7 +16,7 @@ float ln(float x) {
     return result;
 }
 
-// (1 - r)^(l + 1) ((l + 1) r + 1), r kept below 1; a power multiplies from the left.
+// (1 - r)^(l + 1) ((l + 1) r + 1), r clamped to 1; the power multiplies from the left.
 float wendland(uint l, float distance) {
     float r = 1.0 < distance ? 1.0 : distance;
     precise float q = 1.0 - r;

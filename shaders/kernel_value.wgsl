@@ -1,10 +1,10 @@
 // The kernels of scattered data, as functions of a squared distance.
 
-// Natural logarithm of x >= 0; below the least normal number, that number's.
+// Natural logarithm of x >= 0; subnormal numbers count as the least normal number.
 fn ln(x: f32) -> f32 {
-    // Whole numbers order floats >= 0 as these do.
+    // The bits of floats >= 0, read as integers, have the order of the floats.
     let bits = max(bitcast<i32>(x), 0x00800000);
-    // Less the bits of the root of 1/2: mantissas lie within that and the root of 2.
+    // Subtracting the bits of sqrt(1/2) puts mantissas between sqrt(1/2) and sqrt(2).
     let k = (bits - 0x3f3504f3) >> 23u;
     let f = bitcast<f32>(bits - (k << 23u)) - 1.0;
     let n = f32(k);
@@ -54,7 +54,7 @@ fn kernel_value(kernel: u32, parameter: u32, s: f32) -> f32 {
     }
 }
 
-// (1 - r)^(l + 1) ((l + 1) r + 1), r kept below 1; a power multiplies from the left.
+// (1 - r)^(l + 1) ((l + 1) r + 1), r clamped to 1; the power multiplies from the left.
 fn wendland(l: u32, distance: f32) -> f32 {
     let r = select(distance, 1.0, 1.0 < distance);
     let q = 1.0 - r;

@@ -65,7 +65,7 @@ float smooth_step(float u) {
     return curve < 1.0 ? curve : 1.0;
 }
 
-// How near a squared distance is: 1 up to a fade's start, 0 from its end on, a quintic step between.
+// Nearness of a squared distance: 1 up to a fade's start, 0 from its end, a quintic step between.
 float nearness(float s, float start, float end) {
     precise float left = s < end ? end - s : 0.0;
     precise float u = left / (end - start);

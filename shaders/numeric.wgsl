@@ -1,5 +1,5 @@
-// The transcendental functions: the runtime's polynomials, operation by operation. Signs stand so that
-// a compiler that takes sums apart, where it may, finds none: it sees 1 + (a + b), not 1 - (-a - b).
+// The transcendental functions: the runtime's polynomials, operation by operation. The signs leave
+// a compiler no sum to split: it sees 1 + (a + b), not 1 - (-a - b).
 
 // Sine and versine (1 - cos) of an angle >= 0.
 fn sin_versine(angle: f32) -> vec2<f32> {
@@ -59,7 +59,7 @@ fn smooth_step(u: f32) -> f32 {
     return select(1.0, step, step < 1.0);
 }
 
-// How near a squared distance is: 1 up to a fade's start, 0 from its end on, a quintic step between.
+// Nearness of a squared distance: 1 up to a fade's start, 0 from its end, a quintic step between.
 fn nearness(s: f32, start: f32, end: f32) -> f32 {
     let left = select(0.0, end - s, s < end);
     let u = left / (end - start);
@@ -76,6 +76,7 @@ fn matern(kernel: u32, s: f32) -> f32 {
     if kernel == 10u {
         return (1.0 + a) * exp_negative(a);
     }
-    // The lesser is always the square, which is thus computed before the product.
+    // The square is always the lesser operand; `min` forces the compiler to compute it before the
+    // product.
     return (1.0 + a + min(a * a, EXP_MAX * EXP_MAX) * (1.0 / 3.0)) * exp_negative(a);
 }

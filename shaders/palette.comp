@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
+// Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a
+// transform.
 
 #include "params.glsl"
 #include "blob.glsl"

@@ -1,4 +1,5 @@
-// Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
+// Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a
+// transform.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
 @group(0) @binding(3) var<storage, read> scratch: array<f32>;

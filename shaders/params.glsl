@@ -1,7 +1,8 @@
-// What the stages of an envelope and its skin are told: where everything lies, in words of 4 bytes.
+// Params of the stages of an envelope and its skin: counts, and places of arrays in words of 4
+// bytes.
 
 layout(set = 0, binding = 0, std140) uniform Params {
-    // Counts: vertices of the dispatch and of the skin, then the model's.
+    // Counts: vertices of the dispatch, vertices of the skin, then counts of the model.
     uint vertex_first;
     uint vertex_len;
     uint mesh_len;
@@ -12,7 +13,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint group_len;
     uint root;
     uint predictor;
-    // Sections, from the blob's start; NONE stands for one that is not there.
+    // Offsets of sections from the blob's start; NONE if the part has no such section.
     uint hierarchy;
     uint rest_positions;
     uint rest_normals;
@@ -27,7 +28,8 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint origins;
     uint groups;
     uint corrections;
-    // Arrays in the scratch of an instance; a group's own scratch, and from it to the next group's.
+    // Offsets of arrays in an instance's scratch; the last two are offset and stride of the groups'
+    // own scratch.
     uint relative;
     uint rotations;
     uint gradients;
@@ -35,7 +37,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint group_confidences;
     uint group_scratch;
     uint group_stride;
-    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    // Offset of an array from the binding's start, and stride from an instance to the next.
     uint scratch_offset;
     uint scratch_stride;
     uint poses_offset;
@@ -44,7 +46,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint palettes_stride;
     uint confidences_offset;
     uint confidences_stride;
-    // The same of what the host brings; an offset of NONE stands for what it does not bring.
+    // Offset and stride of the host's own arrays; NONE if the host has no such array.
     uint host_remap_offset;
     uint host_remap_stride;
     uint host_positions_offset;
@@ -53,7 +55,8 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint host_normals_stride;
     uint host_tangents_offset;
     uint host_tangents_stride;
-    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
+    // Offset of an attribute from the binding's start, stride from a vertex to the next, and stride
+    // from an instance to the next; NONE if the attribute is not written.
     uint positions_offset;
     uint positions_stride;
     uint positions_instance_stride;

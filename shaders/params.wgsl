@@ -1,7 +1,8 @@
-// What the stages of an envelope and its skin are told: where everything lies, in words of 4 bytes.
+// Params of the stages of an envelope and its skin: counts, and places of arrays in words of 4
+// bytes.
 
 struct Params {
-    // Counts: vertices of the dispatch and of the skin, then the model's.
+    // Counts: vertices of the dispatch, vertices of the skin, then counts of the model.
     vertex_first: u32,
     vertex_len: u32,
     mesh_len: u32,
@@ -12,7 +13,7 @@ struct Params {
     group_len: u32,
     root: u32,
     predictor: u32,
-    // Sections, from the blob's start; NONE stands for one that is not there.
+    // Offsets of sections from the blob's start; NONE if the part has no such section.
     hierarchy: u32,
     rest_positions: u32,
     rest_normals: u32,
@@ -27,7 +28,8 @@ struct Params {
     origins: u32,
     groups: u32,
     corrections: u32,
-    // Arrays in the scratch of an instance; a group's own scratch, and from it to the next group's.
+    // Offsets of arrays in an instance's scratch; the last two are offset and stride of the groups'
+    // own scratch.
     relative: u32,
     rotations: u32,
     gradients: u32,
@@ -35,7 +37,7 @@ struct Params {
     group_confidences: u32,
     group_scratch: u32,
     group_stride: u32,
-    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    // Offset of an array from the binding's start, and stride from an instance to the next.
     scratch_offset: u32,
     scratch_stride: u32,
     poses_offset: u32,
@@ -44,7 +46,7 @@ struct Params {
     palettes_stride: u32,
     confidences_offset: u32,
     confidences_stride: u32,
-    // The same of what the host brings; an offset of NONE stands for what it does not bring.
+    // Offset and stride of the host's own arrays; NONE if the host has no such array.
     host_remap_offset: u32,
     host_remap_stride: u32,
     host_positions_offset: u32,
@@ -53,7 +55,8 @@ struct Params {
     host_normals_stride: u32,
     host_tangents_offset: u32,
     host_tangents_stride: u32,
-    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
+    // Offset of an attribute from the binding's start, stride from a vertex to the next, and stride
+    // from an instance to the next; NONE if the attribute is not written.
     positions_offset: u32,
     positions_stride: u32,
     positions_instance_stride: u32,

@@ -1,4 +1,5 @@
-// The quaternion x, y, z, w of a rotation matrix up to its length, w not negative, by its largest component.
+// The quaternion x, y, z, w of a rotation matrix, up to its length, with w >= 0; computed by its
+// largest component.
 vec4 quaternion(mat3 m) {
     float xx = m[0].x;
     float yy = m[1].y;

@@ -1,5 +1,5 @@
-// The quaternion x, y, z, w of a rotation matrix up to its length, w not negative, by its largest component. Signs
-// stand as in numeric.wgsl: no sum to be taken apart.
+// The quaternion x, y, z, w of a rotation matrix, up to its length, with w >= 0; computed by its
+// largest component. As in numeric.wgsl, the signs leave a compiler no sum to split.
 fn quaternion(m: mat3x3<f32>) -> vec4<f32> {
     let xx = m[0].x;
     let yy = m[1].y;

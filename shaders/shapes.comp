@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage shapes: weights to the rest mesh that a skin then moves. One thread a vertex, one workgroup a block.
+// Stage shapes: weights of shapes to the rest mesh of a skin. One thread a vertex, one workgroup a
+// block.
 
 #include "shapes_params.glsl"
 #include "blob.glsl"
@@ -23,7 +24,7 @@ void put(uint at, vec3 v) {
 const uint ELEMENT_F16 = 4u;
 const uint ELEMENT_I8 = 5u;
 
-// A number of a section of deltas or of slopes.
+// Number `index` of a section of deltas or slopes.
 float number(uint section, uint index) {
     if (params.element == ELEMENT_I8) {
         uint word = blob[section + index / 4u];
@@ -53,7 +54,7 @@ void main() {
         entry_first = blob[params.shape_blocks + block];
         entry_end = blob[params.shape_blocks + block + 1u];
     }
-    // The bits of a mask that are below a vertex's own.
+    // Bits of a mask below the vertex's own bit.
     uvec2 below = own < 32u ? uvec2((1u << own) - 1u, 0u)
         : uvec2(0xffffffffu, (1u << (own - 32u)) - 1u);
     for (uint entry = entry_first; entry < entry_end; entry++) {

@@ -1,4 +1,5 @@
-// Stage shapes: weights to the rest mesh that a skin then moves. One thread a vertex, one workgroup a block.
+// Stage shapes: weights of shapes to the rest mesh of a skin. One thread a vertex, one workgroup a
+// block.
 
 @group(0) @binding(2) var<storage, read> weights: array<f32>;
 @group(0) @binding(3) var<storage, read_write> out: array<f32>;
@@ -12,7 +13,7 @@ fn put(at: u32, v: vec3<f32>) {
 const ELEMENT_F16: u32 = 4u;
 const ELEMENT_I8: u32 = 5u;
 
-// A number of a section of deltas or of slopes.
+// Number `index` of a section of deltas or slopes.
 fn number(section: u32, index: u32) -> f32 {
     if params.element == ELEMENT_I8 {
         let word = blob[section + index / 4u];
@@ -45,7 +46,7 @@ fn main(
         entry_first = blob[params.shape_blocks + block];
         entry_end = blob[params.shape_blocks + block + 1u];
     }
-    // The bits of a mask that are below a vertex's own.
+    // Bits of a mask below the vertex's own bit.
     var below = vec2<u32>(0xffffffffu, 0u);
     if own < 32u {
         below.x = (1u << own) - 1u;

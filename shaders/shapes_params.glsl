@@ -1,11 +1,11 @@
-// What the stage shapes is told: where everything lies, in words of 4 bytes.
+// Params of the stage shapes: counts, and places of arrays in words of 4 bytes.
 
 layout(set = 0, binding = 0, std140) uniform Params {
-    // Vertices that are written, and what deltas and slopes are: the number of the element.
+    // Range of vertices, and the number of the element type of deltas and slopes.
     uint vertex_first;
     uint vertex_len;
     uint element;
-    // Sections, from the blob's start; NONE stands for one that is not there.
+    // Offsets of sections from the blob's start; NONE if the part has no such section.
     uint rest_positions;
     uint rest_normals;
     uint rest_tangents;
@@ -14,10 +14,11 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint shape_entries;
     uint shape_deltas;
     uint shape_slopes;
-    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    // Offset of an array from the binding's start, and stride from an instance to the next.
     uint weights_offset;
     uint weights_stride;
-    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
+    // Offset of an attribute from the binding's start, stride from a vertex to the next, and stride
+    // from an instance to the next; NONE if the attribute is not written.
     uint positions_offset;
     uint positions_stride;
     uint positions_instance_stride;

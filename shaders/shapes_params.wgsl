@@ -1,11 +1,11 @@
-// What the stage shapes is told: where everything lies, in words of 4 bytes.
+// Params of the stage shapes: counts, and places of arrays in words of 4 bytes.
 
 struct Params {
-    // Vertices that are written, and what deltas and slopes are: the number of the element.
+    // Range of vertices, and the number of the element type of deltas and slopes.
     vertex_first: u32,
     vertex_len: u32,
     element: u32,
-    // Sections, from the blob's start; NONE stands for one that is not there.
+    // Offsets of sections from the blob's start; NONE if the part has no such section.
     rest_positions: u32,
     rest_normals: u32,
     rest_tangents: u32,
@@ -14,10 +14,11 @@ struct Params {
     shape_entries: u32,
     shape_deltas: u32,
     shape_slopes: u32,
-    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    // Offset of an array from the binding's start, and stride from an instance to the next.
     weights_offset: u32,
     weights_stride: u32,
-    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
+    // Offset of an attribute from the binding's start, stride from a vertex to the next, and stride
+    // from an instance to the next; NONE if the attribute is not written.
     positions_offset: u32,
     positions_stride: u32,
     positions_instance_stride: u32,

@@ -21,7 +21,7 @@ vec3 host_vec3(uint word) {
     return uintBitsToFloat(uvec3(host[word], host[word + 1u], host[word + 2u]));
 }
 
-// A vertex at rest: as the host's mesh has it where it brings one, or else as the file's has.
+// Rest position of a vertex: from the host's mesh if there is one, else from the file.
 vec3 rest_position(uint instance, uint vertex) {
     if (params.host_positions_offset == NONE) {
         return blob_vec3(params.rest_positions + 3u * vertex);
@@ -38,7 +38,7 @@ vec3 rest_normal(uint instance, uint vertex) {
     return host_vec3(first + 3u * vertex);
 }
 
-// A direction and, last, the handedness.
+// Rest tangent: a direction, then the handedness.
 vec4 rest_tangent(uint instance, uint vertex) {
     if (params.host_tangents_offset == NONE) {
         return blob_vec4(params.rest_tangents + 4u * vertex);
@@ -53,13 +53,13 @@ void put(uint at, vec3 v) {
     out_floats[at + 2u] = v.z;
 }
 
-// A matrix of columns x, y, z times a vector.
+// The matrix with columns x, y, z, times a vector.
 vec3 along(vec3 x, vec3 y, vec3 z, vec3 v) {
     precise vec3 sum = x * v.x + y * v.y + z * v.z;
     return sum;
 }
 
-// -1 where a palette mirrors, by its first transform, else 1.
+// -1 if the palette's first transform mirrors, else 1.
 float mirror(uint palette) {
     vec3 x = palettes[palette].xyz;
     vec3 y = palettes[palette + 1u].xyz;
@@ -67,13 +67,13 @@ float mirror(uint palette) {
     return dot3(x, cross3(y, z)) < 0.0 ? -1.0 : 1.0;
 }
 
-// The first vector of a transform of a palette that a vertex's k-th influence names.
+// Index of the first row of the transform for a vertex's k-th influence.
 uint transform_of(uint palette, uint vertex, uint k) {
     uint influence = vertex * params.influence_len + k;
     return palette + 3u * blob_half(params.influence_indices, influence);
 }
 
-// Where a transform moves a point.
+// Image of a point under a transform.
 vec3 moved(uint at, vec3 point) {
     vec4 a = palettes[at];
     vec4 b = palettes[at + 1u];
@@ -85,8 +85,8 @@ vec3 moved(uint at, vec3 point) {
     return place;
 }
 
-// What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a
-// vertex's transforms move it apart.
+// Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
+// y_last), where y are the images of the vertex under its transforms.
 Frame parted(uint palette, uint vertex, vec3 rest) {
     uint others = params.influence_len - 1u;
     vec3 last = moved(transform_of(palette, vertex, others), rest);
@@ -101,7 +101,7 @@ Frame parted(uint palette, uint vertex, vec3 rest) {
     return Frame(g, h);
 }
 
-// A normal turned by the transform of a vertex's strongest influence, the first of equals.
+// A normal, transformed by the vertex's strongest influence (the first of equal ones).
 vec3 turned_by_strongest(uint palette, uint vertex, vec3 normal) {
     float most = -1.0;
     uint strongest = 0u;
@@ -128,7 +128,7 @@ void main() {
     uint vertex = params.vertex_first + i;
     if (params.host_remap_offset != NONE) {
         uint at = params.host_remap_offset + instance * params.host_remap_stride + vertex;
-        // The host's own index: one beyond the mesh must not be followed.
+        // Clamps the host's index, which may be outside the mesh.
         vertex = min(host[at], params.mesh_len - 1u);
     }
     uint palette = (params.palettes_offset + instance * params.palettes_stride) / 4u;
@@ -179,7 +179,7 @@ void main() {
                 side = 1.0;
             }
         } else {
-            // By the cofactors.
+            // By the cofactors of the blended matrix.
             turned = along(cross3(y, z), cross3(z, x), cross3(x, y), normal);
         }
         uint at = params.normals_offset + instance * params.normals_instance_stride;

@@ -8,7 +8,7 @@ fn host_vec3(word: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(vec3<u32>(host[word], host[word + 1u], host[word + 2u]));
 }
 
-// A vertex at rest: as the host's mesh has it where it brings one, or else as the file's has.
+// Rest position of a vertex: from the host's mesh if there is one, else from the file.
 fn rest_position(instance: u32, vertex: u32) -> vec3<f32> {
     if params.host_positions_offset == NONE {
         return blob_vec3(params.rest_positions + 3u * vertex);
@@ -25,7 +25,7 @@ fn rest_normal(instance: u32, vertex: u32) -> vec3<f32> {
     return host_vec3(first + 3u * vertex);
 }
 
-// A direction and, last, the handedness.
+// Rest tangent: a direction, then the handedness.
 fn rest_tangent(instance: u32, vertex: u32) -> vec4<f32> {
     if params.host_tangents_offset == NONE {
         return blob_vec4(params.rest_tangents + 4u * vertex);
@@ -40,12 +40,12 @@ fn put(at: u32, v: vec3<f32>) {
     out[at + 2u] = v.z;
 }
 
-// A matrix of columns x, y, z times a vector.
+// The matrix with columns x, y, z, times a vector.
 fn along(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return x * v.x + y * v.y + z * v.z;
 }
 
-// -1 where a palette mirrors, by its first transform, else 1.
+// -1 if the palette's first transform mirrors, else 1.
 fn mirror(palette: u32) -> f32 {
     let x = palettes[palette].xyz;
     let y = palettes[palette + 1u].xyz;
@@ -53,13 +53,13 @@ fn mirror(palette: u32) -> f32 {
     return select(1.0, -1.0, dot3(x, cross3(y, z)) < 0.0);
 }
 
-// The first vector of a transform of a palette that a vertex's k-th influence names.
+// Index of the first row of the transform for a vertex's k-th influence.
 fn transform_of(palette: u32, vertex: u32, k: u32) -> u32 {
     let influence = vertex * params.influence_len + k;
     return palette + 3u * blob_half(params.influence_indices, influence);
 }
 
-// Where a transform moves a point.
+// Image of a point under a transform.
 fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
     let a = palettes[at];
     let b = palettes[at + 1u];
@@ -70,8 +70,8 @@ fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
     return along(x, y, z, point) + vec3<f32>(a.w, b.w, c.w);
 }
 
-// What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a
-// vertex's transforms move it apart.
+// Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
+// y_last), where y are the images of the vertex under its transforms.
 fn parted(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
     let others = params.influence_len - 1u;
     let last = moved(transform_of(palette, vertex, others), rest);
@@ -86,7 +86,7 @@ fn parted(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
     return Frame(g, h);
 }
 
-// A normal turned by the transform of a vertex's strongest influence, the first of equals.
+// A normal, transformed by the vertex's strongest influence (the first of equal ones).
 fn turned_by_strongest(palette: u32, vertex: u32, normal: vec3<f32>) -> vec3<f32> {
     var most = -1.0;
     var strongest = 0u;
@@ -120,7 +120,7 @@ fn main(
     var vertex = params.vertex_first + i;
     if params.host_remap_offset != NONE {
         let at = params.host_remap_offset + instance * params.host_remap_stride + vertex;
-        // The host's own index: one beyond the mesh must not be followed.
+        // Clamps the host's index, which may be outside the mesh.
         vertex = min(host[at], params.mesh_len - 1u);
     }
     let palette = (params.palettes_offset + instance * params.palettes_stride) / 4u;
@@ -171,7 +171,7 @@ fn main(
                 side = 1.0;
             }
         } else {
-            // By the cofactors.
+            // By the cofactors of the blended matrix.
             turned = along(cross3(y, z), cross3(z, x), cross3(x, y), normal);
         }
         let at = params.normals_offset + instance * params.normals_instance_stride;

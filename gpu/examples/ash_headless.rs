@@ -1,8 +1,8 @@
-//! Skins three instances of a model as an engine does that has Vulkan of its own: its instance,
-//! device, queue, buffer and command buffer; and compares every float with the CPU's.
+//! Skins three instances of a model as an engine with its own Vulkan does: its own instance,
+//! device, queue, buffer and command buffer. Then compares every float with the CPU's.
 //!
 //!     cargo run --release -p sinew-gpu --example ash_headless -- [MODEL]
-#![allow(unsafe_code, reason = "every call of Vulkan is")]
+#![allow(unsafe_code, reason = "every call of Vulkan is unsafe")]
 
 use ash::{Device, Entry, Instance, vk};
 use sinew_gpu::layout::{ALIGNMENT, Batch, Plan, Resource};
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let batch = Batch::skinned(&envelope, &skin, INSTANCES);
     let poses = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32));
     let poses = poses.collect::<Result<Vec<_>, _>>()?;
-    // SAFETY: each function below asks for nothing but what was made before it.
+    // SAFETY: each function below uses only objects that were made before.
     let found = unsafe {
         let engine = Engine::new()?;
         let found = on_the_gpu(&engine, &model, &envelope, &batch, &poses);
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Skins on the engine's device; returns palettes, confidences and what is skinned.
+/// Skins on the engine's device; returns palettes, confidences and skinned attributes.
 unsafe fn on_the_gpu(
     engine: &Engine,
     model: &Model<Vec<u8>>,
@@ -58,7 +58,7 @@ unsafe fn on_the_gpu(
     let device = &engine.device;
     let plan = Plan::new(model, envelope, batch, &limits(&engine.limits))?;
 
-    // One buffer for all, each resource at a place that any device can bind.
+    // One buffer for all resources, each at an offset that any device can bind.
     let mut bytes = 0;
     let places = Resource::ALL.map(|resource| {
         let place = bytes;
@@ -66,7 +66,8 @@ unsafe fn on_the_gpu(
         place as usize
     });
     let usage = Resource::ALL.into_iter().map(usage).reduce(|a, b| a | b).unwrap_or_default();
-    // SAFETY: the device is valid, and whatever is submitted has been waited for before it is freed.
+    // SAFETY: the device is valid, and all submissions have been waited for before anything is
+    // freed.
     unsafe {
         let (buffer, memory) = engine.buffer(bytes, usage)?;
         let flags = vk::MemoryMapFlags::empty();
@@ -97,10 +98,10 @@ unsafe fn on_the_gpu(
         });
         let bound = Bound::new(device, &pipelines, &plan, &buffers, &sets)?;
 
-        // What the host writes before it submits is visible to the device.
+        // Writes of the host before a submission are visible to the device.
         engine.submit(|commands| {
             bound.record(device, commands, INSTANCES)?;
-            // The engine's own barrier: here what is skinned goes to the CPU.
+            // The engine's own barrier; here for the CPU, which reads the skinned attributes.
             let memory = [vk::MemoryBarrier::default()
                 .src_access_mask(vk::AccessFlags::SHADER_WRITE)
                 .dst_access_mask(vk::AccessFlags::HOST_READ)];
@@ -123,7 +124,7 @@ unsafe fn on_the_gpu(
     }
 }
 
-/// Does the same on the CPU: of each instance positions, normals and tangents one after the other.
+/// Skins on the CPU: for each instance positions, then normals, then tangents.
 fn on_the_cpu(
     envelope: &Envelope<'_>,
     skin: &Skin<'_>,
@@ -156,7 +157,7 @@ fn on_the_cpu(
     Ok(out)
 }
 
-/// Turns each joint against its rest frame by an angle about its own z axis.
+/// Rotates each joint from its rest frame by an angle about its own z axis.
 fn bent(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, CallError> {
     let (s, c) = (angle / 2.0).sin_cos();
     let turned = |rest: LocalTransform| {
@@ -172,7 +173,7 @@ fn bent(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, CallError
     Ok(pose)
 }
 
-/// What an engine has anyway.
+/// The Vulkan objects that an engine already has.
 struct Engine {
     instance: Instance,
     device: Device,
@@ -180,13 +181,13 @@ struct Engine {
     commands: vk::CommandPool,
     limits: vk::PhysicalDeviceLimits,
     memory: vk::PhysicalDeviceMemoryProperties,
-    /// Holds the loader's library.
+    /// Keeps the loader's library loaded.
     _entry: Entry,
 }
 
 impl Engine {
     unsafe fn new() -> Result<Self, Box<dyn Error>> {
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             let entry = Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_1);
@@ -219,14 +220,14 @@ impl Engine {
         }
     }
 
-    /// Makes a buffer in memory that the host sees, too.
+    /// Makes a buffer in host-visible memory.
     unsafe fn buffer(
         &self,
         bytes: u64,
         usage: vk::BufferUsageFlags,
     ) -> Result<(vk::Buffer, vk::DeviceMemory), Box<dyn Error>> {
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             let buffer = self.device.create_buffer(&info, None)?;
             let asked = self.device.get_buffer_memory_requirements(buffer);
@@ -254,7 +255,7 @@ impl Engine {
         let info = vk::CommandBufferAllocateInfo::default()
             .command_pool(self.commands)
             .command_buffer_count(1);
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             let commands = self.device.allocate_command_buffers(&info)?;
             let begin = vk::CommandBufferBeginInfo::default();
@@ -268,7 +269,7 @@ impl Engine {
     }
 
     unsafe fn destroy(self) {
-        // SAFETY: what was made of them is gone, and nothing is in flight.
+        // SAFETY: their objects have been destroyed, and nothing is in flight.
         unsafe {
             self.device.destroy_command_pool(self.commands, None);
             self.device.destroy_device(None);

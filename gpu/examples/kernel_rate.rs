@@ -1,5 +1,5 @@
-//! How long queries of a kernel take on a device, through each API, beside one core of the CPU: many of few
-//! values, and few of many.
+//! Measures the time of kernel queries on a device, through each API, and on one core of the CPU:
+//! many queries with few values, and few queries with many values.
 //!
 //! `cargo run --release -p sinew-gpu --example kernel_rate [-- DRIVER]`
 
@@ -15,7 +15,7 @@ use std::time::Instant;
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const MEDIAN_OF: usize = 5;
-/// Inputs, centres and values, and queries of them.
+/// Inputs, centres and values; and the number of queries.
 const SIZES: [([usize; 3], usize); 3] =
     [([3, 200, 3], 100_000), ([27, 64, 480], 16), ([27, 64, 480], 4096)];
 

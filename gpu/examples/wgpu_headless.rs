@@ -1,4 +1,5 @@
-//! Skins three instances of a model on wgpu, as an engine would, and compares with the CPU.
+//! Skins three instances of a model on wgpu, as an engine would, and compares the result with the
+//! CPU's.
 //!
 //! `cargo run --release -p sinew-gpu --example wgpu_headless [-- MODEL [DRIVER]]`
 
@@ -21,14 +22,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let envelope = model.envelope().ok_or("the model has no envelope")?;
     let skin = model.skin().ok_or("the model has no skin")?;
 
-    // An engine has its own device and queue; the helper is for programs that have none.
+    // An engine has its own device and queue; `headless` is for programs that have none.
     let wanted = |driver: Option<&str>, found: &str| driver.is_none_or(|driver| driver == found);
     let name = driver.as_deref().unwrap_or("of any driver");
     let headless = Device::open(|info| wanted(driver.as_deref(), &info.driver), name, true)?;
     println!("{} ({})", headless.info().name, headless.info().driver_info);
     let (device, queue) = (headless.device(), headless.queue());
 
-    // Once: what there is to evaluate, the pipelines for it, and buffers of the sizes it needs.
+    // Once: the batch, its pipelines, and buffers of the sizes that the plan needs.
     let batch = Batch::skinned(&envelope, &skin, INSTANCES);
     let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
     let pipelines = Pipelines::new(device, plan.stages())?;
@@ -59,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with(Resource::Out, &out, 0);
     let bound = Bound::new(&pipelines, &plan, &buffers)?;
 
-    // Each frame: poses in, dispatches recorded, the engine submits.
+    // Each frame: write poses, record dispatches; the engine submits.
     let poses = (0..INSTANCES).map(|n| pose(&envelope, 0.25 * n as f32));
     let poses = poses.collect::<Result<Vec<_>, _>>()?;
     let floats = poses.iter().flatten().flatten().flatten();
@@ -69,7 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     bound.encode(&mut encoder, INSTANCES)?;
     queue.submit([encoder.finish()]);
 
-    // An engine draws from the buffers; here they are read back.
+    // An engine draws from the buffers; this example reads them back.
     let palettes = headless.read(&palettes)?;
     let confidences = headless.read(&confidences)?;
     let out = headless.read(&out)?;
@@ -84,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let gpu = &palettes[12 * palette.len() * n..];
         differing += bits(cpu, gpu);
         let cpu = skinned.as_flattened();
-        // Of each instance the positions come first.
+        // The positions of an instance come first.
         let gpu = &out[out.len() / INSTANCES * n..][..cpu.len()];
         differing += bits(cpu, gpu) + bits(&[confidence], &confidences[n..]);
         let (low, high) = bounds(gpu);
@@ -94,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Turns every joint about its own z axis.
+/// Rotates every joint about its own z axis.
 fn pose(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, Box<dyn Error>> {
     let (s, c) = (angle / 2.0).sin_cos();
     let turned = |rest: LocalTransform| {
@@ -110,12 +111,12 @@ fn pose(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, Box<dyn E
     Ok(out)
 }
 
-/// Counts the bits in which floats differ from the first of others.
+/// Counts the bits in which `some` differs from the start of `others`.
 fn bits(some: &[f32], others: &[f32]) -> u32 {
     some.iter().zip(others).map(|(a, b)| (a.to_bits() ^ b.to_bits()).count_ones()).sum()
 }
 
-/// Returns the corners of the box of points.
+/// Returns the corners of the bounding box of points.
 fn bounds(points: &[f32]) -> ([f32; 3], [f32; 3]) {
     let points = points.as_chunks::<3>().0.iter();
     points.fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), point| {

@@ -1,47 +1,47 @@
-//! What the two headless helpers have in common: they find a device, allocate, submit and wait, which
-//! the rest of this crate leaves to the host. For tests, examples, and tools without an engine.
+//! The interface of the two `headless` modules: open a device, allocate, submit and wait. The rest
+//! of this crate leaves these steps to the host. For tests, examples, and tools without an engine.
 
 use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use std::time::Duration;
 use thiserror::Error;
 
-/// A device as its driver names it.
+/// A device, as its driver describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// The API it is driven by: `wgpu` or `vulkan`.
+    /// The API that drives the device: `wgpu` or `vulkan`.
     pub api: &'static str,
     /// The device's name.
     pub name: String,
     /// The driver's name: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`, ...
     pub driver: String,
-    /// The driver's version or build, as it tells it.
+    /// The driver's version or build, as the driver reports it.
     pub driver_info: String,
-    /// Whether it is a program on the CPU.
+    /// Whether the device is a program on the CPU.
     pub software: bool,
 }
 
-/// A device that has been opened, at the limits of [`DeviceLimits::DOWNLEVEL`].
+/// An open device, at the limits of [`DeviceLimits::DOWNLEVEL`].
 pub trait Device {
-    /// Returns which it is.
+    /// Returns the description of the device.
     fn info(&self) -> &DeviceInfo;
 
     /// Returns the limits to plan by.
     fn limits(&self) -> DeviceLimits;
 
-    /// Allocates every buffer of a batch and uploads the params and the model's blob. Other buffers are
-    /// zero at first.
+    /// Allocates every buffer of a batch, and uploads the params and the model's blob. All other
+    /// buffers start as zeros.
     ///
     /// # Errors
     /// [`HeadlessError`]
     fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError>;
 
-    /// Counts the messages of validation layers so far; `None` where they cannot be counted here.
+    /// Counts the messages of validation layers so far; `None` if this device cannot count them.
     fn message_len(&self) -> Option<usize>;
 }
 
 /// The buffers of a batch on a device.
 pub trait Uploaded {
-    /// Writes floats into a resource's buffer, from the given float on.
+    /// Writes floats into a resource's buffer, starting at float `first`.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -52,19 +52,21 @@ pub trait Uploaded {
         floats: &[f32],
     ) -> Result<(), HeadlessError>;
 
-    /// Evaluates the first `instance_len` instances: all stages of the plan in one submission; waits.
+    /// Evaluates the first `instance_len` instances: runs all stages of the plan in one submission,
+    /// and waits.
     ///
     /// # Errors
     /// [`HeadlessError`]
     fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError>;
 
-    /// Runs one stage alone, on what the buffers hold; waits.
+    /// Runs one stage alone on the present content of the buffers, and waits.
     ///
     /// # Errors
     /// [`HeadlessError`]
     fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError>;
 
-    /// Measures how long a stage takes on what the buffers hold, `repeat_len` times in one submission.
+    /// Measures the time of a stage on the present content of the buffers, run `repeat_len` times
+    /// in one submission.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -82,36 +84,36 @@ pub trait Uploaded {
     fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError>;
 }
 
-/// Why a headless helper cannot go on.
+/// Errors of the headless devices.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum HeadlessError {
-    /// There is no device of the kind asked for.
+    /// No device matches the request.
     #[error("no {api} device {wanted}; there are: {}", if .found.is_empty() { "none".to_owned() } else { .found.join(", ") })]
     NoDevice {
         /// `wgpu` or `vulkan`.
         api: &'static str,
-        /// What was asked for.
+        /// Device that was requested.
         wanted: String,
-        /// Drivers of the devices that there are.
+        /// Drivers of the devices that were found.
         found: Vec<String>,
     },
     /// The Vulkan loader or a layer is not installed.
     #[error("{what} is not installed: {detail}")]
     Missing {
-        /// Loader or layer.
+        /// The loader or the layer.
         what: &'static str,
-        /// What the system says.
+        /// The system's message.
         detail: String,
     },
     /// The device was lost.
     #[error("the device was lost: {0}")]
     Lost(String),
-    /// The device refuses.
+    /// The device reports an error.
     #[error("{doing}: {detail}")]
     Refused {
-        /// What was being done.
+        /// The step that failed.
         doing: &'static str,
-        /// What the API says.
+        /// The API's message.
         detail: String,
     },
     /// The batch cannot be evaluated.

@@ -1,9 +1,9 @@
-//! The runtime's stages on GPUs: through wgpu, through raw Vulkan, or through an API of the host's own.
+//! The runtime's stages on GPUs: through wgpu, through raw Vulkan, or through the host's own API.
 //!
-//! The host owns devices, queues, buffers and command encoders. This crate says how large buffers
-//! must be, makes pipelines, and records dispatches: it never submits, never waits, and allocates
-//! nothing behind the host's back. The helpers named `headless`, which do, are for tests, examples
-//! and tools without an engine.
+//! The host owns devices, queues, buffers and command encoders. This crate computes the sizes of
+//! buffers, makes pipelines, and records dispatches. This crate never submits, never waits, and
+//! allocates nothing without the host's knowledge. The modules named `headless` do allocate, submit
+//! and wait; they serve tests, examples and tools without an engine.
 #![deny(unsafe_code)]
 
 #[cfg(feature = "headless")]

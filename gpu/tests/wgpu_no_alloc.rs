@@ -1,4 +1,4 @@
-//! Recording a frame allocates what wgpu itself allocates for the same calls, and nothing more.
+//! Recording a frame makes exactly the allocations that wgpu makes for the same calls.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
@@ -24,7 +24,7 @@ thread_local! {
 /// Counts this thread's allocations and their bytes.
 struct Counting;
 
-// SAFETY: every call goes to the system's allocator unchanged; counting touches a plain cell.
+// SAFETY: every call goes to the system's allocator unchanged; counting uses a plain cell.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNTS.with(|counts| {
@@ -45,11 +45,11 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 const INSTANCES: usize = 5;
-/// Frames before those that count: wgpu's own lists grow until then.
+/// Frames that are not counted: wgpu's own lists still grow.
 const WARM_UP: usize = 20;
 const FRAMES: usize = 50;
 
-/// Records frames, and returns the allocations and bytes of each once warm.
+/// Records frames, and returns the allocations and bytes of each frame after the warm-up.
 fn counts(device: &Device, mut record: impl FnMut(&mut CommandEncoder)) -> Vec<[usize; 2]> {
     let mut out = Vec::with_capacity(FRAMES);
     for frame in 0..WARM_UP + FRAMES {
@@ -66,7 +66,7 @@ fn counts(device: &Device, mut record: impl FnMut(&mut CommandEncoder)) -> Vec<[
     out
 }
 
-/// A stage as a host would record it without us.
+/// A stage as a host would record it with wgpu alone.
 struct Raw {
     pipeline: ComputePipeline,
     bind_group: BindGroup,
@@ -103,7 +103,7 @@ impl Raw {
 }
 
 #[test]
-fn a_frame_allocates_what_wgpu_does_and_no_more() {
+fn a_frame_allocates_no_more_than_wgpu_does() {
     let device = Device::of_driver("llvmpipe", false)
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
     for bytes in GOLDEN {

@@ -1,4 +1,5 @@
-//! A copy of a buffer by a shader, as fast as shaders reach memory: a device's copy commands may go another, slower way.
+//! A copy of a buffer by a shader: the bandwidth that shaders reach. A device's copy commands may
+//! use a slower path.
 
 use crate::Result;
 use sinew_gpu::wgpu::headless::Device;
@@ -24,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Bytes that a workgroup copies.
 const WORKGROUP: u64 = 256 * 16;
 
-/// A buffer, and another that it is copied to.
+/// A pipeline that copies one buffer to another.
 pub(crate) struct Copy<'d> {
     device: &'d Device,
     pipeline: ComputePipeline,
@@ -33,7 +34,7 @@ pub(crate) struct Copy<'d> {
 }
 
 impl<'d> Copy<'d> {
-    /// Allocates buffers of so many bytes, or a few more.
+    /// Allocates two buffers of at least `bytes` bytes.
     pub(crate) fn new(device: &'d Device, bytes: u64) -> Result<Self> {
         let (own, label) = (device.device(), None);
         let source = ShaderSource::Wgsl(SHADER.into());
@@ -59,7 +60,7 @@ impl<'d> Copy<'d> {
         Ok(Self { device, pipeline, buffers, workgroups: size.div_ceil(WORKGROUP).try_into()? })
     }
 
-    /// Measures how long it takes to copy so many times, in one submission.
+    /// Measures the time of `repeat_len` copies in one submission.
     pub(crate) fn time(&self, repeat_len: usize) -> Result<Duration> {
         let start = Instant::now();
         self.device.submit(|encoder| {

@@ -1,5 +1,6 @@
-//! How much of a device's memory bandwidth skinning takes, and what the two APIs cost beside each
-//! other. All in one run, on one device. On lavapipe it fails where a bar is missed.
+//! Measures the share of a device's memory bandwidth that skinning reaches, and compares the costs
+//! of the two APIs. All in one run, on one device. On lavapipe the program fails if it misses a
+//! bar.
 //!
 //! `cargo run --release -p sinew-gpu --example bandwidth [-- DRIVER]`
 
@@ -17,13 +18,13 @@ use std::time::{Duration, Instant};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const MEDIAN_OF: usize = 7;
-/// What is measured takes at least so long, so that submitting and waiting vanish in it.
+/// Least duration of a measurement, so that the cost of submitting and waiting is negligible.
 const LEAST: Duration = Duration::from_millis(100);
-/// The driver that the bars are for.
+/// The driver for which the bars hold.
 const LAVAPIPE: &str = "llvmpipe";
-/// Most times as long as Vulkan that wgpu may take.
+/// Largest ratio of wgpu's time to Vulkan's.
 const WGPU_MOST: f64 = 1.3;
-/// Most by which an instance among many may take more or less time than among few.
+/// Largest relative difference between the time of an instance among many and among few.
 const APART_MOST: f64 = 0.15;
 
 fn main() -> Result<()> {
@@ -32,7 +33,7 @@ fn main() -> Result<()> {
     let info = wgpu.info();
     println!("{}, {} {}", info.name, info.driver, info.driver_info);
     println!("medians of {MEDIAN_OF}");
-    // A buffer has at most 256 MiB at downlevel limits: hardware gets almost that for an output.
+    // A buffer has at most 256 MiB at downlevel limits; on hardware the output almost fills it.
     let instances = if info.software { 64 } else { 1024 };
     bandwidth(&devices, &wgpu, instances, 10_000)?;
     let ratio = side_by_side(&devices)?;
@@ -44,8 +45,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Says which bars are missed: of the time of wgpu over that of Vulkan, and of an API's times for an instance among many
-/// over those among few.
+/// Lists the missed bars. `wgpu` is the ratio of wgpu's time to Vulkan's. `by_instances` has for
+/// each API the time for an instance among many over that among few.
 fn missed(wgpu: f64, by_instances: &[(&str, f64)]) -> Vec<String> {
     let mut missed = Vec::new();
     if wgpu > WGPU_MOST {
@@ -64,7 +65,7 @@ fn missed(wgpu: f64, by_instances: &[(&str, f64)]) -> Vec<String> {
     missed
 }
 
-/// Opens a device through each API: of the driver that is given, or else hardware if there is any.
+/// Opens a device through each API: with the given driver, or hardware if there is any.
 fn open(driver: Option<&str>) -> Result<(wgpu::headless::Device, vulkan::headless::Device)> {
     let found = wgpu::headless::devices();
     let hardware = || found.iter().find(|info| !info.software).or(found.first());
@@ -78,7 +79,7 @@ fn open(driver: Option<&str>) -> Result<(wgpu::headless::Device, vulkan::headles
     ))
 }
 
-/// Measures the skin stage, and on one device a copy of as many bytes.
+/// Measures the skin stage, and a copy of as many bytes on one device.
 fn bandwidth(
     devices: &[&dyn Device],
     copying: &wgpu::headless::Device,
@@ -118,9 +119,10 @@ fn bandwidth(
     Ok(())
 }
 
-/// Bytes that the skin stage must move at least.
+/// Least number of bytes that the skin stage must move.
 struct Moved {
-    /// Rest positions and normals, 12 each; an index of 2 and a weight of 4 for each influence.
+    /// Rest positions and normals, 12 bytes each; an index of 2 bytes and a weight of 4 for each
+    /// influence.
     model: usize,
     /// The palettes of all instances.
     palettes: usize,
@@ -143,7 +145,8 @@ impl Moved {
     }
 }
 
-/// Measures all stages of a large batch through each API, in turns; returns the time of wgpu over that of Vulkan.
+/// Measures all stages of a large batch through each API, in turns; returns the ratio of wgpu's
+/// time to Vulkan's.
 fn side_by_side(devices: &[&dyn Device]) -> Result<f64> {
     let (instances, vertices) = (256, 10_000);
     let model = loaded(vertices)?;
@@ -154,7 +157,7 @@ fn side_by_side(devices: &[&dyn Device]) -> Result<f64> {
     let mut times = vec![Vec::new(); batches.len()];
     for _ in 0..MEDIAN_OF {
         for (batch, times) in batches.iter_mut().zip(&mut times) {
-            // The first after the other API's turn warms up.
+            // Warms up after the other API's turn.
             run(batch.as_mut(), instances, 1)?;
             times.push(run(batch.as_mut(), instances, 1)?);
         }
@@ -169,8 +172,8 @@ fn side_by_side(devices: &[&dyn Device]) -> Result<f64> {
     Ok(ratio)
 }
 
-/// Measures all stages of a small and of a large number of instances, in turns; returns each API's time for an instance
-/// among many over that among few.
+/// Measures all stages of a small and of a large number of instances, in turns. Returns for each
+/// API the time for an instance among many over that among few.
 fn by_instances(devices: &[&dyn Device]) -> Result<Vec<(&'static str, f64)>> {
     let (few, many, vertices) = (64, 1024, 1000);
     let model = loaded(vertices)?;
@@ -182,7 +185,7 @@ fn by_instances(devices: &[&dyn Device]) -> Result<Vec<(&'static str, f64)>> {
         let mut large = posed(*device, &model, many)?;
         let mut times = [Vec::new(), Vec::new()];
         for round in 0..=MEDIAN_OF {
-            // As many instances in the end.
+            // Both evaluate the same total of instances.
             let own = [
                 run(small.as_mut(), few, many / few)? / many as f64,
                 run(large.as_mut(), many, 1)? / many as f64,
@@ -228,7 +231,7 @@ fn posed<'d>(
     Ok(uploaded)
 }
 
-/// Evaluates a batch some times, each submitted and waited for; returns the seconds of all.
+/// Evaluates a batch `times` times, each submitted and waited for; returns the total seconds.
 fn run(batch: &mut dyn Uploaded, instances: usize, times: usize) -> Result<f64> {
     let start = Instant::now();
     for _ in 0..times {
@@ -237,7 +240,8 @@ fn run(batch: &mut dyn Uploaded, instances: usize, times: usize) -> Result<f64> 
     Ok(start.elapsed().as_secs_f64())
 }
 
-/// Returns the median seconds of something, repeated in one submission until it takes long enough.
+/// Returns the median seconds of a measurement, repeated in one submission until it takes long
+/// enough.
 fn each<E>(mut measure: impl FnMut(usize) -> std::result::Result<Duration, E>) -> Result<f64>
 where
     Box<dyn Error>: From<E>,

@@ -1,4 +1,4 @@
-//! A model of the size that is asked for; what it does to a pose is of no interest here.
+//! A model of a given size; its motion does not matter here.
 
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
@@ -10,7 +10,7 @@ use sinew_trainer::regression::certainty::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 
 const JOINTS: usize = 20;
-/// Helpers in all, and of each group.
+/// Helpers in total, and helpers of each group.
 const HELPERS: usize = 40;
 const GROUP: usize = 4;
 /// Inputs, centres and latent values of a group's kernel map.
@@ -20,7 +20,8 @@ const RANK: usize = 12;
 const CERTAINTY: usize = 8;
 const INFLUENCES: usize = 4;
 
-/// Makes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
+/// Makes a kernel model of `vertices` vertices: 20 joints, 40 helpers, four influences, no
+/// tangents.
 pub(crate) fn file_model(vertices: usize) -> FileModel {
     FileModel {
         space: Space::default(),
@@ -60,7 +61,7 @@ fn envelope() -> EnvelopeModel {
 }
 
 fn skin(vertices: usize) -> SkinModel {
-    // A spiral; neighbours follow the same transforms, as in a mesh.
+    // A spiral; neighbouring vertices follow the same transforms, as in a mesh.
     let at = |vertex: usize| vertex as f64 / vertices as f64;
     let position = |vertex: usize| {
         let angle = 0.1 * vertex as f64;

@@ -1,4 +1,4 @@
-// A host's own shader: skins by our palettes where it draws.
+// The host's own shader: skins by the palettes in its vertex shader.
 
 @group(0) @binding(2) var<storage, read> palettes: array<vec4<f32>>;
 @group(0) @binding(3) var<uniform> world_to_clip: mat4x4<f32>;

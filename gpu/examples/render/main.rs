@@ -1,5 +1,5 @@
-//! Skins inside the host's own render pass: our stages make palettes only, the host's vertex shader
-//! does the rest. Saves a picture from each API.
+//! Skins inside the host's own render pass: the stages compute palettes only, and the host's vertex
+//! shader skins. Saves a picture from each API.
 //!
 //! `cargo run --release -p sinew-gpu --example render [-- FOLDER]`
 
@@ -28,7 +28,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Saves rows of RGBA8 from the top.
+/// Saves rows of RGBA8, from the top.
 fn save(folder: &Path, api: &str, pixels: Vec<u8>) -> Result<()> {
     let path = folder.join(format!("sinew-{api}.png"));
     let mut encoder = png::Encoder::new(std::fs::File::create(&path)?, WIDTH, HEIGHT);

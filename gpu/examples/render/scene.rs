@@ -1,4 +1,4 @@
-//! What is drawn: six arms of the demo character, each bent further than the one before it.
+//! The scene: six arms of the demo character, each bent further than the last.
 
 use crate::Result;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, SkinBatch};
@@ -9,33 +9,34 @@ use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::progress::Silent;
 
-/// The picture, pixels.
+/// Size of the picture in pixels.
 pub(crate) const WIDTH: u32 = 960;
 pub(crate) const HEIGHT: u32 = 540;
-/// The arms.
+/// Number of arms.
 pub(crate) const INSTANCES: usize = 6;
-/// Arms side by side, in rows from back to front.
+/// Arms in a row; rows go from back to front.
 const COLUMNS: usize = 3;
-/// The host's shader after the block and the blob that every stage of ours binds, which it reads too:
-/// entry points `vertex` and `fragment`, group 0: params, blob, palettes, camera.
+/// The host's shader, preceded by the declarations of params and blob, which every stage binds and
+/// the host's shader reads as well. Entry points `vertex` and `fragment`; group 0: params, blob,
+/// palettes, camera.
 pub(crate) const SHADER: &str = concat!(
     include_str!("../../../shaders/params.wgsl"),
     include_str!("../../../shaders/blob.wgsl"),
     include_str!("host.wgsl")
 );
-/// Where the camera is; the shader's highlights reckon with it too.
+/// Position of the camera; the shader's highlights use the same constant.
 const EYE: [f32; 3] = [1.18, 4.35, 2.75];
 /// The background, linear.
 pub(crate) const BACKGROUND: [f64; 4] = [0.80, 0.82, 0.85, 1.0];
 
-/// What both APIs draw.
+/// The scene that both APIs draw.
 pub(crate) struct Scene {
     pub(crate) model: Model<Vec<u8>>,
     /// Three vertex numbers a face.
     pub(crate) indices: Vec<u32>,
     /// The poses of all instances, one after the other.
     pub(crate) poses: Vec<f32>,
-    /// The camera's uniform block: world to clip space, columns.
+    /// The camera's uniform block: world to clip space, by columns.
     pub(crate) camera: [f32; 16],
 }
 
@@ -61,8 +62,8 @@ impl Scene {
         Ok(Self { model, indices, poses, camera: camera() })
     }
 
-    /// Plans all instances' palettes. No vertex is skinned by a stage of ours, but the params tell the
-    /// host's shader where the skin lies.
+    /// Plans all instances' palettes. No stage skins a vertex, but the params tell the host's
+    /// shader the places of the skin's arrays.
     pub(crate) fn plan(&self, limits: &DeviceLimits) -> Result<Plan> {
         let envelope = self.model.envelope().ok_or("no envelope")?;
         let skin = self.model.skin().ok_or("no skin")?;
@@ -72,9 +73,10 @@ impl Scene {
     }
 }
 
-/// Bends elbow and wrist and raises the arm, from 0 to 1.
+/// Bends elbow and wrist and raises the arm; `amount` is 0 to 1.
 fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
-    // The arm points 15 degrees below the x axis; it bends about the direction under it.
+    // The arm points 15 degrees below the x axis, and bends about the direction at a right angle
+    // below it.
     let (sine, cosine) = 15_f32.to_radians().sin_cos();
     let (along, under) = ([cosine, -sine, 0.0], [-sine, -cosine, 0.0]);
     let local = envelope.rest_locals().enumerate().map(|(joint, rest)| {
@@ -86,7 +88,7 @@ fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
             _ => ([1.0, 0.0, 0.0], 0.0),
         };
         let (sine, cosine) = (0.5_f32 * degrees).to_radians().sin_cos();
-        // The arm's rest frames are not turned.
+        // The arm's rest frames are not rotated.
         let [x, y, z] = axis.map(|a| a * sine);
         LocalTransform { rotation: [x, y, z, cosine], ..rest }
     });
@@ -96,14 +98,14 @@ fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
     Ok(out)
 }
 
-/// Moves a joint of a pose: whatever follows it moves likewise.
+/// Translates a joint's skinning matrix, and with it all vertices that follow the joint.
 fn moved(matrix: &Matrix3x4, by: [f32; 3]) -> Matrix3x4 {
     let [x, y, z] = *matrix;
     let row = |[a, b, c, d]: [f32; 4], by: f32| [a, b, c, d + by];
     [row(x, by[0]), row(y, by[1]), row(z, by[2])]
 }
 
-/// Looks from above and in front at the arms.
+/// Returns the camera's matrix: a view of the arms from above and in front.
 fn camera() -> [f32; 16] {
     let eye = EYE;
     let target = [1.18, 1.33, 0.46];

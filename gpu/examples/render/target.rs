@@ -1,5 +1,5 @@
-//! What the host's Vulkan draws to: a colour and a depth image, and the render pass over them.
-#![allow(unsafe_code, reason = "every call of Vulkan is")]
+//! The target of the host's draws: a colour and a depth image, and the render pass over them.
+#![allow(unsafe_code, reason = "every call of Vulkan is unsafe")]
 
 use crate::Result;
 use crate::scene::{HEIGHT, WIDTH};
@@ -10,7 +10,7 @@ const COLOUR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 const EXTENT: vk::Extent2D = vk::Extent2D { width: WIDTH, height: HEIGHT };
 
-/// Freed when dropped: what used it must have been waited for.
+/// Freed when dropped; commands that use the target must have been waited for.
 pub(crate) struct Target<'d> {
     device: &'d ash::Device,
     images: [Image; 2],
@@ -18,7 +18,7 @@ pub(crate) struct Target<'d> {
     framebuffer: vk::Framebuffer,
 }
 
-/// Null until it is made.
+/// An image with its memory and view; null until they are made.
 #[derive(Clone, Copy, Default)]
 struct Image {
     raw: vk::Image,
@@ -37,7 +37,7 @@ impl<'d> Target<'d> {
         let colour = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let aspects = [vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH];
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             target.images[0].make(headless, COLOUR, colour, aspects[0])?;
             target.images[1].make(headless, DEPTH, depth, aspects[1])?;
@@ -110,7 +110,7 @@ impl<'d> Target<'d> {
 
 impl Drop for Target<'_> {
     fn drop(&mut self) {
-        // SAFETY: whatever used them has been waited for.
+        // SAFETY: commands that use them have been waited for.
         unsafe {
             self.device.destroy_framebuffer(self.framebuffer, None);
             self.device.destroy_render_pass(self.pass, None);
@@ -140,7 +140,7 @@ impl Image {
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             self.raw = device.create_image(&info, None)?;
             let asked = device.get_image_memory_requirements(self.raw);
@@ -208,6 +208,6 @@ unsafe fn pass(device: &ash::Device) -> Result<vk::RenderPass> {
         .attachments(&attachments)
         .subpasses(&subpasses)
         .dependencies(&dependencies);
-    // SAFETY: all that is pointed to lives through the call.
+    // SAFETY: all pointers live through the call.
     Ok(unsafe { device.create_render_pass(&info, None) }?)
 }

@@ -1,5 +1,5 @@
 //! The picture through the host's own Vulkan.
-#![allow(unsafe_code, reason = "every call of Vulkan is")]
+#![allow(unsafe_code, reason = "every call of Vulkan is unsafe")]
 
 use crate::Result;
 use crate::scene::{BACKGROUND, HEIGHT, INSTANCES, SHADER, Scene, WIDTH};
@@ -9,9 +9,9 @@ use sinew_gpu::headless::{Device as _, Uploaded};
 use sinew_gpu::layout::Resource;
 use sinew_gpu::vulkan::headless::{Commands, Device, Memory, VulkanBatch};
 
-/// Renders the scene on the first device there is; returns rows of RGBA8 from the top.
+/// Renders the scene on the first device; returns rows of RGBA8, from the top.
 pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
-    // Under the validation layer where it is installed.
+    // With the validation layer if it is installed.
     let open = |validation| Device::open(|_| true, "of any driver", validation);
     let headless = open(true).or_else(|_| open(false))?;
     let plan = scene.plan(&headless.limits())?;
@@ -24,7 +24,7 @@ pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
     }
 }
 
-/// Makes the palettes, and draws with them in the same command buffer.
+/// Computes the palettes, and draws with them in the same command buffer.
 fn draw(headless: &Device, batch: &VulkanBatch<'_>, scene: &Scene) -> Result<Vec<u8>> {
     let mut camera = Memory::staging(headless, 64, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
     let floats: Vec<u8> = scene.camera.iter().flat_map(|float| float.to_le_bytes()).collect();
@@ -54,7 +54,7 @@ fn draw(headless: &Device, batch: &VulkanBatch<'_>, scene: &Scene) -> Result<Vec
                 device.cmd_pipeline_barrier(commands, before.0, after.0, none, &memory, &[], &[]);
             }
         };
-        // Uploads, to all that reads them.
+        // Makes uploads visible to all shaders.
         barrier(
             (Stages::TRANSFER, Access::TRANSFER_WRITE),
             (
@@ -62,14 +62,14 @@ fn draw(headless: &Device, batch: &VulkanBatch<'_>, scene: &Scene) -> Result<Vec
                 Access::SHADER_READ | Access::SHADER_WRITE | Access::UNIFORM_READ,
             ),
         );
-        // SAFETY: the barrier above is what is asked for.
+        // SAFETY: the barrier above is the one that `record` requires.
         unsafe { batch.bound().record(device, commands, INSTANCES) }?;
-        // Palettes, to the host's vertex shader.
+        // Makes palettes visible to the host's vertex shader.
         barrier(
             (Stages::COMPUTE_SHADER, Access::SHADER_WRITE),
             (Stages::VERTEX_SHADER, Access::SHADER_READ),
         );
-        // SAFETY: all that is drawn with lives until it has been waited for.
+        // SAFETY: all objects live until the commands have been waited for.
         unsafe {
             target.begin(device, commands, BACKGROUND.map(|x| x as f32));
             host.bind(device, commands);
@@ -81,13 +81,13 @@ fn draw(headless: &Device, batch: &VulkanBatch<'_>, scene: &Scene) -> Result<Vec
         barrier((Stages::TRANSFER, Access::TRANSFER_WRITE), (Stages::HOST, Access::HOST_READ));
         Ok(())
     };
-    // SAFETY: what is recorded is valid.
+    // SAFETY: the recorded commands are valid.
     unsafe { commands.submit(record) }?;
     copy.copy(&mut pixels)?;
     Ok(pixels)
 }
 
-/// The host's own pipeline, and what it binds.
+/// The host's own pipeline and its bindings.
 struct Host<'d> {
     device: &'d ash::Device,
     set_layout: vk::DescriptorSetLayout,
@@ -98,7 +98,7 @@ struct Host<'d> {
 }
 
 impl<'d> Host<'d> {
-    /// Binds params, blob, palettes and camera.
+    /// Makes the pipeline, and binds params, blob, palettes and camera.
     fn new(headless: &'d Device, target: &Target<'_>, buffers: [vk::Buffer; 4]) -> Result<Self> {
         let mut host = Self {
             device: headless.device(),
@@ -123,7 +123,7 @@ impl<'d> Host<'d> {
             .collect();
         let sizes = [UNIFORM, STORAGE]
             .map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(2));
-        // SAFETY: each call is given what those before it have made.
+        // SAFETY: each call uses objects that earlier calls have made.
         unsafe {
             let device = host.device;
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -166,7 +166,7 @@ impl<'d> Host<'d> {
 
 impl Drop for Host<'_> {
     fn drop(&mut self) {
-        // SAFETY: whatever used them has been waited for.
+        // SAFETY: commands that use them have been waited for.
         unsafe {
             self.device.destroy_pipeline(self.pipeline, None);
             self.device.destroy_descriptor_pool(self.pool, None);
@@ -195,7 +195,7 @@ unsafe fn pipeline(
     let input = vk::PipelineVertexInputStateCreateInfo::default();
     let triangles = vk::PipelineInputAssemblyStateCreateInfo::default()
         .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-    // wgpu's clip space has y upwards.
+    // The negative height turns y upwards, as in wgpu's clip space.
     let (width, height) = (WIDTH as f32, HEIGHT as f32);
     let viewports = [vk::Viewport::default().y(height).width(width).height(-height).max_depth(1.0)];
     let scissors = [vk::Extent2D { width: WIDTH, height: HEIGHT }.into()];
@@ -223,7 +223,7 @@ unsafe fn pipeline(
         .layout(layout)
         .render_pass(pass);
     let cache = vk::PipelineCache::null();
-    // SAFETY: all that is pointed to lives through the calls.
+    // SAFETY: all pointers live through the calls.
     unsafe {
         let made = device.create_graphics_pipelines(cache, &[info], None);
         device.destroy_shader_module(module, None);
@@ -231,7 +231,7 @@ unsafe fn pipeline(
     }
 }
 
-/// Translates the host's shader.
+/// Translates the host's shader from WGSL to SPIR-V.
 fn spirv() -> Result<Vec<u32>> {
     use naga::back::spv::{Options, WriterFlags, write_vec};
     use naga::valid::{Capabilities, ValidationFlags, Validator};

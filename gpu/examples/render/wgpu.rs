@@ -19,7 +19,7 @@ const COLOUR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SIZE: Extent3d = Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 };
 
-/// Renders the scene on the first device there is; returns rows of RGBA8 from the top.
+/// Renders the scene on the first device; returns rows of RGBA8, from the top.
 pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
     let headless = Headless::open(|_| true, "of any driver", true)?;
     let device = headless.device();
@@ -66,7 +66,7 @@ pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
     };
     let colour = target(COLOUR, TextureUsages::COPY_SRC);
     let depth = target(DEPTH, TextureUsages::empty());
-    // 256 bytes divide a row.
+    // A row is a multiple of 256 bytes, as wgpu requires.
     let row_bytes = 4 * WIDTH;
     let pixels =
         empty(u64::from(row_bytes * HEIGHT), BufferUsages::COPY_DST | BufferUsages::COPY_SRC);

@@ -1,17 +1,17 @@
-//! What a batch can have wrong, found before anything is recorded.
+//! Mistakes in a batch, found before anything is recorded.
 
 use super::resource::Resource;
 use super::stage::Stage;
 use sinew_runtime::format::PartKind;
 use thiserror::Error;
 
-/// A batch that cannot be evaluated on a device.
+/// Reasons why a device cannot evaluate a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LayoutError {
     /// There are no instances.
     #[error("no instances")]
     NoInstances,
-    /// More instances are to be evaluated than the batch has room for.
+    /// More instances are requested than the batch has room for.
     #[error("{found} instances, but room for {expected}")]
     TooManyInstances {
         /// Room of the batch.
@@ -19,10 +19,10 @@ pub enum LayoutError {
         /// Instances asked for.
         found: usize,
     },
-    /// The part is of another file than the model.
+    /// The part belongs to another file than the model.
     #[error("the {} is of another file than the model", .part.name())]
     OtherFile {
-        /// Which part: an envelope, a skin, a kernel or a filter.
+        /// The kind of part: an envelope, a skin, a kernel or a filter.
         part: PartKind,
     },
     /// The skin does not follow the envelope.
@@ -33,11 +33,11 @@ pub enum LayoutError {
         /// The part that the skin follows, if any.
         found: Option<usize>,
     },
-    /// A skin writes no attribute.
+    /// The skin writes no attribute.
     #[error("a skin without an attribute to write")]
     NoOutput,
-    /// The vertices to skin are not inside the mesh, or the range ends before it starts, or a remap is
-    /// of a mesh without vertices.
+    /// The range of vertices exceeds the mesh or ends before it starts, or a remap belongs to a
+    /// mesh without vertices.
     #[error("vertices {start}..{end} of a mesh of {vertex_len}")]
     VertexRange {
         /// First vertex.
@@ -47,7 +47,7 @@ pub enum LayoutError {
         /// Vertices of the mesh.
         vertex_len: usize,
     },
-    /// Tangents are asked for, and neither the skin nor the host's rest mesh has them.
+    /// Tangents are requested, but neither the skin nor the host's rest mesh has them.
     #[error("tangents of a rest mesh that has none")]
     NoTangents,
     /// Signals are shorter than the window of their filter.
@@ -58,20 +58,20 @@ pub enum LayoutError {
         /// Samples of a signal.
         found: usize,
     },
-    /// Samples have no number.
+    /// Samples have no lanes.
     #[error("samples of no lane")]
     NoLanes,
-    /// A stride is shorter than what lies at each of its steps.
+    /// A stride is shorter than the array's part for one instance or vertex.
     #[error("a stride of {found} floats in {}, expected at least {least}", .resource.name())]
     Stride {
-        /// Where.
+        /// The resource.
         resource: Resource,
         /// Floats needed.
         least: usize,
         /// The stride.
         found: usize,
     },
-    /// Palettes that are skinned are read in fours.
+    /// Palettes that are skinned are not aligned to 4 floats, which shaders read at a time.
     #[error("palettes at float {offset} and every {stride}, expected multiples of 4")]
     Fours {
         /// The first palette's first float.
@@ -79,74 +79,74 @@ pub enum LayoutError {
         /// Floats from a palette to the next.
         stride: usize,
     },
-    /// One instance alone, or the model, needs a binding beyond what the device can bind.
+    /// One instance, or the model, needs a larger binding than the device allows.
     #[error("{} needs a binding of {found} bytes, more than the device's {limit}", .resource.name())]
     Binding {
-        /// What is to be bound.
+        /// The resource.
         resource: Resource,
         /// The device's largest binding.
         limit: u64,
         /// Bytes needed.
         found: u64,
     },
-    /// A limit of the device is below what the shaders need.
+    /// A limit of the device is too low for the shaders.
     #[error("the device's {name} is {found}, expected at least {least}")]
     Device {
         /// The limit's name.
         name: &'static str,
-        /// What is needed.
+        /// The least value that the shaders need.
         least: u64,
-        /// What there is.
+        /// The device's value.
         found: u64,
     },
-    /// Bindings must start at multiples of more than [`super::ALIGNMENT`] bytes.
+    /// The device requires a coarser alignment of bindings than [`super::ALIGNMENT`] bytes.
     #[error("the device aligns bindings to {found} bytes, expected at most {limit}")]
     OffsetAlignment {
-        /// The most that is reckoned with.
+        /// The coarsest alignment that is supported.
         limit: u64,
-        /// What the device asks for.
+        /// The device's alignment.
         found: u64,
     },
-    /// One instance alone needs more workgroups than the device dispatches along an axis.
+    /// One instance needs more workgroups than the device dispatches along an axis.
     #[error("{found} workgroups for one instance of {}, more than {limit}", .stage.name())]
     Workgroups {
         /// The stage.
         stage: Stage,
-        /// The device's most.
+        /// The device's limit.
         limit: u64,
         /// Workgroups needed.
         found: u64,
     },
-    /// A buffer that the batch needs is not given.
+    /// A buffer that the batch needs is missing.
     #[error("no buffer for {}", .resource.name())]
     Missing {
-        /// What it is for.
+        /// The resource that needs the buffer.
         resource: Resource,
     },
     /// A buffer is too short.
     #[error("{} has {found} bytes, expected at least {least}", .resource.name())]
     TooShort {
-        /// What it is for.
+        /// The resource that needs the buffer.
         resource: Resource,
         /// Bytes needed.
         least: u64,
-        /// Bytes there.
+        /// Bytes of the buffer.
         found: u64,
     },
     /// A buffer's offset is not a multiple of [`super::ALIGNMENT`].
     #[error("{} starts at byte {found}, not at a multiple of 256", .resource.name())]
     Misaligned {
-        /// What it is for.
+        /// The resource that needs the buffer.
         resource: Resource,
-        /// Where it starts.
+        /// The buffer's offset, in bytes.
         found: u64,
     },
-    /// Two resources, of which a stage writes one, take the same bytes of a buffer.
+    /// Two resources overlap in a buffer, and a stage writes to one of them.
     #[error("{} and {} overlap", .first.name(), .second.name())]
     Overlap {
-        /// One.
+        /// One resource.
         first: Resource,
-        /// The other.
+        /// The other resource.
         second: Resource,
     },
 }

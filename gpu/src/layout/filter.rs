@@ -1,36 +1,37 @@
-//! Batches of a filter, and what they ask for.
+//! Batches of a filter, and their requirements.
 
-use super::array::Array;
 use super::demand::{Demand, Member, array_members, check_stride, section_member, threads};
 use super::error::LayoutError;
-use super::resource::Resource;
+use super::resource::{Array, Resource};
 use super::stage::Stage;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::{Filter, Model};
 
-/// Signals that a filter makes finer, and where in the host's buffers they lie: an instance is a signal.
+/// Signals that a filter makes finer, and their places in the host's buffers. Each signal is an
+/// instance.
 ///
-/// Offsets and strides count floats. An image of H rows of W pixels of C channels is along its columns one signal of H
-/// samples of W C lanes, and along its rows a signal of W samples of C lanes for each row. What a CPU refuses, a number
-/// that is not finite, a GPU takes nevertheless.
+/// Offsets and strides count floats. An image has H rows of W pixels with C channels. Along its
+/// columns the image is one signal of H samples with W C lanes. Along its rows the image is H
+/// signals of W samples with C lanes. A CPU refuses numbers that are not finite; a GPU evaluates
+/// them.
 #[derive(Clone, Debug)]
 pub struct FilterBatch {
-    /// How many signals there is room for. A frame can evaluate fewer, the first ones; nothing is written for the
-    /// others.
+    /// Number of signals that the buffers have room for. A frame may evaluate only the first ones;
+    /// nothing is written for the others.
     pub instance_len: usize,
     /// Samples of a signal; at least [`Filter::tap_len`].
     pub sample_len: usize,
     /// Numbers of a sample.
     pub lane_len: usize,
-    /// [`Resource::Samples`]: `sample_len * lane_len` floats. A stride of 0 gives all the same.
+    /// [`Resource::Samples`]: `sample_len * lane_len` floats. With a stride of 0 all signals share their samples.
     pub samples: Array,
-    /// [`Resource::Out`]: F times as many.
+    /// [`Resource::Out`]: F times as many floats, F the filter's factor.
     pub outputs: Array,
 }
 
 impl FilterBatch {
-    /// Describes signals without gaps.
+    /// Lays out signals without gaps.
     pub fn new(filter: &Filter<'_>, samples: Samples) -> Self {
         let Samples { signal_len, sample_len, lane_len } = samples;
         let stride = sample_len.saturating_mul(lane_len);
@@ -44,7 +45,7 @@ impl FilterBatch {
     }
 }
 
-/// Checks a batch against a model and a filter, and says what it asks for.
+/// Checks a batch against a model and a filter, and returns its requirements.
 pub(super) fn demand(
     model: &Model<impl AsRef<[u8]>>,
     filter: &Filter<'_>,

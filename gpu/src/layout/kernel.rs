@@ -1,35 +1,38 @@
-//! Batches of a kernel, and what they ask for.
+//! Batches of a kernel, and their requirements.
 
-use super::array::Array;
 use super::demand::{Demand, Member, array_members, check_stride, section_member};
 use super::error::LayoutError;
-use super::resource::Resource;
+use super::resource::{Array, Resource};
 use super::stage::Stage;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::{KernelMap, Model};
 
-/// Queries of one kernel, and where in the host's buffers their arrays lie: an instance is a query.
+/// Queries of one kernel, and the places of their arrays in the host's buffers. Each query is an
+/// instance.
 ///
-/// Offsets and strides count floats. Outputs and confidences share a binding, which a batch is cut by: it
-/// reaches over both, so they are best laid out query by query. What a CPU refuses a GPU evaluates nevertheless, and marks: the
-/// confidence is not a number where [`KernelMap::evaluate`] would return an error, as of a number of the
-/// query or of the outputs that is not finite. Those outputs are of no use.
+/// Offsets and strides count floats. Outputs and confidences share a binding, which spans both
+/// arrays. Large batches are cut by this binding, so the arrays are best interleaved query by
+/// query.
+///
+/// A CPU refuses a query or an output that is not finite. A GPU evaluates the query and writes NaN
+/// as the confidence, wherever [`KernelMap::evaluate`] returns an error. The outputs of such a
+/// query are meaningless.
 #[derive(Clone, Debug)]
 pub struct KernelBatch {
-    /// How many queries there is room for. A frame can evaluate fewer, the first ones; nothing is written
-    /// for the others.
+    /// Number of queries that the buffers have room for. A frame may evaluate only the first ones;
+    /// nothing is written for the others.
     pub instance_len: usize,
-    /// [`Resource::Queries`]: [`KernelMap::query_len`] floats. A stride of 0 gives all the same query.
+    /// [`Resource::Queries`]: [`KernelMap::query_len`] floats. With a stride of 0 all instances share one query.
     pub queries: Array,
     /// [`Resource::Out`]: [`KernelMap::result_len`] floats.
     pub outputs: Array,
-    /// [`Resource::Out`]: one float, the confidence; `None` leaves it out, and nothing is marked.
+    /// [`Resource::Out`]: one float, the confidence. `None` omits the confidence, and with it the NaN of a refused query.
     pub confidences: Option<Array>,
 }
 
 impl KernelBatch {
-    /// Describes queries without gaps, and one after the other their outputs, each followed by the
-    /// confidence in it.
+    /// Lays out queries without gaps, and outputs one after another, each followed by its
+    /// confidence.
     pub fn new(kernel: &KernelMap<'_>, instance_len: usize) -> Self {
         let result_len = kernel.result_len();
         let stride = result_len + 1;
@@ -42,7 +45,7 @@ impl KernelBatch {
     }
 }
 
-/// The sections that shaders read, by the name of their member.
+/// Sections that shaders read; each has the name of its member.
 const SECTIONS: [SectionKind; 8] = [
     SectionKind::KernelRule,
     SectionKind::Inputs,
@@ -54,7 +57,7 @@ const SECTIONS: [SectionKind; 8] = [
     SectionKind::KernelCoefficients,
 ];
 
-/// Checks a batch against a model and a kernel, and says what it asks for.
+/// Checks a batch against a model and a kernel, and returns its requirements.
 pub(super) fn demand(
     model: &Model<impl AsRef<[u8]>>,
     kernel: &KernelMap<'_>,
@@ -106,8 +109,8 @@ pub(super) fn demand(
     })
 }
 
-/// Counts the floats of scratch of an instance: the features, what the metric makes of them, the
-/// polynomial's terms, and the values.
+/// Counts the scratch floats of an instance: features, metric features, terms of the polynomial,
+/// values.
 fn scratch_len(kernel: &KernelMap<'_>) -> usize {
     let counts = kernel.counts();
     let lens = [counts.feature_len, counts.metric_len, counts.term_len, counts.value_len];

@@ -1,17 +1,17 @@
-//! What a device must allow.
+//! The limits of a device, and the check that the shaders can run within them.
 
 use super::error::LayoutError;
 use super::resource::ALIGNMENT;
 use super::stage::WORKGROUP;
 
-/// What a device must allow, and how much it does.
+/// The limits of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceLimits {
     /// Largest storage binding, in bytes.
     pub storage_binding_bytes: u64,
     /// Storage buffers of a stage.
     pub storage_buffers: u32,
-    /// Bytes to a multiple of which a storage or uniform binding must start.
+    /// Required alignment of offsets of storage and uniform bindings, in bytes.
     pub offset_alignment: u32,
     /// Threads of a workgroup.
     pub workgroup_threads: u32,
@@ -20,7 +20,7 @@ pub struct DeviceLimits {
 }
 
 impl DeviceLimits {
-    /// The limits of wgpu's `downlevel_defaults`, which the shaders keep to.
+    /// The limits of wgpu's `downlevel_defaults`; the shaders stay within them.
     pub const DOWNLEVEL: Self = Self {
         storage_binding_bytes: 128 << 20,
         storage_buffers: 4,
@@ -29,7 +29,7 @@ impl DeviceLimits {
         workgroups: 65_535,
     };
 
-    /// Checks that the shaders can run within these.
+    /// Checks that the shaders can run within these limits.
     ///
     /// # Errors
     /// - [`LayoutError::Device`]

@@ -1,44 +1,76 @@
-//! A batch that has been checked, and cut where a binding or a dispatch would be too large.
+//! The plan of a batch: checked, and cut into chunks that fit the device.
 
-use super::chunk::{Chunk, Span};
-use super::demand::Demand;
+use super::demand::{Demand, Param, Spans};
 use super::envelope::{self, Batch};
 use super::error::LayoutError;
 use super::filter::{self, FilterBatch};
 use super::kernel::{self, KernelBatch};
 use super::limits::DeviceLimits;
-use super::resource::{ALIGNMENT, Resource};
+use super::resource::{ALIGNMENT, Resource, Span};
 use super::shapes::{self, ShapesBatch};
 use super::stage::Stage;
 use sinew_runtime::{Envelope, Filter, KernelMap, Model, Skin};
 use std::ops::Range;
 
-/// So many words are [`ALIGNMENT`] bytes.
+/// [`ALIGNMENT`] in words.
 const ALIGNED: usize = ALIGNMENT as usize / 4;
 
-/// How a batch is evaluated on a device.
+/// Instances that are bound and dispatched together. If the device's limits allow, a chunk has all
+/// instances of the batch.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    /// The chunk's instances in the batch.
+    pub instances: Range<usize>,
+    pub(super) spans: Spans,
+    pub(super) params: Vec<Param>,
+}
+
+impl Chunk {
+    /// Returns the span of a resource's buffer that is read or written; `None` if there is none.
+    pub fn span(&self, resource: Resource) -> Option<Span> {
+        self.spans[resource as usize]
+    }
+
+    /// Returns the resource to bind for a resource, with its span. A binding must not be empty. If
+    /// the batch lacks a resource that a stage would only read, [`Resource::Blob`] is bound
+    /// instead: for [`Resource::Host`] if the host has no input, and for [`Resource::Scratch`] if
+    /// no stage writes to it.
+    pub fn bound(&self, resource: Resource) -> (Resource, Option<Span>) {
+        let resource = if self.span(resource).is_some() { resource } else { Resource::Blob };
+        (resource, self.span(resource))
+    }
+
+    /// Lists the members of the chunk's block in [`Resource::Params`], in the block's order.
+    pub fn params(&self) -> &[Param] {
+        &self.params
+    }
+}
+
+/// A batch that has been checked and cut for a device.
 #[derive(Clone, Debug)]
 pub struct Plan {
     instance_len: usize,
-    /// With the workgroups of one instance.
+    /// Each stage with the workgroups of one instance.
     stages: Vec<(Stage, u32)>,
     chunks: Vec<Chunk>,
 }
 
 impl Plan {
-    /// Checks a batch of a model's envelope against itself and a device, and cuts it.
+    /// Checks a batch of a model's envelope, also against the limits of a device, and cuts the
+    /// batch.
     ///
     /// # Errors
-    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
-    /// - [`LayoutError::OtherFile`]: envelope or skin are not the model's.
-    /// - [`LayoutError::OtherEnvelope`]: the skin follows another envelope, or none.
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the
+    ///   shaders.
+    /// - [`LayoutError::OtherFile`]: the envelope or the skin belongs to another file.
+    /// - [`LayoutError::OtherEnvelope`]: the skin follows another envelope, or no envelope.
     /// - [`LayoutError::NoInstances`]
     /// - [`LayoutError::NoOutput`]
     /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`],
-    ///   [`LayoutError::Fours`]: the batch asks for what the model does not have, or for arrays that
-    ///   overlap themselves or cannot be read.
-    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one instance, is too large
-    ///   for the device.
+    ///   [`LayoutError::Fours`]: the model lacks a vertex or an attribute that the batch needs, or an
+    ///   array overlaps itself or is misaligned.
+    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one instance, is too
+    ///   large for the device.
     pub fn new(
         model: &Model<impl AsRef<[u8]>>,
         envelope: &Envelope<'_>,
@@ -49,11 +81,12 @@ impl Plan {
         Self::cut(&envelope::demand(model, envelope, batch)?, limits)
     }
 
-    /// Checks a batch of a model's kernel against itself and a device, and cuts it.
+    /// Checks a batch of a model's kernel, also against the limits of a device, and cuts the batch.
     ///
     /// # Errors
-    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
-    /// - [`LayoutError::OtherFile`]: the kernel is not the model's.
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the
+    ///   shaders.
+    /// - [`LayoutError::OtherFile`]: the kernel belongs to another file.
     /// - [`LayoutError::NoInstances`]
     /// - [`LayoutError::Stride`]: outputs or confidences overlap themselves.
     /// - [`LayoutError::Binding`]: the model, or one instance, is too large for the device.
@@ -67,17 +100,19 @@ impl Plan {
         Self::cut(&kernel::demand(model, kernel, batch)?, limits)
     }
 
-    /// Checks a batch of the shapes of a model's skin against itself and a device, and cuts it.
+    /// Checks a batch of the shapes of a model's skin, also against the limits of a device, and
+    /// cuts the batch.
     ///
     /// # Errors
-    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
-    /// - [`LayoutError::OtherFile`]: the skin is not the model's.
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the
+    ///   shaders.
+    /// - [`LayoutError::OtherFile`]: the skin belongs to another file.
     /// - [`LayoutError::NoInstances`]
     /// - [`LayoutError::NoOutput`]
-    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`]: the batch asks
-    ///   for what the skin does not have, or for arrays that overlap themselves.
-    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one instance, is too large for
-    ///   the device.
+    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`]: the
+    ///   skin lacks a vertex or an attribute that the batch needs, or an array overlaps itself.
+    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one instance, is too
+    ///   large for the device.
     pub fn of_shapes(
         model: &Model<impl AsRef<[u8]>>,
         skin: &Skin<'_>,
@@ -88,17 +123,18 @@ impl Plan {
         Self::cut(&shapes::demand(model, skin, batch)?, limits)
     }
 
-    /// Checks a batch of a model's filter against itself and a device, and cuts it.
+    /// Checks a batch of a model's filter, also against the limits of a device, and cuts the batch.
     ///
     /// # Errors
-    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
-    /// - [`LayoutError::OtherFile`]: the filter is not the model's.
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the
+    ///   shaders.
+    /// - [`LayoutError::OtherFile`]: the filter belongs to another file.
     /// - [`LayoutError::NoInstances`]
     /// - [`LayoutError::Samples`]: signals are shorter than the filter.
     /// - [`LayoutError::NoLanes`]
     /// - [`LayoutError::Stride`]: outputs overlap themselves.
-    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one signal, is too large for the
-    ///   device.
+    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one signal, is too
+    ///   large for the device.
     pub fn of_filter(
         model: &Model<impl AsRef<[u8]>>,
         filter: &Filter<'_>,
@@ -109,13 +145,13 @@ impl Plan {
         Self::cut(&filter::demand(model, filter, batch)?, limits)
     }
 
-    /// Cuts a batch.
+    /// Cuts a batch into chunks.
     fn cut(demand: &Demand, limits: &DeviceLimits) -> Result<Self, LayoutError> {
         let stages = demand.dispatched(limits)?;
         let instance_len = demand.instance_len;
         let (mut chunks, mut start) = (Vec::new(), 0);
         while start < instance_len {
-            // One instance must fit; the most that do are found by halving.
+            // One instance must fit. Bisection finds the largest number of instances that fit.
             demand.check_spans(start..start + 1, limits)?;
             let all = instance_len.min(start.saturating_add(limits.workgroups as usize));
             let (mut most, mut beyond) = (start + 1, all + 1);
@@ -124,7 +160,7 @@ impl Plan {
                 let fits = demand.check_spans(start..middle, limits).is_ok();
                 *(if fits { &mut most } else { &mut beyond }) = middle;
             }
-            // Arrays without gaps are then cut where a span may start, so that no two spans meet.
+            // Cut at an aligned offset, so that the spans of arrays without gaps do not overlap.
             if most < instance_len && most - start > ALIGNED {
                 most -= (most - start) % ALIGNED;
             }
@@ -136,12 +172,12 @@ impl Plan {
         Ok(Self { instance_len, stages, chunks })
     }
 
-    /// Returns how many instances there is room for.
+    /// Returns the number of instances that the batch has room for.
     pub fn instance_len(&self) -> usize {
         self.instance_len
     }
 
-    /// Lists the stages, each after those that it reads from.
+    /// Lists the stages, each after the stages that it reads from.
     pub fn stages(&self) -> impl ExactSizeIterator<Item = Stage> + '_ {
         self.stages.iter().map(|(stage, _)| *stage)
     }
@@ -151,7 +187,8 @@ impl Plan {
         &self.chunks
     }
 
-    /// Returns the bytes that a resource's buffer must have; 0 if the batch does not need it.
+    /// Returns the bytes that a resource's buffer must have; 0 if the batch does not need the
+    /// resource.
     pub fn bytes(&self, resource: Resource) -> u64 {
         self.range(resource).end
     }
@@ -167,9 +204,9 @@ impl Plan {
         out
     }
 
-    /// Checks the buffers that the host gives: each by what tells it from others, and the bytes of it
-    /// that are the resource's. A resource that is not needed may have any, or none. Several may share a
-    /// buffer, as long as no stage writes one where another lies.
+    /// Checks the host's buffers. `given` returns the buffer of a resource, and the resource's span
+    /// in the buffer. A resource that is not needed may have any buffer, or none. Several resources
+    /// may share a buffer, but no stage may write to one where another lies.
     ///
     /// # Errors
     /// - [`LayoutError::Missing`]
@@ -195,11 +232,11 @@ impl Plan {
                 return Err(LayoutError::TooShort { resource, least, found });
             }
             let own = offset.saturating_add(start)..offset.saturating_add(least);
-            let meets = |(other, same, range): &&(Resource, B, Range<u64>)| {
+            let overlaps = |(other, same, range): &&(Resource, B, Range<u64>)| {
                 let is_written = self.writes(resource) || self.writes(*other);
                 is_written && buffer == *same && own.start < range.end && range.start < own.end
             };
-            if let Some((first, ..)) = taken.iter().find(meets) {
+            if let Some((first, ..)) = taken.iter().find(overlaps) {
                 return Err(LayoutError::Overlap { first: *first, second: resource });
             }
             taken.push((resource, buffer, own));
@@ -207,7 +244,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Checks how many instances of the batch, the first ones, are to be evaluated.
+    /// Checks the number of instances to evaluate, the first ones of the batch.
     ///
     /// # Errors
     /// - [`LayoutError::NoInstances`]
@@ -222,9 +259,9 @@ impl Plan {
         }
     }
 
-    /// Returns the workgroups of a stage's dispatch, where the batch's first `instance_len` instances
-    /// are evaluated: x, those of one instance, and y, the instances of the chunk. `None` if none of
-    /// them is in the chunk, or the stage not in the plan.
+    /// Returns the workgroups of a stage's dispatch for the first `instance_len` instances of the
+    /// batch. x counts the workgroups of one instance, y the instances of the chunk. `None` if none
+    /// of the instances is in the chunk, or if the plan lacks the stage.
     pub fn workgroups(&self, stage: Stage, chunk: &Chunk, instance_len: usize) -> Option<[u32; 2]> {
         let (_, x) = self.stages.iter().find(|(own, _)| *own == stage)?;
         let here = instance_len.min(chunk.instances.end).checked_sub(chunk.instances.start)?;
@@ -232,7 +269,7 @@ impl Plan {
         Some([*x, y])
     }
 
-    /// Returns the bytes of a resource's buffer that any chunk takes.
+    /// Returns the range of bytes of a resource's buffer that the chunks use.
     fn range(&self, resource: Resource) -> Range<u64> {
         let spans = self.chunks.iter().filter_map(|chunk| chunk.span(resource));
         let ranges = spans.map(|span| span.offset..span.offset + span.bytes);

@@ -1,33 +1,35 @@
-//! The buffers of a batch.
+//! The buffers of a batch, and where arrays lie in them.
 
-/// Where a span of a buffer may start, in bytes: what every device allows.
+/// Alignment of spans in a buffer, in bytes. Every device allows this alignment.
 pub const ALIGNMENT: u64 = 256;
 
-/// A buffer of a batch, or a part of one.
+/// A buffer of a batch, or a part of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Resource {
-    /// Uniform: where everything lies. Written once, from [`super::Plan::params`].
+    /// Uniform: counts and offsets of all arrays. Written once, from [`super::Plan::params`].
     Params,
-    /// The model's numbers, as they lie in the file. Written once.
+    /// The model's numbers, as they are in the file. Written once.
     Blob,
     /// J skinning matrices an instance, 3x4 rows, rest to posed, in model space. Written each frame.
     Poses,
-    /// The numbers of a kernel's query, an instance after the other. Written each frame.
+    /// The numbers of a kernel's queries, instance after instance. Written each frame.
     Queries,
-    /// The weights of a skin's shapes, an instance after the other. Written each frame.
+    /// The weights of a skin's shapes, instance after instance. Written each frame.
     Weights,
-    /// Samples of signals, an instance after the other. Written each frame.
+    /// Samples of signals, instance after instance. Written each frame.
     Samples,
-    /// What stages hand to each other, and threads of a stage. Never read or written by the host.
+    /// Intermediate results of the stages, and of the threads of a stage. The host never reads or
+    /// writes them.
     Scratch,
     /// The palette of each instance, 3x4 rows.
     Palettes,
     /// One float an instance.
     Confidences,
-    /// What the host brings to the skin: a remap, a rest mesh. Only a batch that names one needs it.
+    /// The host's own input to the skin: a remap, a rest mesh. Needed only if the batch has such an
+    /// input.
     Host,
-    /// What comes out at the far end: shaped or skinned attributes; a kernel's outputs and the confidence in them; finer
+    /// Final outputs: shaped or skinned attributes; a kernel's outputs with their confidence; finer
     /// samples.
     Out,
 }
@@ -48,7 +50,7 @@ impl Resource {
         Self::Out,
     ];
 
-    /// Returns its name.
+    /// Returns the name of the resource, as in the shaders.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Params => "params",
@@ -63,5 +65,43 @@ impl Resource {
             Self::Host => "host",
             Self::Out => "out",
         }
+    }
+}
+
+/// A range of bytes in a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// First byte, counted from the start of the host's buffer for the resource: a multiple of
+    /// [`ALIGNMENT`].
+    pub offset: u64,
+    /// Length in bytes.
+    pub bytes: u64,
+}
+
+/// Place of an array that has one run of words for each instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Array {
+    /// First word of the first instance.
+    pub offset: usize,
+    /// Words from the start of an instance to the start of the next.
+    pub stride: usize,
+}
+
+/// Place of an attribute in [`Resource::Out`]: vertex i *of the range* of instance n is at `offset
+/// + n * instance_stride + i * stride`, in floats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attribute {
+    /// First float of the first vertex of the first instance.
+    pub offset: usize,
+    /// Floats from a vertex to the next; at least 3, or 4 for tangents.
+    pub stride: usize,
+    /// Floats from an instance to the next.
+    pub instance_stride: usize,
+}
+
+impl Attribute {
+    /// Returns the place as an array with one run of words for each instance.
+    pub(super) fn array(&self) -> Array {
+        Array { offset: self.offset, stride: self.instance_stride }
     }
 }

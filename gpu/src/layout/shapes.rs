@@ -1,60 +1,57 @@
-//! Batches of a skin's shapes, and what they ask for.
+//! Batches of a skin's shapes, and their requirements.
 
-use super::array::Array;
-use super::attribute::{Attribute, attribute_members};
-use super::demand::{Demand, Member, array_members, check_stride, section_member};
+use super::demand::{
+    Attributes, Demand, Member, array_members, attribute_arrays, attribute_members,
+    check_attribute_strides, packed_attributes, section_member,
+};
 use super::error::LayoutError;
-use super::resource::Resource;
+use super::resource::{Array, Attribute, Resource};
 use super::stage::Stage;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::BLOCK;
 use sinew_runtime::{Model, Skin};
 use std::ops::Range;
 
-/// Shaped rest meshes of one skin, with an envelope or without: a [`sinew_runtime::ShapesJob`] for every instance.
+/// Shaped rest meshes of one skin, with an envelope or without: a [`sinew_runtime::ShapesJob`] for
+/// every instance.
 ///
-/// Offsets and strides count floats. What it writes a [`super::SkinBatch`] takes as its rest mesh: the buffer of
-/// [`Resource::Out`] here is that of [`Resource::Host`] there, attributes without gaps between vertices.
+/// Offsets and strides count floats. A [`super::SkinBatch`] can use the shaped mesh as its rest
+/// mesh: bind this batch's buffer of [`Resource::Out`] there as [`Resource::Host`], with attributes
+/// that have no gaps between vertices.
 #[derive(Clone, Debug)]
 pub struct ShapesBatch {
-    /// How many instances there are room for. A frame can evaluate fewer, the first ones; nothing is written
-    /// for the others.
+    /// Number of instances that the buffers have room for. A frame may evaluate only the first
+    /// ones; nothing is written for the others.
     pub instance_len: usize,
     /// The vertices.
     pub vertices: Range<usize>,
-    /// [`Resource::Weights`]: [`Skin::shape_len`] weights, finite ones. A stride of 0 gives all the same.
+    /// [`Resource::Weights`]: [`Skin::shape_len`] finite weights. With a stride of 0 all instances share their weights.
     pub weights: Array,
-    /// Where to put positions: 3 floats, model space.
+    /// Place of the positions: 3 floats, model space.
     pub positions: Option<Attribute>,
-    /// Where to put normals: 3 floats of length 1.
+    /// Place of the normals: 3 floats, of length 1.
     pub normals: Option<Attribute>,
-    /// Where to put tangents: 3 floats of length 1 and the handedness.
+    /// Place of the tangents: 3 floats of length 1, then the handedness.
     pub tangents: Option<Attribute>,
 }
 
 impl ShapesBatch {
-    /// Describes all vertices without gaps: instance after instance, of each its V positions, then its V normals
-    /// and, where the skin has them, its V tangents.
+    /// Lays out all vertices without gaps. For each instance: its V positions, its V normals and,
+    /// if the skin has tangents, its V tangents.
     pub fn new(skin: &Skin<'_>, instance_len: usize) -> Self {
-        let vertex_len = skin.vertex_len();
-        let floats = if skin.has_tangents() { 10 } else { 6 };
-        let attribute = |before: usize, stride| {
-            let (offset, instance_stride) = (before * vertex_len, floats * vertex_len);
-            Some(Attribute { offset, stride, instance_stride })
-        };
+        let [positions, normals, tangents] = packed_attributes(skin);
         Self {
             instance_len,
-            vertices: 0..vertex_len,
+            vertices: 0..skin.vertex_len(),
             weights: Array { offset: 0, stride: skin.shape_len() },
-            positions: attribute(0, 3),
-            normals: attribute(3, 3),
-            tangents: attribute(6, 4).filter(|_| skin.has_tangents()),
+            positions,
+            normals,
+            tangents,
         }
     }
 
-    /// Lists the attributes with the floats of each.
-    fn attributes(&self) -> [(Option<Attribute>, usize); 3] {
-        [(self.positions, 3), (self.normals, 3), (self.tangents, 4)]
+    fn attributes(&self) -> Attributes {
+        [self.positions, self.normals, self.tangents]
     }
 
     fn check(&self, model: &Model<impl AsRef<[u8]>>, skin: &Skin<'_>) -> Result<(), LayoutError> {
@@ -64,8 +61,7 @@ impl ShapesBatch {
         if self.instance_len == 0 {
             return Err(LayoutError::NoInstances);
         }
-        let attributes = self.attributes();
-        if attributes.iter().all(|(attribute, _)| attribute.is_none()) {
+        if self.attributes().iter().all(Option::is_none) {
             return Err(LayoutError::NoOutput);
         }
         let (Range { start, end }, vertex_len) = (self.vertices.clone(), skin.vertex_len());
@@ -75,11 +71,10 @@ impl ShapesBatch {
         if self.tangents.is_some() && !skin.has_tangents() {
             return Err(LayoutError::NoTangents);
         }
-        let mut written = attributes.into_iter().filter_map(|(own, len)| Some((own?.stride, len)));
-        written.try_for_each(|(stride, least)| check_stride(Resource::Out, least, stride))
+        check_attribute_strides(self.attributes())
     }
 
-    /// Counts the blocks that have any of the vertices.
+    /// Counts the blocks that contain vertices of the range.
     fn block_len(&self) -> u64 {
         let Range { start, end } = self.vertices;
         if start == end { 0 } else { (end.div_ceil(BLOCK) - start / BLOCK) as u64 }
@@ -87,19 +82,14 @@ impl ShapesBatch {
 
     /// Lists the arrays with the words of one instance.
     fn arrays(&self, shape_len: usize) -> Vec<(Resource, Array, usize)> {
-        // A skin without shapes has no weights, but a binding must have something.
+        // A skin without shapes has no weights, but a binding must not be empty.
         let mut out = vec![(Resource::Weights, self.weights, shape_len.max(1))];
-        let Some(last) = self.vertices.len().checked_sub(1) else { return out };
-        out.extend(self.attributes().into_iter().filter_map(|(attribute, len)| {
-            let own = attribute?;
-            let len = last.saturating_mul(own.stride).saturating_add(len);
-            Some((Resource::Out, own.array(), len))
-        }));
+        out.extend(attribute_arrays(self.attributes(), self.vertices.len()));
         out
     }
 }
 
-/// The sections that shaders read, by the name of their member.
+/// Sections that shaders read; each has the name of its member.
 const SECTIONS: [SectionKind; 8] = [
     SectionKind::RestPositions,
     SectionKind::RestNormals,
@@ -111,7 +101,7 @@ const SECTIONS: [SectionKind; 8] = [
     SectionKind::ShapeSlopes,
 ];
 
-/// Checks a batch against a model and a skin, and says what it asks for.
+/// Checks a batch against a model and a skin, and returns its requirements.
 pub(super) fn demand(
     model: &Model<impl AsRef<[u8]>>,
     skin: &Skin<'_>,
@@ -127,7 +117,7 @@ pub(super) fn demand(
     let sections = SECTIONS.map(|kind| section_member(model, Some(skin.part()), kind));
     let names = ["weights_offset", "weights_stride"];
     let weights = array_members(names, Resource::Weights, Some(batch.weights));
-    let attributes = attribute_members(batch.positions, batch.normals, batch.tangents);
+    let attributes = attribute_members(batch.attributes());
     let members = counts.into_iter().chain(sections).chain(weights).chain(attributes);
     Ok(Demand {
         instance_len: batch.instance_len,

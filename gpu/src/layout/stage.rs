@@ -1,12 +1,11 @@
-//! The stages: their shaders, what these bind, and how many workgroups they need.
+//! The stages: their shaders and their bindings.
 
 use super::resource::Resource;
 
 /// Threads of a workgroup.
 pub const WORKGROUP: u32 = 64;
 
-/// A stage of the evaluation, by the name it has in the runtime. Every instance has workgroups of its
-/// own.
+/// A stage of the evaluation, with its name in the runtime. Every instance has its own workgroups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
     /// Poses to relative transforms, rotations and gradients: one workgroup.
@@ -17,13 +16,14 @@ pub enum Stage {
     Joints,
     /// Poses to features: one thread a joint.
     Features,
-    /// Features to what the kernel maps add to palettes: one workgroup a group of proxies.
+    /// Features to the corrections of palettes by the kernel maps: one workgroup a group of
+    /// helpers.
     Correction,
-    /// Weights of shapes to the rest mesh that a skin then moves: one workgroup a block of vertices.
+    /// Weights of shapes to the rest mesh of a skin: one workgroup a block of vertices.
     Shapes,
     /// Palettes to positions, normals and tangents: one thread a vertex.
     Skin,
-    /// Rotations, or what the correction has found, to one number: one workgroup.
+    /// Rotations, or the confidences of the groups, to one number: one workgroup.
     Confidence,
     /// Queries of a kernel to outputs and the confidence in them: one workgroup.
     Kernel,
@@ -34,7 +34,7 @@ pub enum Stage {
 /// One binding of a stage, in group (set) 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// What is bound, at the place that it has in [`Stage::bindings`].
+    /// Resource to bind; its index in [`Stage::bindings`] is the binding's number.
     pub resource: Resource,
     /// Whether the stage writes to it.
     pub writable: bool,
@@ -63,8 +63,8 @@ macro_rules! spirv {
 }
 
 impl Stage {
-    /// Every stage, in an order in which each comes after those that it reads from, and waits for no
-    /// other: nothing reads confidences, so they come last.
+    /// Every stage, each after the stages that it reads from. No stage reads confidences, so
+    /// `confidence` follows `skin`, and `skin` need not wait for it.
     pub const ALL: [Self; 10] = [
         Self::Gradients,
         Self::Palette,
@@ -78,7 +78,7 @@ impl Stage {
         Self::Filter,
     ];
 
-    /// Returns its name: the stem of its shaders and of its module in the runtime.
+    /// Returns the stage's name: the stem of its shaders and of its module in the runtime.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gradients => "gradients",
@@ -94,7 +94,7 @@ impl Stage {
         }
     }
 
-    /// Returns its WGSL, whole; the entry point is `main`.
+    /// Returns the complete WGSL; the entry point is `main`.
     pub const fn wgsl(self) -> &'static str {
         match self {
             Self::Gradients => wgsl!("params", "blob", "numeric", "rotation", "gradients"),
@@ -118,8 +118,8 @@ impl Stage {
         }
     }
 
-    /// Returns the SPIR-V that glslang makes of its GLSL, little-endian words; the entry point is
-    /// `main`.
+    /// Returns the SPIR-V that glslang makes of the GLSL, in little-endian words; the entry point
+    /// is `main`.
     pub const fn spirv(self) -> &'static [u8] {
         match self {
             Self::Gradients => spirv!("gradients"),
@@ -135,8 +135,8 @@ impl Stage {
         }
     }
 
-    /// Lists what it binds: number 0 the uniform [`Resource::Params`], the others storage buffers,
-    /// four at most.
+    /// Lists the bindings: number 0 is the uniform [`Resource::Params`], the others are at most
+    /// four storage buffers.
     pub const fn bindings(self) -> &'static [Binding] {
         use Resource::{
             Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Samples, Scratch,

@@ -1,17 +1,17 @@
-//! A plan with the host's buffers bound, ready to be recorded each frame.
+//! A plan bound to the host's buffers, ready to be recorded each frame.
 
 use super::error::Error;
 use super::pipelines::{Pipelines, descriptor_type};
 use crate::layout::{Chunk, Plan, Resource, Span, Stage};
 use ash::{Device, vk};
 
-/// The host's buffers, one for each resource of a plan. Several resources may share one, as long as
-/// none is written where another lies; that two buffers share memory cannot be seen here.
+/// The host's buffers, one for each resource of a plan. Several resources may share a buffer, but
+/// no stage may write to one where another lies. Two buffers that share memory are not detected.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Buffers([Option<(vk::Buffer, Span)>; Resource::ALL.len()]);
 
 impl Buffers {
-    /// Gives a resource the bytes of a buffer from `offset` on, a multiple of
+    /// Assigns a resource `bytes` bytes of a buffer, starting at `offset`, a multiple of
     /// [`crate::layout::ALIGNMENT`].
     #[must_use]
     pub fn with(mut self, resource: Resource, buffer: vk::Buffer, offset: u64, bytes: u64) -> Self {
@@ -24,14 +24,15 @@ impl Buffers {
     }
 }
 
-/// A plan with its buffers: pipelines, and descriptor sets that have been written.
+/// A plan with its buffers: pipelines and written descriptor sets.
 ///
-/// It owns nothing of Vulkan: sets and pipelines must live as long as it is recorded.
+/// This type owns no Vulkan objects. The sets and pipelines must live as long as the plan is
+/// recorded.
 #[derive(Clone, Debug)]
 pub struct Bound {
     plan: Plan,
     steps: Vec<Step>,
-    /// For each step, one a chunk.
+    /// For each step one set a chunk.
     sets: Vec<vk::DescriptorSet>,
 }
 
@@ -40,27 +41,28 @@ struct Step {
     stage: Stage,
     pipeline: vk::Pipeline,
     layout: vk::PipelineLayout,
-    /// Whether it must wait for the steps before it.
+    /// Whether the step must wait for the steps before it.
     waits: bool,
-    /// Whether its chunks' bindings meet where it writes: they start at multiples of 256 bytes,
-    /// though no two chunks write to one place. Tools that reckon with bindings want a barrier there.
-    meets: bool,
+    /// Whether bindings that the step writes overlap from chunk to chunk. Bindings start at
+    /// multiples of 256 bytes, so they may overlap although no two chunks write to the same place.
+    /// Validation layers compare bindings, and demand a barrier there.
+    chunks_overlap: bool,
 }
 
 impl Bound {
-    /// Checks the host's buffers and writes the descriptor sets, allocated by the host with
-    /// [`Pipelines::set_layouts`]. Where an error is returned, nothing has been written.
+    /// Checks the host's buffers and writes the descriptor sets, which the host has allocated with
+    /// [`Pipelines::set_layouts`]. Nothing is written if an error is returned.
     ///
     /// # Errors
-    /// - [`Error::NoPipeline`]: a stage of the plan was not among those of the pipelines.
+    /// - [`Error::NoPipeline`]: the pipelines lack a stage of the plan.
     /// - [`Error::Sets`]
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned, or a stage writes where
-    ///   another resource lies.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned, or a resource that is
+    ///   written overlaps another.
     ///
     /// # Safety
-    /// Everything must be valid and of this device; each buffer must be as long as said, have memory
-    /// bound and the [`super::usage`] of its resource; the sets must have the layouts of
-    /// [`Pipelines::set_layouts`], in its order, and not be in use.
+    /// All handles must be valid and belong to this device. Each buffer must be as long as stated,
+    /// have memory bound, and have the [`super::usage`] of its resource. The sets must have the
+    /// layouts of [`Pipelines::set_layouts`], in that order, and must not be in use.
     pub unsafe fn new(
         device: &Device,
         pipelines: &Pipelines,
@@ -84,19 +86,21 @@ impl Bound {
         Ok(bound)
     }
 
-    /// Records all stages for the first `instance_len` instances, with a [`barrier`] before the first
-    /// and wherever one reads what another writes, and nowhere else. The module says what must be visible before, and
-    /// what is to be waited for after. The last stage's pipeline and set 0 are left bound to the
-    /// compute bind point. Allocates nothing.
+    /// Records all stages for the first `instance_len` instances. A [`barrier`] precedes the first
+    /// stage, and each stage that reads a resource which an earlier stage wrote, or writes a
+    /// resource which an earlier stage used. Other barriers stand only between chunks whose
+    /// bindings overlap. The module's documentation lists the barriers of the host. The last
+    /// stage's pipeline and set 0 stay bound to the compute bind point. Allocates nothing.
     ///
     /// Nothing is written for the instances that follow.
     ///
     /// # Errors
-    /// [`Error::Layout`]: no instances, or more than there is room for. Nothing has been recorded.
+    /// [`Error::Layout`]: no instances, or more than the batch has room for. Nothing has been recorded.
     ///
     /// # Safety
-    /// The command buffer must be of the device of [`Bound::new`], be recording outside a render
-    /// pass, and its queues must support compute. The host places the barriers that the module asks for.
+    /// The command buffer must belong to the device of [`Bound::new`] and be recording outside a
+    /// render pass, and its queues must support compute. The host must place the barriers that the
+    /// module's documentation lists.
     pub unsafe fn record(
         &self,
         device: &Device,
@@ -107,7 +111,7 @@ impl Bound {
         for (index, step) in self.steps.iter().enumerate() {
             // SAFETY: as our own caller promises.
             unsafe {
-                // The first waits for a record before: both use the same scratch.
+                // The first step waits for an earlier record, which uses the same scratch.
                 if step.waits || index == 0 {
                     barrier(device, command_buffer);
                 }
@@ -117,15 +121,16 @@ impl Bound {
         Ok(())
     }
 
-    /// Records one stage with no barrier before or after it: for hosts that place their own, as
-    /// between the gradients of several models and their palettes, with [`barrier`] or finer.
+    /// Records one stage without a barrier before or after it. For hosts that place their own
+    /// barriers, with [`barrier`] or finer ones: for example one between the gradients of several
+    /// models and their palettes.
     ///
     /// # Errors
-    /// - [`Error::Layout`]: no instances, or more than there is room for.
+    /// - [`Error::Layout`]: no instances, or more than the batch has room for.
     /// - [`Error::NotPlanned`]
     ///
     /// # Safety
-    /// As for [`Bound::record`]; what the stage reads must have been made visible to it.
+    /// As for [`Bound::record`]. The input of the stage must have been made visible to the stage.
     pub unsafe fn record_stage(
         &self,
         device: &Device,
@@ -141,7 +146,7 @@ impl Bound {
         Ok(())
     }
 
-    /// Returns the plan that it was made of.
+    /// Returns the plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -161,16 +166,17 @@ impl Bound {
         instance_len: usize,
     ) {
         const COMPUTE: vk::PipelineBindPoint = vk::PipelineBindPoint::COMPUTE;
-        let Step { stage, pipeline, layout, meets, .. } = self.steps[index];
-        // SAFETY: pipeline, layout and sets suit each other by `new`, and our caller keeps them alive.
+        let Step { stage, pipeline, layout, chunks_overlap, .. } = self.steps[index];
+        // SAFETY: `new` made pipeline, layout and sets fit each other, and our caller keeps them
+        // alive.
         unsafe { device.cmd_bind_pipeline(command_buffer, COMPUTE, pipeline) };
         for (number, (chunk, set)) in self.plan.chunks().iter().zip(self.sets_of(index)).enumerate()
         {
             let Some([x, y]) = self.plan.workgroups(stage, chunk, instance_len) else { continue };
             let sets = [*set];
-            // SAFETY: likewise; the plan keeps workgroups within the limits it was made with.
+            // SAFETY: as above; the plan keeps workgroups within the limits of the device.
             unsafe {
-                if meets && number > 0 {
+                if chunks_overlap && number > 0 {
                     barrier(device, command_buffer);
                 }
                 device.cmd_bind_descriptor_sets(command_buffer, COMPUTE, layout, 0, &sets, &[]);
@@ -180,11 +186,12 @@ impl Bound {
     }
 }
 
-/// Records that compute shaders after this wait for those before it, and see what they have written.
+/// Records a barrier: compute shaders after the barrier wait for those before it, and see their
+/// writes.
 ///
 /// # Safety
-/// The command buffer must be of the device, be recording outside a render pass, and its queues must
-/// support compute.
+/// The command buffer must belong to the device and be recording outside a render pass, and its
+/// queues must support compute.
 pub unsafe fn barrier(device: &Device, command_buffer: vk::CommandBuffer) {
     const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
     let memory = [vk::MemoryBarrier::default()
@@ -197,11 +204,11 @@ pub unsafe fn barrier(device: &Device, command_buffer: vk::CommandBuffer) {
     }
 }
 
-/// Lists what is recorded. A stage waits for those before it where it reads what one of them writes, or
-/// writes what one of them uses, since the last barrier.
+/// Lists the steps to record. A step waits if it reads a resource that was written since the last
+/// barrier, or writes a resource that was used since then.
 fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
     let mut steps = Vec::with_capacity(plan.stages().len());
-    // What has been bound since the last barrier, and whether it was written.
+    // Resources that were bound since the last barrier, and whether they were written.
     let mut bound = [None; Resource::ALL.len()];
     for stage in plan.stages() {
         let pipeline = pipelines.get(stage)?;
@@ -222,14 +229,14 @@ fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
             *written = Some(written.unwrap_or(false) || writes);
         }
         let (layout, pipeline) = (pipeline.layout, pipeline.pipeline);
-        let meets = meets(stage, plan.chunks());
-        steps.push(Step { stage, pipeline, layout, waits, meets });
+        let chunks_overlap = chunks_overlap(stage, plan.chunks());
+        steps.push(Step { stage, pipeline, layout, waits, chunks_overlap });
     }
     Ok(steps)
 }
 
-/// Tells whether what a stage writes in one chunk is bound in the next, too.
-fn meets(stage: Stage, chunks: &[Chunk]) -> bool {
+/// Whether a span that a stage writes in one chunk overlaps the span of the next chunk.
+fn chunks_overlap(stage: Stage, chunks: &[Chunk]) -> bool {
     let written = stage.bindings().iter().filter(|own| own.writable);
     let spans = written.flat_map(|own| {
         let span = |chunk: &Chunk| chunk.bound(own.resource).1;
@@ -241,7 +248,7 @@ fn meets(stage: Stage, chunks: &[Chunk]) -> bool {
     })
 }
 
-/// Writes the set of a stage and chunk.
+/// Writes the descriptor set of a stage and a chunk.
 ///
 /// # Safety
 /// As for [`Bound::new`].
@@ -264,7 +271,7 @@ unsafe fn write(
             .dst_binding(number)
             .descriptor_type(descriptor_type(resource))
             .buffer_info(&info);
-        // SAFETY: the buffer holds the span, which the plan has checked.
+        // SAFETY: the plan has checked that the buffer holds the span.
         unsafe { device.update_descriptor_sets(&[write], &[]) };
     }
 }

@@ -1,47 +1,47 @@
-//! What can go wrong before anything is recorded.
+//! The errors of preparing and recording a batch.
 
 use crate::layout::{LayoutError, Stage};
 use ash::vk;
 use thiserror::Error;
 
-/// A call that the host has wrong, or that its Vulkan refuses.
+/// A mistake in the host's call, or an error of the host's Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Error {
-    /// Instances or buffers do not suit the plan.
+    /// The instances or the buffers do not fit the plan.
     #[error(transparent)]
     Layout(#[from] LayoutError),
-    /// A stage is needed whose pipeline was not asked for.
+    /// The pipelines lack a stage of the plan.
     #[error("no pipeline of the stage {}", .stage.name())]
     NoPipeline {
         /// The stage.
         stage: Stage,
     },
-    /// A stage is to be recorded that the plan does not have.
+    /// The plan lacks the stage that was to be recorded.
     #[error("the plan has no stage {}", .stage.name())]
     NotPlanned {
         /// The stage.
         stage: Stage,
     },
-    /// The number of descriptor sets is not the plan's.
+    /// The number of descriptor sets does not fit the plan.
     #[error("{found} descriptor sets, expected {expected}")]
     Sets {
-        /// One a stage and chunk.
+        /// Sets that the plan needs: one for each stage and chunk.
         expected: usize,
-        /// Sets given.
+        /// Sets that the host passed.
         found: usize,
     },
-    /// Vulkan refuses.
+    /// A Vulkan call failed.
     #[error("{doing}: {result}")]
     Vulkan {
-        /// What was being done.
+        /// The step that failed.
         doing: &'static str,
-        /// What it says.
+        /// Vulkan's result.
         result: vk::Result,
     },
 }
 
 impl Error {
-    /// Makes a function that turns a result into an error.
+    /// Returns a function that converts a result of the step `doing` into an error.
     pub(super) fn while_doing(doing: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Vulkan { doing, result }
     }

@@ -1,25 +1,33 @@
 //! The stages on the host's own Vulkan 1.0 or later, through ash.
 //!
-//! Nothing here owns memory of the device, submits or waits. The order of calls:
+//! This module owns no device memory, and never submits or waits. The order of calls:
 //!
-//! 1. [`limits`] turns what the physical device allows into what [`Plan::new`] asks for.
-//! 2. [`Pipelines::new`] makes the pipelines, once a device.
-//! 3. For each batch, the host makes a buffer, or a part of one, of [`Plan::bytes`] and [`usage`] for
-//!    each [`Resource`] that has any bytes; a part starts at a multiple of
-//!    [`crate::layout::ALIGNMENT`]. It uploads [`Plan::params`] and [`sinew_runtime::Model::blob`].
-//! 4. It makes a descriptor pool with room for [`pool_sizes`] and [`set_len`], and allocates
-//!    [`Pipelines::set_layouts`] from it. [`Bound::new`] checks buffers and writes the sets.
-//! 5. Each frame it writes poses, a kernel's queries, weights of shapes, or samples, and calls [`Bound::record`], which
-//!    needs no memory.
-//! 6. At the end it destroys pool and buffers, and calls [`Pipelines::destroy`].
+//! 1. [`limits`] converts the limits of the physical device for [`Plan::new`].
+//! 2. [`Pipelines::new`] makes the pipelines, once for each device.
+//! 3. For each batch and each [`Resource`] that has any bytes, the host makes a buffer, or reserves
+//!    a part of one, of [`Plan::bytes`] bytes and with [`usage`]. A part starts at a multiple of
+//!    [`crate::layout::ALIGNMENT`]. The host uploads [`Plan::params`] and
+//!    [`sinew_runtime::Model::blob`].
+//! 4. The host makes a descriptor pool with room for [`pool_sizes`] and [`set_len`], and allocates
+//!    sets of [`Pipelines::set_layouts`] from the pool. [`Bound::new`] checks the buffers and
+//!    writes the sets.
+//! 5. Each frame the host writes poses, queries of a kernel, weights of shapes, or samples. Then
+//!    the host calls [`Bound::record`], which allocates nothing.
+//! 6. At the end the host destroys pool and buffers, and calls [`Pipelines::destroy`].
 //!
-//! # What must be visible, and when
-//! Before: blob, params, host and the frame's poses, queries, weights or samples to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
-//! [`vk::AccessFlags::SHADER_READ`], params with [`vk::AccessFlags::UNIFORM_READ`]; and whatever read
-//! the palettes, confidences and out of the frame before must be done. After:
-//! [`vk::PipelineStageFlags::COMPUTE_SHADER`] with [`vk::AccessFlags::SHADER_WRITE`] on these three is
-//! to be waited for, by vertex input, a vertex shader, or what else uses them. Those two barriers are
-//! the host's; those between one stage and another, and between two records, are [`Bound::record`]'s.
+//! # Barriers of the host
+//! The host places two barriers. [`Bound::record`] places the barriers between stages and between
+//! two records.
+//!
+//! Before the record: the blob, the host's input and the frame's poses, queries, weights or samples
+//! must be visible to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! [`vk::AccessFlags::SHADER_READ`]. The params must be visible there with
+//! [`vk::AccessFlags::UNIFORM_READ`]. Commands that read the palettes, confidences and outputs of
+//! the last frame must be done.
+//!
+//! After the record: vertex input, a vertex shader, or any other user of palettes, confidences and
+//! outputs must wait for [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! [`vk::AccessFlags::SHADER_WRITE`].
 //!
 //! ```no_run
 //! use ash::vk;
@@ -31,7 +39,7 @@
 //! # fn vulkan(doing: &'static str) -> impl Fn(vk::Result) -> Error {
 //! #     move |result| Error::Vulkan { doing, result }
 //! # }
-//! /// Makes ready what each frame records.
+//! /// Prepares the plan that each frame records.
 //! unsafe fn prepare(
 //!     device: &ash::Device,
 //!     properties: &vk::PhysicalDeviceProperties,
@@ -68,9 +76,9 @@
 //!     bound: &Bound,
 //!     instance_len: usize,
 //! ) -> Result<(), Error> {
-//!     // The host's barrier goes here: what wrote the poses, before the compute shaders.
+//!     // The host's barrier goes here: writes of the poses, before the compute shaders.
 //!     unsafe { bound.record(device, command_buffer, instance_len) }
-//!     // The host's barrier goes here: the compute shaders, before what draws.
+//!     // The host's barrier goes here: the compute shaders, before the draws.
 //! }
 //! ```
 //!
@@ -82,16 +90,14 @@
 //! [`vk::AccessFlags::SHADER_READ`]: ash::vk::AccessFlags::SHADER_READ
 //! [`vk::AccessFlags::SHADER_WRITE`]: ash::vk::AccessFlags::SHADER_WRITE
 //! [`vk::AccessFlags::UNIFORM_READ`]: ash::vk::AccessFlags::UNIFORM_READ
-#![allow(unsafe_code, reason = "every call of Vulkan is")]
+#![allow(unsafe_code, reason = "every call of Vulkan is unsafe")]
 
 mod bound;
 mod error;
 #[cfg(feature = "headless")]
 pub mod headless;
 mod pipelines;
-mod requirements;
 
 pub use bound::{Bound, Buffers, barrier};
 pub use error::Error;
-pub use pipelines::Pipelines;
-pub use requirements::{limits, pool_sizes, set_len, usage};
+pub use pipelines::{Pipelines, limits, pool_sizes, set_len, usage};

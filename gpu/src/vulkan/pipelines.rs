@@ -1,22 +1,22 @@
-//! The stages' pipelines on the host's device.
+//! The stages' pipelines on the host's device, and what the host must make for a plan.
 
 use super::error::Error;
-use crate::layout::{Plan, Resource, Stage};
+use crate::layout::{DeviceLimits, Plan, Resource, Stage};
 use ash::{Device, vk};
 
-/// Bindings of the stage that has the most.
+/// Largest number of bindings of a stage.
 const BINDINGS_MAX: usize = 5;
 
 /// The pipelines of some stages, with their layouts.
 ///
-/// They are not freed when dropped: that takes the host's device and callbacks, which only
-/// [`Pipelines::destroy`] is given. The default is of no stage.
+/// Dropping does not free the pipelines, because that takes the host's device and callbacks; call
+/// [`Pipelines::destroy`]. The default has no stages.
 #[derive(Debug, Default)]
 pub struct Pipelines {
     stages: Vec<Pipeline>,
 }
 
-/// What one stage needs; null until it is made.
+/// The Vulkan objects of one stage; null until they are made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pipeline {
     pub(super) stage: Stage,
@@ -26,15 +26,15 @@ pub(super) struct Pipeline {
 }
 
 impl Pipelines {
-    /// Makes the pipelines of some stages: [`Plan::stages`], or [`Stage::ALL`] to serve any plan. The
-    /// cache may be null. Where an error is returned, nothing is left behind.
+    /// Makes the pipelines of some stages: [`Plan::stages`], or [`Stage::ALL`] for any plan. The
+    /// cache may be null. If an error is returned, nothing is left behind.
     ///
     /// # Errors
     /// [`Error::Vulkan`]
     ///
     /// # Safety
     /// The device must be valid, and so must the cache if it is not null. The callbacks must be as
-    /// Vulkan asks, and outlive the call; all that is made goes through them.
+    /// Vulkan requires, and must outlive the call. All objects are made through them.
     pub unsafe fn new(
         device: &Device,
         stages: &[Stage],
@@ -47,7 +47,8 @@ impl Pipelines {
             let (made, result) = unsafe { Pipeline::new(device, stage, cache, callbacks) };
             pipelines.stages.push(made);
             if let Err(error) = result {
-                // SAFETY: nothing has used them, and they come from this device and these callbacks.
+                // SAFETY: nothing has used the pipelines; they come from this device and these
+                // callbacks.
                 unsafe { pipelines.destroy(device, callbacks) };
                 return Err(error);
             }
@@ -55,8 +56,8 @@ impl Pipelines {
         Ok(pipelines)
     }
 
-    /// Lists the layouts of the descriptor sets that a plan takes, in the order in which
-    /// [`super::Bound::new`] takes the sets.
+    /// Lists the layouts of the descriptor sets of a plan, in the order in which
+    /// [`super::Bound::new`] expects the sets.
     ///
     /// # Errors
     /// [`Error::NoPipeline`]
@@ -69,14 +70,14 @@ impl Pipelines {
         Ok(layouts)
     }
 
-    /// Destroys them.
+    /// Destroys the pipelines.
     ///
     /// # Safety
-    /// Device and callbacks must be those, or compatible with those, that they were made with. No
-    /// command buffer in which they are recorded may be pending, or be submitted later.
+    /// Device and callbacks must be the ones of [`Pipelines::new`], or compatible with them. No
+    /// command buffer with these pipelines may be pending or be submitted later.
     pub unsafe fn destroy(self, device: &Device, callbacks: Option<&vk::AllocationCallbacks<'_>>) {
         for own in self.stages {
-            // SAFETY: as our own caller promises; Vulkan ignores those that are null.
+            // SAFETY: as our own caller promises; Vulkan ignores null handles.
             unsafe {
                 device.destroy_pipeline(own.pipeline, callbacks);
                 device.destroy_pipeline_layout(own.layout, callbacks);
@@ -92,7 +93,8 @@ impl Pipelines {
 }
 
 impl Pipeline {
-    /// Returns what it could make, too, if it fails.
+    /// Returns the objects of a stage. If a call fails, the error comes with the objects made so
+    /// far.
     ///
     /// # Safety
     /// As for [`Pipelines::new`].
@@ -123,7 +125,7 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let (bindings, len) = bindings(self.stage);
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..len]);
-        // SAFETY: the bindings have numbers of their own and live through the call.
+        // SAFETY: the bindings have distinct numbers and live through the call.
         self.set_layout = unsafe { device.create_descriptor_set_layout(&info, callbacks) }
             .map_err(Error::while_doing("making a descriptor set layout"))?;
 
@@ -136,7 +138,7 @@ impl Pipeline {
         let words = self.stage.spirv().as_chunks::<4>().0;
         let words: Vec<_> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: the words are those of our shader, which the tests validate.
+        // SAFETY: the words are our shader, which the tests validate.
         let module = unsafe { device.create_shader_module(&info, callbacks) }
             .map_err(Error::while_doing("making a shader module"))?;
 
@@ -145,11 +147,11 @@ impl Pipeline {
             .module(module)
             .name(c"main");
         let infos = [vk::ComputePipelineCreateInfo::default().stage(shader).layout(self.layout)];
-        // SAFETY: module and layout have just been made on this device, and suit each other.
+        // SAFETY: module and layout have just been made on this device, and fit each other.
         let result = unsafe { device.create_compute_pipelines(cache, &infos, callbacks) };
-        // SAFETY: a module may go as soon as the call that uses it is over.
+        // SAFETY: a module may be destroyed once the call that uses it has returned.
         unsafe { device.destroy_shader_module(module, callbacks) };
-        // One pipeline a call: where it fails there is none.
+        // Each call makes one pipeline, so a failed call has made none.
         let made = result.map_err(|(_, result)| result);
         let made = made.map_err(Error::while_doing("making a compute pipeline"))?;
         self.pipeline = made.first().copied().unwrap_or_default();
@@ -157,7 +159,7 @@ impl Pipeline {
     }
 }
 
-/// Returns a stage's bindings and how many there are.
+/// Returns a stage's bindings and their number.
 fn bindings(stage: Stage) -> ([vk::DescriptorSetLayoutBinding<'static>; BINDINGS_MAX], usize) {
     let mut bindings = [vk::DescriptorSetLayoutBinding::default(); BINDINGS_MAX];
     let own = stage.bindings();
@@ -177,4 +179,44 @@ pub(super) fn descriptor_type(resource: Resource) -> vk::DescriptorType {
         Resource::Params => vk::DescriptorType::UNIFORM_BUFFER,
         _ => vk::DescriptorType::STORAGE_BUFFER,
     }
+}
+
+/// Converts a device's limits into [`DeviceLimits`].
+pub fn limits(device: &vk::PhysicalDeviceLimits) -> DeviceLimits {
+    let alignment =
+        device.min_storage_buffer_offset_alignment.max(device.min_uniform_buffer_offset_alignment);
+    let [x, y, _] = device.max_compute_work_group_count;
+    DeviceLimits {
+        storage_binding_bytes: device.max_storage_buffer_range.into(),
+        storage_buffers: device.max_per_stage_descriptor_storage_buffers,
+        offset_alignment: u32::try_from(alignment).unwrap_or(u32::MAX),
+        workgroup_threads: device
+            .max_compute_work_group_invocations
+            .min(device.max_compute_work_group_size[0]),
+        workgroups: x.min(y),
+    }
+}
+
+/// Returns the usage that a resource's buffer must have for this crate. The host adds its own
+/// usages, for example for uploads or vertex input.
+pub fn usage(resource: Resource) -> vk::BufferUsageFlags {
+    match resource {
+        Resource::Params => vk::BufferUsageFlags::UNIFORM_BUFFER,
+        _ => vk::BufferUsageFlags::STORAGE_BUFFER,
+    }
+}
+
+/// Counts the descriptors of a plan by their type.
+pub fn pool_sizes(plan: &Plan) -> [vk::DescriptorPoolSize; 2] {
+    let storage = plan.stages().map(|stage| stage.bindings().len() - 1).sum::<usize>();
+    let size = |ty, len: usize| vk::DescriptorPoolSize { ty, descriptor_count: len as u32 };
+    [
+        size(vk::DescriptorType::UNIFORM_BUFFER, set_len(plan) as usize),
+        size(vk::DescriptorType::STORAGE_BUFFER, storage * plan.chunks().len()),
+    ]
+}
+
+/// Counts the descriptor sets of a plan: one for each stage and chunk.
+pub fn set_len(plan: &Plan) -> u32 {
+    (plan.stages().len() * plan.chunks().len()) as u32
 }

@@ -1,25 +1,26 @@
-//! A batch bound to the host's buffers.
+//! A plan bound to the host's buffers.
 
 use super::error::{Error, scoped};
-use super::pipelines::{Pipelines, limits};
+use super::pipelines::{Pipelines, limits, usage};
 use crate::layout::{Binding, Chunk, DeviceLimits, LayoutError, Plan, Resource, Span, Stage};
 use ::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
-    BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
+    CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
 };
 use std::num::NonZero;
 
-/// The host's buffers, by what they are for. What a plan does not need may be left out.
+/// The host's buffers by resource. Resources that the plan does not need may be left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Buffers<'a>([Option<(&'a Buffer, u64)>; Resource::ALL.len()]);
 
 impl<'a> Buffers<'a> {
-    /// Starts with none.
+    /// Starts without buffers.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Gives a resource a buffer, from a byte on that is a multiple of [`crate::layout::ALIGNMENT`].
+    /// Assigns a resource a buffer, starting at byte `offset`, a multiple of
+    /// [`crate::layout::ALIGNMENT`].
     #[must_use]
     pub fn with(mut self, resource: Resource, buffer: &'a Buffer, offset: u64) -> Self {
         self.0[resource as usize] = Some((buffer, offset));
@@ -30,14 +31,14 @@ impl<'a> Buffers<'a> {
         self.0[resource as usize]
     }
 
-    /// Returns a resource's buffer, and the bytes of it from its offset on.
+    /// Returns a resource's buffer and its bytes from the offset to the end.
     fn span(&self, resource: Resource) -> Option<(&'a Buffer, Span)> {
         let (buffer, offset) = self.get(resource)?;
         Some((buffer, Span { offset, bytes: buffer.size().saturating_sub(offset) }))
     }
 }
 
-/// A plan bound to buffers: what there is to record each frame.
+/// A plan bound to buffers, ready to be recorded each frame.
 #[derive(Clone, Debug)]
 pub struct Bound {
     plan: Plan,
@@ -48,25 +49,26 @@ pub struct Bound {
 struct BoundStage {
     stage: Stage,
     pipeline: ComputePipeline,
-    /// One for each of the plan's chunks.
+    /// One bind group for each chunk of the plan.
     bind_groups: Vec<BindGroup>,
 }
 
 impl Bound {
-    /// Checks the host's buffers and binds them: once, and again only when a buffer or the batch
+    /// Checks the host's buffers and binds them. Repeat this only when a buffer or the batch
     /// changes. The bind groups keep the buffers alive.
     ///
-    /// That a buffer is neither destroyed nor mapped when commands are submitted cannot be seen here;
-    /// wgpu tells it then. Nor can a buffer of another instance: wgpu panics.
+    /// This function cannot detect a buffer that is destroyed or mapped when commands are
+    /// submitted; wgpu reports it then. It cannot detect a buffer of another instance either; wgpu
+    /// panics.
     ///
     /// # Errors
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned, or a stage writes where
-    ///   another resource lies; or the plan was made by the limits of a device that allows more.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned; a resource that is
+    ///   written overlaps another; or the plan was made for a device with larger limits.
     /// - [`Error::Usage`]
     /// - [`Error::Shared`]
     /// - [`Error::NoPipeline`]
     /// - [`Error::OutOfMemory`]
-    /// - [`Error::Refused`]: the device does not take a buffer, as of another device.
+    /// - [`Error::Refused`]: the device refuses a buffer, for example one of another device.
     pub fn new(pipelines: &Pipelines, plan: &Plan, buffers: &Buffers<'_>) -> Result<Self, Error> {
         plan.check_buffers(|resource| buffers.span(resource))?;
         check_usages(plan, buffers)?;
@@ -82,16 +84,16 @@ impl Bound {
         Ok(Self { plan: plan.clone(), stages })
     }
 
-    /// Returns what was bound.
+    /// Returns the plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Nothing
-    /// is written for the instances that follow.
+    /// Records all stages for the first `instance_len` instances of the batch, in one compute pass.
+    /// Nothing is written for the instances that follow.
     ///
     /// # Errors
-    /// Nothing is recorded then.
+    /// Nothing is recorded if an error is returned.
     /// - [`Error::Layout`]: no instances, or more than the batch has room for.
     pub fn encode(&self, encoder: &mut CommandEncoder, instance_len: usize) -> Result<(), Error> {
         self.plan.check_instances(instance_len)?;
@@ -102,11 +104,11 @@ impl Bound {
         Ok(())
     }
 
-    /// Records one stage alone, in a compute pass of its own: for hosts that measure, or that put
-    /// work of theirs between stages.
+    /// Records one stage alone, in a separate compute pass. For hosts that measure, or that insert
+    /// their own work between stages.
     ///
     /// # Errors
-    /// Nothing is recorded then.
+    /// Nothing is recorded if an error is returned.
     /// - [`Error::NotPlanned`]
     /// - [`Error::Layout`]: no instances, or more than the batch has room for.
     pub fn encode_stage(
@@ -156,13 +158,10 @@ impl BoundStage {
     }
 }
 
-/// Checks that each buffer was made for what it is used for.
+/// Checks that each buffer has the usage of its resource.
 fn check_usages(plan: &Plan, buffers: &Buffers<'_>) -> Result<(), Error> {
     for resource in Resource::ALL {
-        let expected = match resource {
-            Resource::Params => BufferUsages::UNIFORM,
-            _ => BufferUsages::STORAGE,
-        };
+        let expected = usage(resource);
         match buffers.get(resource) {
             Some((own, _)) if plan.bytes(resource) > 0 && !own.usage().contains(expected) => {
                 return Err(Error::Usage { resource, expected, found: own.usage() });
@@ -173,7 +172,7 @@ fn check_usages(plan: &Plan, buffers: &Buffers<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that a chunk was cut for a device that allows no more than this one.
+/// Checks that a chunk stays within the limits of this device.
 fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(), LayoutError> {
     let limit = limits.storage_binding_bytes;
     for resource in Resource::ALL {
@@ -194,7 +193,7 @@ fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(),
     Ok(())
 }
 
-/// Checks that a stage reads no buffer that it writes: wgpu tells uses apart by whole buffers.
+/// Checks that a stage reads no buffer that it writes: wgpu tracks uses of whole buffers.
 fn check_shared(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
     let bound = |own: &Binding| {
         let (resource, _) = chunk.bound(own.resource);

@@ -1,4 +1,4 @@
-//! What can be wrong with a device, with the host's buffers, or with a call.
+//! The errors of preparing and encoding a batch.
 
 use crate::layout::{LayoutError, Resource, Stage};
 use ::wgpu::{Backend, BufferUsages, Device, ErrorFilter};
@@ -6,64 +6,65 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use thiserror::Error;
 
-/// Why nothing was made, or nothing recorded.
+/// Reasons why nothing was made or recorded.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Error {
     /// The batch, the device's limits or a span do not fit.
     #[error(transparent)]
     Layout(#[from] LayoutError),
-    /// A buffer was made without a usage that it needs.
+    /// A buffer lacks a usage that its resource needs.
     #[error("{} has usages {found:?}, expected {expected:?} among them", .resource.name())]
     Usage {
-        /// What the buffer is for.
+        /// The resource.
         resource: Resource,
-        /// The usage needed.
+        /// The required usage.
         expected: BufferUsages,
-        /// Its usages.
+        /// The buffer's usages.
         found: BufferUsages,
     },
-    /// Two resources lie in one buffer, and a stage writes one while it reads the other, which wgpu
-    /// tells apart by whole buffers.
+    /// Two resources share a buffer, and a stage writes one while it reads the other. wgpu tracks
+    /// uses of whole buffers, and forbids this.
     #[error("{} is written and {} read by {}, in one buffer", .written.name(), .read.name(), .stage.name())]
     Shared {
         /// The stage.
         stage: Stage,
-        /// What it writes.
+        /// The resource that the stage writes.
         written: Resource,
-        /// What it reads.
+        /// The resource that the stage reads.
         read: Resource,
     },
-    /// The pipelines were made without a stage that the plan has.
+    /// The pipelines lack a stage of the plan.
     #[error("no pipeline of {}", .stage.name())]
     NoPipeline {
         /// The stage.
         stage: Stage,
     },
-    /// A stage is asked for that the plan does not have.
+    /// The plan lacks the requested stage.
     #[error("{} is no stage of this batch", .stage.name())]
     NotPlanned {
         /// The stage.
         stage: Stage,
     },
-    /// The device has no memory left.
+    /// The device is out of memory.
     #[error("out of memory while making {making}")]
     OutOfMemory {
-        /// What was being made.
+        /// The object that was being made.
         making: &'static str,
     },
-    /// The device refuses: a shader that its compiler does not take, a buffer of another device.
+    /// The device refuses an object: a shader that fails to compile, or a buffer of another device.
     #[error("{making}: {detail}")]
     Refused {
-        /// What was being made.
+        /// The object that was being made.
         making: &'static str,
-        /// What wgpu says.
+        /// wgpu's message.
         detail: String,
     },
 }
 
-/// Makes objects and returns what the device had against them, without waiting: natively it answers
-/// at once. A browser answers later, so there its own error scopes and handlers are left to tell. That
-/// a device was lost only the host's callback is told: whatever such a device makes is void.
+/// Makes objects, and returns the error that the device reports. Native devices report at once, so
+/// this function never waits. A browser reports later, so errors there reach only the browser's own
+/// error scopes and handlers. Device loss reaches only the host's callback; objects that a lost
+/// device makes are void.
 pub(super) fn scoped<T>(
     device: &Device,
     making: &'static str,
@@ -76,7 +77,7 @@ pub(super) fn scoped<T>(
     let internal = device.push_error_scope(ErrorFilter::Internal);
     let validation = device.push_error_scope(ErrorFilter::Validation);
     let made = make();
-    // In reverse order; the first that caught something tells it.
+    // Scopes close in reverse order; the first one with an error returns it.
     let found = [ready(validation.pop()), ready(internal.pop()), ready(memory.pop())];
     match found.into_iter().flatten().flatten().next() {
         None => Ok(made),
@@ -85,7 +86,7 @@ pub(super) fn scoped<T>(
     }
 }
 
-/// Returns what a future has ready.
+/// Polls a future once; `None` if it is not ready.
 fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => Some(value),

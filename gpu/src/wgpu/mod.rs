@@ -1,11 +1,13 @@
-//! The stages on wgpu: dispatches recorded into the host's command encoder, over the host's buffers.
+//! The stages on wgpu: dispatches recorded into the host's command encoder, over the host's
+//! buffers.
 //!
-//! Once a device: [`Pipelines::new`]. Once a batch: [`Plan::new`](crate::layout::Plan::new) by the
-//! device's [`limits`], buffers of [`Plan::bytes`](crate::layout::Plan::bytes), and [`Bound::new`].
-//! Each frame: poses are written, [`Bound::encode`] records, the host submits. Nothing is submitted,
-//! waited for or, after [`Bound::new`], allocated here.
+//! Once for each device: [`Pipelines::new`]. Once for each batch:
+//! [`Plan::new`](crate::layout::Plan::new) with the device's [`limits`], buffers of
+//! [`Plan::bytes`](crate::layout::Plan::bytes), and [`Bound::new`]. Each frame: the host writes
+//! poses, [`Bound::encode`] records, and the host submits. This module never submits or waits, and
+//! allocates nothing after [`Bound::new`].
 //!
-//! | resource | usages it must have | the host |
+//! | resource | required usage | task of the host |
 //! |---|---|---|
 //! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
 //! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once, zeros up to a whole word |
@@ -13,23 +15,26 @@
 //! | [`Queries`](crate::layout::Resource::Queries) | `STORAGE` | writes the numbers of a kernel's query an instance each frame |
 //! | [`Weights`](crate::layout::Resource::Weights) | `STORAGE` | writes the weights of a skin's shapes an instance each frame |
 //! | [`Samples`](crate::layout::Resource::Samples) | `STORAGE` | writes the samples of a signal an instance each frame |
-//! | [`Scratch`](crate::layout::Resource::Scratch) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
+//! | [`Scratch`](crate::layout::Resource::Scratch) | `STORAGE` | never reads or writes it; batches encoded one after another may share it |
 //! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`Out`](crate::layout::Resource::Out) | `STORAGE` | reads them |
 //! | [`Host`](crate::layout::Resource::Host) | `STORAGE` | writes a remap or a rest mesh, if it has one |
 //!
-//! Each usage stands beside those that the host needs for itself: `COPY_DST` to write, `VERTEX` to
-//! draw from. Outputs can be read by whatever is recorded or submitted later, as wgpu orders and
-//! synchronises that; the CPU sees them after a copy to a buffer that is mapped.
+//! The host adds usages for its own purposes: `COPY_DST` to write, `VERTEX` to draw. Commands that
+//! are recorded or submitted later can read the outputs, because wgpu orders and synchronises them.
+//! The CPU sees the outputs after a copy to a buffer that is mapped.
 //!
-//! Poses must be finite and rigid to 1e-4, which `sinew_runtime`'s `Envelope::check_pose` tells in a debug build. The
-//! CPU refuses poses that are not finite; a GPU cannot, and what it writes for such an instance is of no use. Other
-//! instances do not suffer from it. Of a kernel's query that the CPU refuses the confidence is not a number.
+//! Poses must be finite, and rigid to 1e-4; `sinew_runtime`'s `Envelope::check_pose` checks that in
+//! a debug build. The CPU refuses poses that are not finite. A GPU cannot refuse, and its output
+//! for such an instance is meaningless; other instances are not affected. If the CPU would refuse a
+//! kernel's query, the GPU writes NaN as its confidence.
 //!
-//! A kernel is bound and encoded likewise, by
-//! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) of a
-//! [`KernelBatch`](crate::layout::KernelBatch); so are shapes, by [`Plan::of_shapes`](crate::layout::Plan::of_shapes) of a
-//! [`ShapesBatch`](crate::layout::ShapesBatch), before the skin whose rest mesh they make, and signals, by
-//! [`Plan::of_filter`](crate::layout::Plan::of_filter) of a [`FilterBatch`](crate::layout::FilterBatch).
+//! Kernels, shapes and filters are bound and encoded in the same way. For a kernel, call
+//! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) with a
+//! [`KernelBatch`](crate::layout::KernelBatch). For shapes, call
+//! [`Plan::of_shapes`](crate::layout::Plan::of_shapes) with a
+//! [`ShapesBatch`](crate::layout::ShapesBatch), and encode them before the skin that uses the
+//! shaped rest mesh. For signals, call [`Plan::of_filter`](crate::layout::Plan::of_filter) with a
+//! [`FilterBatch`](crate::layout::FilterBatch).
 //!
 //! ```no_run
 //! use sinew_gpu::layout::{Batch, Plan, Resource};

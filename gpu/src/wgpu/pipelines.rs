@@ -4,15 +4,15 @@ use super::error::{Error, scoped};
 use crate::layout::{DeviceLimits, Resource, Stage};
 use ::wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType,
-    BufferBindingType, ComputePipeline, ComputePipelineDescriptor, Device,
+    BufferBindingType, BufferUsages, ComputePipeline, ComputePipelineDescriptor, Device,
     PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
     ShaderStages,
 };
 
-/// Returns what of a device's limits a [`crate::layout::Plan`] reckons with.
+/// Converts the limits of a device for a [`crate::layout::Plan`].
 ///
-/// Plan by the limits of the device that was opened, not by those of its adapter: wgpu holds to the
-/// former.
+/// Pass the limits of the open device, not those of its adapter: wgpu enforces the limits of the
+/// device.
 pub fn limits(limits: &::wgpu::Limits) -> DeviceLimits {
     DeviceLimits {
         storage_binding_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
@@ -24,6 +24,14 @@ pub fn limits(limits: &::wgpu::Limits) -> DeviceLimits {
             .max_compute_invocations_per_workgroup
             .min(limits.max_compute_workgroup_size_x),
         workgroups: limits.max_compute_workgroups_per_dimension,
+    }
+}
+
+/// Returns the usage that a resource's buffer must have.
+pub(super) fn usage(resource: Resource) -> BufferUsages {
+    match resource {
+        Resource::Params => BufferUsages::UNIFORM,
+        _ => BufferUsages::STORAGE,
     }
 }
 
@@ -42,14 +50,14 @@ pub(super) struct Pipeline {
 }
 
 impl Pipelines {
-    /// Compiles the pipelines of the stages that are wanted: [`Stage::ALL`], those of a
-    /// [`crate::layout::Plan`], or all but [`Stage::Skin`] where the host skins in shaders of its
-    /// own. Compiling takes milliseconds a stage.
+    /// Compiles the pipelines of some stages: [`Stage::ALL`], those of a [`crate::layout::Plan`],
+    /// or all but [`Stage::Skin`] if the host's own shaders skin. Compiling takes milliseconds a
+    /// stage.
     ///
     /// # Errors
-    /// - [`Error::Layout`]: the device's limits are below what the shaders need.
+    /// - [`Error::Layout`]: the device's limits are too low for the shaders.
     /// - [`Error::OutOfMemory`]
-    /// - [`Error::Refused`]: a shader or pipeline is refused.
+    /// - [`Error::Refused`]: the device refuses a shader or a pipeline.
     pub fn new(device: &Device, stages: impl IntoIterator<Item = Stage>) -> Result<Self, Error> {
         limits(&device.limits()).check()?;
         let mut made: Vec<(Stage, Pipeline)> = Vec::new();
@@ -61,7 +69,7 @@ impl Pipelines {
         Ok(Self { device: device.clone(), stages: made })
     }
 
-    /// Lists the stages that there are pipelines of.
+    /// Lists the stages of the pipelines.
     pub fn stages(&self) -> impl ExactSizeIterator<Item = Stage> + '_ {
         self.stages.iter().map(|(stage, _)| *stage)
     }
@@ -98,7 +106,7 @@ impl Pipeline {
     }
 }
 
-/// Makes the layout of a stage's bind group, as [`Stage::bindings`] lists it.
+/// Makes the layout of a stage's bind group from [`Stage::bindings`].
 fn layout(device: &Device, stage: Stage) -> BindGroupLayout {
     let entries = stage.bindings().iter().zip(0..).map(|(own, binding)| {
         let ty = match own.resource {

@@ -1,4 +1,4 @@
-//! A batch on a device, compared bit by bit with what the CPU makes of it: the same body for both APIs.
+//! A batch on a device, compared bit by bit with the CPU's results. Both APIs use this code.
 
 use super::{load, parts, poses};
 use models::Rng;
@@ -7,11 +7,11 @@ use sinew_gpu::layout::{Array, Attribute, Batch, DeviceLimits, Plan, Resource, S
 use sinew_runtime::skin::{self, Output, cells};
 use sinew_runtime::{Envelope, Matrix3x4, Skin, SkinJob};
 
-/// What buffers hold before: a NaN that no stage makes.
+/// Initial content of buffers: a NaN that no stage computes.
 pub(crate) const POISON: f32 = f32::from_bits(0x7fc0_dead);
 const OUTPUTS: [Resource; 3] = [Resource::Palettes, Resource::Confidences, Resource::Out];
 
-/// The first instances of a batch.
+/// A batch of an envelope; the first `instance_len` instances are evaluated.
 pub(crate) struct Case<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) batch: &'a Batch,
@@ -20,16 +20,17 @@ pub(crate) struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// Asserts that every bit of every output is the CPU's, and that whatever belongs to no instance
-    /// that is asked for is as it was; returns the number of chunks.
+    /// Asserts that every bit of every output equals the CPU's, and that no other float has
+    /// changed; returns the number of chunks.
     pub(crate) fn check(&self, device: &dyn Device) -> usize {
         let (differ, chunks) = self.differing(device, |_| {});
         assert_eq!(differ, 0, "{} of {:?}", self.instance_len, self.batch);
         chunks
     }
 
-    /// Runs it on poses that have been changed, and counts the floats of its outputs that are not the
-    /// CPU's for the poses as they were, or were touched; returns the number of chunks, too.
+    /// Evaluates poses after `change` has edited their buffer. Counts the output floats that differ
+    /// from the CPU's results for the unchanged poses, or that should not have changed. Also
+    /// returns the number of chunks.
     pub(crate) fn differing(
         &self,
         device: &dyn Device,
@@ -42,7 +43,7 @@ impl Case<'_> {
         let mut uploaded = device.upload(model.blob(), &plan).unwrap();
         let poisoned = |resource| vec![POISON; plan.bytes(resource) as usize / 4];
 
-        // A prime number of poses in turn: an instance that is taken for another shows.
+        // The number of different poses is prime, so that a mixed-up instance is detected.
         let poses = poses(&envelope, instance_len.min(31));
         let poses: Vec<_> = poses.iter().cycle().take(instance_len).collect();
         let mut flat = poisoned(Resource::Poses);
@@ -54,7 +55,7 @@ impl Case<'_> {
         write(&mut *uploaded, Resource::Poses, &flat);
         let mut host = poisoned(Resource::Host);
         if let Some(own) = &batch.skin {
-            bring(&mut host, &skin, own, batch.instance_len);
+            draw_host(&mut host, &skin, own, batch.instance_len);
         }
         write(&mut *uploaded, Resource::Host, &host);
         for resource in OUTPUTS.into_iter().chain([Resource::Scratch]) {
@@ -92,8 +93,8 @@ pub(crate) fn differing(found: &[f32], expected: &[f32], what: &str) -> usize {
     1 + differing.count()
 }
 
-/// Draws what the host brings for every instance: every seventh index of a remap is beyond the mesh.
-fn bring(host: &mut [f32], skin: &Skin<'_>, own: &SkinBatch, instance_len: usize) {
+/// Draws the host's input for every instance. Every seventh index of a remap is outside the mesh.
+fn draw_host(host: &mut [f32], skin: &Skin<'_>, own: &SkinBatch, instance_len: usize) {
     let mut random = Rng(1);
     let vertex_len = skin.vertex_len();
     if let Some(Array { offset, stride }) = own.remap {
@@ -126,7 +127,7 @@ fn bring(host: &mut [f32], skin: &Skin<'_>, own: &SkinBatch, instance_len: usize
     });
 }
 
-/// Puts what the CPU makes of poses where a batch says: palettes, confidences, out.
+/// Writes the CPU's results for the poses to the places of the batch: palettes, confidences, out.
 fn evaluate(
     out: &mut [Vec<f32>; 3],
     (envelope, skin): (&Envelope<'_>, &Skin<'_>),
@@ -151,14 +152,14 @@ fn evaluate(
             let Attribute { offset, stride, instance_stride } = attribute?;
             Some(Output { floats: &out[offset + n * instance_stride..], stride })
         };
-        let brought = |array: Option<Array>, len: usize| {
+        let host_array = |array: Option<Array>, len: usize| {
             let Array { offset, stride } = array?;
             Some(&host[offset + n * stride..][..len])
         };
         let v = skin.vertex_len();
-        // A CPU refuses an index beyond the mesh: a GPU takes it for the last vertex.
+        // A CPU refuses an index outside the mesh; a GPU uses the last vertex.
         let last = v as u32 - 1;
-        let remap = brought(own.remap, own.vertices.end);
+        let remap = host_array(own.remap, own.vertices.end);
         let remap: Option<Vec<u32>> =
             remap.map(|remap| remap.iter().map(|index| index.to_bits().min(last)).collect());
         SkinJob {
@@ -167,9 +168,9 @@ fn evaluate(
             vertices: own.vertices.clone(),
             remap: remap.as_deref(),
             rest: skin::Rest {
-                positions: brought(own.rest.positions, 3 * v).map(|floats| floats.as_chunks().0),
-                normals: brought(own.rest.normals, 3 * v).map(|floats| floats.as_chunks().0),
-                tangents: brought(own.rest.tangents, 4 * v).map(|floats| floats.as_chunks().0),
+                positions: host_array(own.rest.positions, 3 * v).map(|floats| floats.as_chunks().0),
+                normals: host_array(own.rest.normals, 3 * v).map(|floats| floats.as_chunks().0),
+                tangents: host_array(own.rest.tangents, 4 * v).map(|floats| floats.as_chunks().0),
             },
             positions: output(own.positions),
             normals: output(own.normals),

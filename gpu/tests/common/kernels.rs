@@ -1,5 +1,4 @@
-//! Kernels on a device, compared bit by bit with what the CPU makes of the same queries: the same bodies for
-//! both APIs.
+//! Kernels on a device, compared bit by bit with the CPU's results. Both APIs use this code.
 
 use super::case::{POISON, differing};
 use super::load;
@@ -9,7 +8,7 @@ use sinew_gpu::layout::{Array, DeviceLimits, KernelBatch, Plan, Resource};
 use sinew_runtime::KernelMap;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
 
-/// The first queries of a batch.
+/// A batch of a kernel; the first `instance_len` queries are evaluated.
 pub(crate) struct KernelCase<'a> {
     pub(crate) content: &'a KernelContent,
     pub(crate) batch: &'a KernelBatch,
@@ -18,8 +17,8 @@ pub(crate) struct KernelCase<'a> {
 }
 
 impl KernelCase<'_> {
-    /// Asserts that every bit is the CPU's, that what it refuses is marked, and that all else is as it was;
-    /// returns the number of chunks.
+    /// Asserts that every bit equals the CPU's, that the confidence of a refused query is NaN, and
+    /// that no other float has changed; returns the number of chunks.
     pub(crate) fn check(&self, device: &dyn Device, bytes: &[u8]) -> usize {
         let queries = queries(self.content, self.instance_len.min(61));
         let (differ, chunks) = self.differing(device, bytes, &queries, |_| {});
@@ -38,8 +37,9 @@ impl KernelCase<'_> {
         chunks
     }
 
-    /// Runs it on queries, taken in turn, in a buffer that is changed then; counts the floats that are not the
-    /// CPU's for the queries as they were, or were touched; returns the number of chunks, too.
+    /// Evaluates queries, taken in turn, after `change` has edited their buffer. Counts the floats
+    /// that differ from the CPU's results for the unchanged queries, or that should not have
+    /// changed. Also returns the number of chunks.
     pub(crate) fn differing(
         &self,
         device: &dyn Device,
@@ -76,7 +76,7 @@ impl KernelCase<'_> {
                     at.into_iter().for_each(|at| expected[at] = confidence);
                 }
                 None => {
-                    // Outputs of no use, which the confidence says.
+                    // Meaningless outputs; the confidence is NaN.
                     found[own].fill(POISON);
                     let marked = at.is_none_or(|at| found[at].is_nan());
                     at.filter(|_| marked).into_iter().for_each(|at| found[at] = POISON);
@@ -87,14 +87,14 @@ impl KernelCase<'_> {
     }
 }
 
-/// Evaluates a query on the CPU; nothing is written where it refuses.
+/// Evaluates a query on the CPU; writes nothing and returns `None` if the CPU refuses.
 pub(crate) fn evaluate(kernel: &KernelMap<'_>, query: &[f32], out: &mut [f32]) -> Option<f32> {
     let mut scratch = vec![POISON; kernel.counts().scratch_len()];
     kernel.evaluate(query, &mut scratch, out).ok()
 }
 
-/// Draws queries near the centres, about them and beyond; some at ends of ranges, some of zeros, and of
-/// numbers that overflow.
+/// Draws queries near the centres, around them and far from them; some at ends of ranges, some of
+/// zeros, and some of numbers that overflow.
 fn queries(content: &KernelContent, count: usize) -> Vec<Vec<f32>> {
     let mut random = Rng(68);
     let query = |n: usize| {
@@ -113,14 +113,14 @@ fn queries(content: &KernelContent, count: usize) -> Vec<Vec<f32>> {
     (0..count).map(query).collect()
 }
 
-/// Every kernel that a file may name, by its number and its parameter.
+/// Every kernel that a file may name by its number and its parameter.
 pub(crate) fn every_kernel() -> Vec<Kernel> {
     let pairs = (0..=u8::MAX).flat_map(|number| (0..=u8::MAX).map(move |of| (number, of)));
     pairs.filter_map(|(number, of)| Kernel::from_number(number, of)).collect()
 }
 
-/// Kernels of every kind of input and of output: by every query rule, sum, with or without a fade, a metric and a
-/// polynomial.
+/// Kernels with every kind of input and output, every query rule and every normalisation, with or
+/// without a fade, a metric and a polynomial.
 fn every_rule() -> Vec<KernelContent> {
     let mut out = Vec::new();
     for (i, kernel) in every_kernel().into_iter().enumerate() {
@@ -150,7 +150,8 @@ fn every_rule() -> Vec<KernelContent> {
     out
 }
 
-/// Kernels of more than a workgroup has threads, than a tile has centres, and of nothing of each.
+/// Kernels with more values than a workgroup has threads, more centres than a tile, and none of
+/// each.
 fn every_size() -> Vec<KernelContent> {
     let sizes = [
         [1, 1, 1],
@@ -172,7 +173,8 @@ fn every_size() -> Vec<KernelContent> {
         content
     });
     let mut out: Vec<_> = sized.collect();
-    // Terms without a centre, each of the one before it, and as many as a workgroup and more.
+    // Terms without a centre, each built from the term before it; as many as a workgroup has
+    // threads, and more.
     let powers = |len: u16| (0..len).map(|t| if t == 0 { [u16::MAX; 2] } else { [t - 1, 0] });
     for (name, n, len) in [("powers", 0, 9), ("many powers", 3, 130)] {
         let mut content = KernelContent::plain(Kernel::Gaussian, [2, n, 5]);
@@ -192,7 +194,7 @@ pub(crate) fn every_kernel_has_the_cpus_bits(device: &dyn Device) {
     let limits = &device.limits();
     let goldens = KernelContent::goldens().into_iter().chain([KernelContent::servo()]);
     let contents: Vec<_> = goldens.chain(every_rule()).chain(every_size()).collect();
-    // No more sections than a file may have.
+    // A file has a limited number of sections.
     for contents in contents.chunks(30) {
         let bytes = Pieces::kernels(contents).bytes();
         let model = load(&bytes);
@@ -204,7 +206,8 @@ pub(crate) fn every_kernel_has_the_cpus_bits(device: &dyn Device) {
     }
 }
 
-/// Evaluates queries at odd offsets and strides, in chunks, and fewer than there is room for.
+/// Evaluates queries at odd offsets and strides, in chunks, and fewer queries than the batch has
+/// room for.
 pub(crate) fn odd_queries_have_the_cpus_bits(device: &dyn Device) {
     for content in [KernelContent::every(Kernel::Matern52), KernelContent::servo()] {
         let content = &content;
@@ -236,7 +239,7 @@ pub(crate) fn odd_queries_have_the_cpus_bits(device: &dyn Device) {
     }
 }
 
-/// Queries with gaps; outputs, a gap, the confidence, a gap.
+/// Lays out queries with gaps; outputs, a gap, the confidence, a gap.
 pub(crate) fn odd_batch(kernel: &KernelMap<'_>, instance_len: usize) -> KernelBatch {
     let (result_len, stride) = (kernel.result_len(), kernel.result_len() + 3);
     KernelBatch {
@@ -247,7 +250,8 @@ pub(crate) fn odd_batch(kernel: &KernelMap<'_>, instance_len: usize) -> KernelBa
     }
 }
 
-/// Runs more queries than a dispatch has workgroups along an axis, all but the last five of a batch.
+/// Evaluates more queries than a dispatch has workgroups along an axis: all but the last five of a
+/// batch.
 pub(crate) fn past_65535_queries(device: &dyn Device) {
     const INSTANCES: usize = 65_535 + 70;
     let content = &KernelContent::servo();
@@ -259,8 +263,9 @@ pub(crate) fn past_65535_queries(device: &dyn Device) {
     assert!(case.check(device, &bytes) > 1);
 }
 
-/// Asserts that the comparison sees a query that is another, and that what is not a number, or no rotation, is
-/// marked though the outputs are numbers.
+/// Asserts that the comparison detects a changed query. Also asserts that a query with a number
+/// that is not finite, or with a zero quaternion, has confidence NaN, even if the outputs are
+/// numbers.
 pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     let content = &KernelContent::every(Kernel::Gaussian);
     let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
@@ -274,7 +279,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     let of = |change: &dyn Fn(&mut [f32])| case.differing(device, &bytes, &queries, change).0;
     assert_eq!(of(&|_| {}), 0);
     assert!(of(&|flat| flat[3 * r - 1] += 1e-3) > 0);
-    // The last query is refused: of its outputs and confidence each differs from the CPU's for the sound one.
+    // The last query is refused, so its confidence must be NaN.
     let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0xffff_ffff)];
     for number in 0..r {
         for wrong in wrong {
@@ -292,7 +297,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     }
     assert!(!is_marked(&case, device, &bytes, &queries[2]));
 
-    // Where a distance that is no number gives values that are: only the query tells.
+    // A NaN distance may give values that are numbers, so the shader must check the query itself.
     let content = &KernelContent::plain(Kernel::Gaussian, [3, 5, 2]);
     let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
     let model = load(&bytes);
@@ -304,7 +309,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     assert!(!is_marked(&case, device, &bytes, &[0.1, 0.3, 0.2]));
 }
 
-/// Whether the device refuses a query, which the CPU does, too.
+/// Whether the device and the CPU refuse a query; asserts that they agree.
 fn is_marked(case: &KernelCase<'_>, device: &dyn Device, bytes: &[u8], query: &[f32]) -> bool {
     let model = load(bytes);
     let kernel = model.kernel().unwrap();
@@ -317,14 +322,4 @@ fn is_marked(case: &KernelCase<'_>, device: &dyn Device, bytes: &[u8], query: &[
     let refused = evaluate(&kernel, query, &mut out).is_none();
     assert_eq!(found.is_nan(), refused);
     refused
-}
-
-/// A plan of three queries of a kernel that has everything.
-pub(crate) fn kernel_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
-    let content = KernelContent::every(Kernel::Gaussian);
-    let bytes = Pieces::kernels(&[content]).bytes();
-    let model = load(&bytes);
-    let kernel = model.kernel().unwrap();
-    let plan = Plan::of_kernel(&model, &kernel, &KernelBatch::new(&kernel, 3), limits).unwrap();
-    (plan, model.blob().to_vec())
 }

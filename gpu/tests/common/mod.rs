@@ -1,18 +1,21 @@
-//! What the tests share: poses, batches, and one body that runs a batch on any device.
+//! Shared by the tests: poses, batches, and the runs that both APIs must pass.
 #![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod case;
-pub(crate) mod filter;
 pub(crate) mod kernels;
-pub(crate) mod shapes;
 
 pub(crate) use case::{Case, POISON, differing};
 pub(crate) use models::{GOLDEN, TURNED};
 
-use models::Rng;
+use models::{FilterContent, KernelContent, Pieces, Rng};
 use sinew_gpu::headless::Device;
-use sinew_gpu::layout::{Array, Attribute, Batch, Rest, SkinBatch};
+use sinew_gpu::layout::{
+    Array, Attribute, Batch, DeviceLimits, FilterBatch, KernelBatch, Plan, Rest, ShapesBatch,
+    SkinBatch,
+};
+use sinew_runtime::filter::Samples;
+use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
 
 pub(crate) fn load(bytes: &[u8]) -> Model<&[u8]> {
@@ -23,7 +26,7 @@ pub(crate) fn parts<'a>(model: &'a Model<&[u8]>) -> (Envelope<'a>, Skin<'a>) {
     (model.envelope().unwrap(), model.skin().unwrap())
 }
 
-/// Draws poses; the first is that of rest.
+/// Draws poses; the first is the rest pose.
 pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>> {
     let mut random = Rng(2007);
     let pose = |n: usize| {
@@ -41,8 +44,8 @@ pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>
     (0..count).map(pose).collect()
 }
 
-/// A joint's rest origin from its parent's, in model space: the rest frames of the goldens are not
-/// turned, or it does not matter.
+/// Returns a joint's rest origin relative to its parent's, in model space. The rest frames of the
+/// golden models are not rotated, or their rotation does not matter.
 fn rest_translation(envelope: &Envelope<'_>, joint: usize) -> [f32; 3] {
     let origin = |joint: usize| {
         let m = envelope.inverse_bind(joint).unwrap();
@@ -53,7 +56,7 @@ fn rest_translation(envelope: &Envelope<'_>, joint: usize) -> [f32; 3] {
     [0, 1, 2].map(|i| own[i] - parent[i])
 }
 
-/// All attributes interleaved; odd offsets, odd strides, gaps, part of the vertices.
+/// All attributes interleaved, with odd offsets, odd strides and gaps, for a part of the vertices.
 pub(crate) fn odd_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
     let mut batch = Batch::palettes(envelope, instance_len);
     batch.poses.offset = 13;
@@ -65,8 +68,9 @@ pub(crate) fn odd_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: 
     batch
 }
 
-/// The same, but the host brings a remap, longer than a workgroup and with an index beyond the mesh,
-/// and a rest mesh: some of it each instance's own, some of it for all.
+/// As [`odd_batch`], with the host's own input: a remap that is longer than a workgroup and has an
+/// index outside the mesh, and a rest mesh. The positions differ by instance; normals and tangents
+/// are shared.
 pub(crate) fn hosted_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
     let v = skin.vertex_len();
     let mut own = interleaved(skin, 3..203);
@@ -93,7 +97,7 @@ pub(crate) fn remapped_batch(
     batch
 }
 
-/// A vertex takes 17 floats: positions, a gap, normals, a gap, tangents, a gap.
+/// 17 floats a vertex: positions, a gap, normals, a gap, tangents, a gap.
 fn interleaved(skin: &Skin<'_>, vertices: std::ops::Range<usize>) -> SkinBatch {
     let instance_stride = 17 * vertices.len() + 11;
     let attribute = |offset| Some(Attribute { offset, stride: 17, instance_stride });
@@ -106,15 +110,15 @@ fn interleaved(skin: &Skin<'_>, vertices: std::ops::Range<usize>) -> SkinBatch {
     }
 }
 
-/// Runs more instances than a dispatch has workgroups along an axis, all but the last five of a batch;
-/// behind each instance of each array is room that must stay as it was.
+/// Evaluates more instances than a dispatch has workgroups along an axis: all but the last five of
+/// a batch. Behind each instance of each array is a gap that must not change.
 pub(crate) fn past_65535_workgroups(device: &dyn Device, bytes: &[u8]) {
     const INSTANCES: usize = 65_535 + 70;
     let model = load(bytes);
     let (envelope, skin) = parts(&model);
     let mut batch = odd_batch(&envelope, &skin, INSTANCES);
     let own = batch.skin.as_mut().unwrap();
-    // Two workgroups of vertices an instance, by one remap for all.
+    // Two workgroups of vertices for each instance, with one remap for all.
     own.remap = Some(Array { offset: 0, stride: 0 });
     own.vertices = 7..72;
     let instance_stride = 3 * own.vertices.len() + 4;
@@ -123,4 +127,60 @@ pub(crate) fn past_65535_workgroups(device: &dyn Device, bytes: &[u8]) {
     let limits = &device.limits();
     let chunks = Case { bytes, batch: &batch, limits, instance_len: INSTANCES - 5 }.check(device);
     assert!(chunks > 1, "{chunks} chunks");
+}
+
+/// Plans three queries of a kernel with every kind of input and output; also returns the blob.
+pub(crate) fn kernel_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let content = KernelContent::every(Kernel::Gaussian);
+    let bytes = Pieces::kernels(&[content]).bytes();
+    let model = load(&bytes);
+    let kernel = model.kernel().unwrap();
+    let plan = Plan::of_kernel(&model, &kernel, &KernelBatch::new(&kernel, 3), limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Plans three instances of the shapes of a skin; also returns the blob.
+pub(crate) fn shapes_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let [.., face] = Pieces::shaped();
+    let bytes = face.bytes();
+    let model = load(&bytes);
+    let skin = model.skin().unwrap();
+    let plan = Plan::of_shapes(&model, &skin, &ShapesBatch::new(&skin, 3), limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Plans three signals of a filter; also returns the blob.
+pub(crate) fn filter_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
+    let bytes = Pieces::filter(&FilterContent::sample(2, 5)).bytes();
+    let model = load(&bytes);
+    let filter = model.filter().unwrap();
+    let samples = Samples { signal_len: 3, sample_len: 9, lane_len: 2 };
+    let batch = FilterBatch::new(&filter, samples);
+    let plan = Plan::of_filter(&model, &filter, &batch, limits).unwrap();
+    (plan, model.blob().to_vec())
+}
+
+/// Evaluates each golden model in several batches: without gaps, with odd offsets and strides,
+/// palettes only, with the host's input, one instance, and some of many.
+pub(crate) fn every_batch(device: &dyn Device) {
+    println!("on {:?}", device.info());
+    let limits = &device.limits();
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let runs = [
+            (Batch::skinned(&envelope, &skin, 1), 1),
+            (Batch::skinned(&envelope, &skin, 17), 17),
+            (Batch::palettes(&envelope, 5), 5),
+            (odd_batch(&envelope, &skin, 3), 3),
+            (odd_batch(&envelope, &skin, 129), 129),
+            (odd_batch(&envelope, &skin, 129), 7),
+            (hosted_batch(&envelope, &skin, 9), 9),
+            (hosted_batch(&envelope, &skin, 9), 4),
+            (Batch { confidences: None, ..odd_batch(&envelope, &skin, 4) }, 4),
+        ];
+        for (batch, instance_len) in &runs {
+            Case { bytes, batch, limits, instance_len: *instance_len }.check(device);
+        }
+    }
 }

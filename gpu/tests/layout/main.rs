@@ -3,8 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-mod filters;
-mod kernels;
-mod parts;
+mod filter;
+mod kernel;
 mod plans;
+mod refusals;
 mod shapes;

@@ -1,23 +1,24 @@
-//! Batches: what a plan refuses, where it cuts, and that what is cut lies where the whole would.
+//! Batches of an envelope and its skin: stages, workgroups, cuts, and the places of arrays in
+//! chunks.
 
 use crate::common::{GOLDEN, hosted_batch, load, parts};
 use sinew_gpu::layout::{
-    ALIGNMENT, Array, Attribute, Batch, Chunk, DeviceLimits, LayoutError, Plan, Resource,
-    SkinBatch, Span, Stage, WORKGROUP,
+    ALIGNMENT, Array, Attribute, Batch, Chunk, DeviceLimits, Plan, Resource, SkinBatch, Span,
+    Stage, WORKGROUP,
 };
 use sinew_runtime::envelope::ScratchLayout;
-use sinew_runtime::format::PartKind;
 use sinew_runtime::{Envelope, Skin};
 
-const ROTATIONAL: &[u8] = GOLDEN[0];
-const KERNEL: &[u8] = GOLDEN[1];
+pub(super) const ROTATIONAL: &[u8] = GOLDEN[0];
+pub(super) const KERNEL: &[u8] = GOLDEN[1];
 
-/// A device of large bindings.
-const LARGE: DeviceLimits =
+/// A device with large bindings.
+pub(super) const LARGE: DeviceLimits =
     DeviceLimits { storage_binding_bytes: 1 << 32, ..DeviceLimits::DOWNLEVEL };
 
-/// Positions and tangents vertex by vertex with gaps; normals of all instances of a vertex side by side.
-fn scattered(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
+/// Positions and tangents vertex by vertex with gaps; normals of a vertex for all instances side by
+/// side.
+pub(super) fn scattered(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
     let attribute =
         |offset, stride, instance_stride| Some(Attribute { offset, stride, instance_stride });
     let after = 5 + 190 * instance_len;
@@ -69,9 +70,9 @@ fn stages_bind_four_storage_buffers_at_most() {
     }
 }
 
-/// Each word of each instance lies in its chunk's binding where it would lie in the whole buffer.
+/// In a chunk's binding, each word of each instance is at its place in the whole buffer.
 #[test]
-fn what_is_cut_lies_where_the_whole_would() {
+fn chunks_keep_the_places_of_the_whole_batch() {
     for bytes in GOLDEN {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
@@ -178,7 +179,7 @@ fn large_chunks_without_gaps_do_not_meet() {
 }
 
 #[test]
-fn what_is_not_there_is_bound_to_the_blob() {
+fn a_missing_resource_is_bound_to_the_blob() {
     let model = load(ROTATIONAL);
     let (envelope, skin) = parts(&model);
     let bound = |batch: Batch| {
@@ -190,7 +191,7 @@ fn what_is_not_there_is_bound_to_the_blob() {
     let (resource, bytes) = bound(hosted_batch(&envelope, &skin, 2));
     assert!(resource == Resource::Host && bytes > 0);
     assert_eq!(bound(Batch::skinned(&envelope, &skin, 2)), (Resource::Blob, 0));
-    // Every stage only reads the two that it can stand for.
+    // The blob replaces `Host`, so no stage may write to `Host`.
     for binding in Stage::ALL.into_iter().flat_map(Stage::bindings) {
         assert!(!binding.writable || binding.resource != Resource::Host);
     }
@@ -226,7 +227,8 @@ fn every_instance_has_workgroups_of_its_own() {
             let own = batch.skin.as_mut().unwrap();
             (own.remap, own.vertices) = (Some(Array { offset: 0, stride: 0 }), 5..134);
             let plan = Plan::new(&model, &envelope, &batch, &LARGE).unwrap();
-            // All that an axis has; where there are more, so many that spans do not meet.
+            // All workgroups of an axis; if there are more instances, the largest number whose
+            // spans do not overlap.
             let most = if instance_len > 65_535 { 65_472 } else { 65_535 };
             assert_eq!(plan.chunks().len(), instance_len.div_ceil(most));
             let mut instances = 0;
@@ -255,27 +257,6 @@ fn every_instance_has_workgroups_of_its_own() {
 }
 
 #[test]
-fn an_instance_of_more_workgroups_than_an_axis_has_is_refused() {
-    let model = load(ROTATIONAL);
-    let (envelope, skin) = parts(&model);
-    let planned = |vertex_len: usize| {
-        let mut batch = Batch::palettes(&envelope, 1);
-        let mut own = SkinBatch::new(&skin);
-        (own.remap, own.vertices) = (Some(Array { offset: 0, stride: 0 }), 0..vertex_len);
-        (own.normals, own.tangents) = (None, None);
-        batch.skin = Some(own);
-        Plan::new(&model, &envelope, &batch, &LARGE)
-    };
-    let most = 65_535 * WORKGROUP as usize;
-    let plan = planned(most).unwrap();
-    assert_eq!(plan.workgroups(Stage::Skin, &plan.chunks()[0], 1), Some([65_535, 1]));
-    let error = planned(most + 1).unwrap_err();
-    let stage = Stage::Skin;
-    assert_eq!(error, LayoutError::Workgroups { stage, limit: 65_535, found: 65_536 });
-    assert_eq!(error.to_string(), "65536 workgroups for one instance of skin, more than 65535");
-}
-
-#[test]
 fn fewer_instances_take_fewer_workgroups() {
     let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
@@ -292,85 +273,6 @@ fn fewer_instances_take_fewer_workgroups() {
 }
 
 #[test]
-fn what_a_model_or_a_device_does_not_have_is_refused() {
-    let model = load(KERNEL);
-    let (envelope, skin) = parts(&model);
-    let refused = |change: &dyn Fn(&mut Batch)| {
-        let mut batch = scattered(&envelope, &skin, 4);
-        change(&mut batch);
-        Plan::new(&model, &envelope, &batch, &LARGE).unwrap_err()
-    };
-    assert_eq!(refused(&|b| b.instance_len = 0), LayoutError::NoInstances);
-    let own = |batch: &mut Batch, change: &dyn Fn(&mut SkinBatch)| {
-        change(batch.skin.as_mut().unwrap());
-    };
-    for (start, end) in [(3, 25), (25, 25), (5, 4)] {
-        let range = LayoutError::VertexRange { start, end, vertex_len: 24 };
-        assert_eq!(refused(&|b| own(b, &|s| s.vertices = start..end)), range);
-    }
-    let remap = Some(Array { offset: 0, stride: 0 });
-    let (start, end) = (5, 4);
-    let range = LayoutError::VertexRange { start, end, vertex_len: 24 };
-    assert_eq!(refused(&|b| own(b, &|s| (s.remap, s.vertices) = (remap, start..end))), range);
-    let nothing = |s: &mut SkinBatch| (s.positions, s.normals, s.tangents) = (None, None, None);
-    assert_eq!(refused(&|b| own(b, &nothing)), LayoutError::NoOutput);
-    let stride = |resource, least, found| LayoutError::Stride { resource, least, found };
-    let palette = 12 * envelope.palette_len();
-    let short = stride(Resource::Palettes, palette, palette - 1);
-    assert_eq!(refused(&|b| b.palettes.stride = palette - 1), short);
-    for (offset, stride) in [(2, palette), (4, palette + 2)] {
-        let odd = refused(&|b| b.palettes = Array { offset, stride });
-        assert_eq!(odd, LayoutError::Fours { offset, stride });
-    }
-    let none = stride(Resource::Confidences, 1, 0);
-    assert_eq!(refused(&|b| b.confidences.as_mut().unwrap().stride = 0), none);
-    let narrow = |s: &mut SkinBatch| s.tangents.as_mut().unwrap().stride = 3;
-    assert_eq!(refused(&|b| own(b, &narrow)), stride(Resource::Out, 4, 3));
-    let far = |b: &mut Batch| b.poses.offset = usize::MAX;
-    assert!(matches!(refused(&far), LayoutError::Binding { resource: Resource::Poses, .. }));
-    let far = |s: &mut SkinBatch| s.rest.normals = Some(Array { offset: usize::MAX, stride: 0 });
-    let found = refused(&|b| own(b, &far));
-    assert!(matches!(found, LayoutError::Binding { resource: Resource::Host, .. }));
-
-    let on = |limits: DeviceLimits| {
-        Plan::new(&model, &envelope, &scattered(&envelope, &skin, 4), &limits).unwrap_err()
-    };
-    let blob = model.blob().len() as u64;
-    let small = DeviceLimits { storage_binding_bytes: blob - 1, ..LARGE };
-    let limit = LayoutError::Binding { resource: Resource::Blob, limit: blob - 1, found: blob };
-    assert_eq!(on(small), limit);
-    let devices = [
-        DeviceLimits { storage_buffers: 3, ..LARGE },
-        DeviceLimits { workgroup_threads: 63, ..LARGE },
-        DeviceLimits { workgroups: 65_534, ..LARGE },
-    ];
-    for device in devices {
-        assert!(matches!(on(device), LayoutError::Device { .. }), "{device:?}");
-    }
-    let coarse = DeviceLimits { offset_alignment: 512, ..LARGE };
-    assert_eq!(on(coarse), LayoutError::OffsetAlignment { limit: 256, found: 512 });
-}
-
-#[test]
-fn parts_of_another_file_are_refused() {
-    let [model, other] = [KERNEL, ROTATIONAL].map(load);
-    let ((envelope, skin), (other_envelope, other_skin)) = (parts(&model), parts(&other));
-    let planned = |envelope: &Envelope<'_>, skin: &Skin<'_>| {
-        let mut batch = Batch::palettes(envelope, 2);
-        batch.skin = Some(SkinBatch::new(skin));
-        Plan::new(&model, envelope, &batch, &LARGE).map(drop)
-    };
-    let refused = |part| Err(LayoutError::OtherFile { part });
-    assert_eq!(planned(&envelope, &skin), Ok(()));
-    assert_eq!(planned(&other_envelope, &skin), refused(PartKind::Envelope));
-    assert_eq!(planned(&envelope, &other_skin), refused(PartKind::Skin));
-    assert_eq!(
-        LayoutError::OtherFile { part: PartKind::Skin }.to_string(),
-        "the skin is of another file than the model"
-    );
-}
-
-#[test]
 fn an_empty_range_is_skinned_by_no_stage() {
     let model = load(KERNEL);
     let (envelope, skin) = parts(&model);
@@ -381,47 +283,9 @@ fn an_empty_range_is_skinned_by_no_stage() {
         let plan = Plan::new(&model, &envelope, &batch, &LARGE).unwrap();
         assert!(plan.stages().all(|stage| stage != Stage::Skin));
         assert_eq!([Resource::Host, Resource::Out].map(|own| plan.bytes(own)), [0; 2]);
-        // A shader of the host's finds the skin nevertheless.
+        // The host's own shader still finds the skin.
         let chunk = &plan.chunks()[0];
         assert_eq!(param(chunk, "influence_len"), skin.influence_len() as u64);
         assert!(param(chunk, "influence_weights") > 0);
     }
-}
-
-#[test]
-fn buffers_and_counts_are_checked() {
-    let model = load(KERNEL);
-    let (envelope, _) = parts(&model);
-    let plan = Plan::new(&model, &envelope, &Batch::palettes(&envelope, 4), &LARGE).unwrap();
-    let resource = Resource::Poses;
-    let least = plan.bytes(resource);
-    assert_eq!(least, 4 * 48 * envelope.joint_len() as u64);
-    // A buffer each; of those that are not needed none is asked for.
-    let with = |own: Option<Span>| {
-        plan.check_buffers(|other| match plan.bytes(other) {
-            0 => panic!("{other:?} is not needed"),
-            _ if other == resource => own.map(|span| (other, span)),
-            bytes => Some((other, Span { offset: 256, bytes })),
-        })
-    };
-    let given = |offset, bytes| with(Some(Span { offset, bytes }));
-    assert_eq!(given(512, least), Ok(()));
-    assert_eq!(with(None), Err(LayoutError::Missing { resource }));
-    assert_eq!(given(128, least), Err(LayoutError::Misaligned { resource, found: 128 }));
-    let short = LayoutError::TooShort { resource, least, found: least - 1 };
-    assert_eq!(given(0, least - 1), Err(short));
-    // One buffer for all.
-    let all = |at: u64| {
-        plan.check_buffers(|other| {
-            let offset = if other == Resource::Palettes { at } else { (other as u64) << 20 };
-            Some(((), Span { offset, bytes: 1 << 20 }))
-        })
-    };
-    assert_eq!(all((Resource::Palettes as u64) << 20), Ok(()));
-    let (first, second) = (resource, Resource::Palettes);
-    assert_eq!(all((resource as u64) << 20), Err(LayoutError::Overlap { first, second }));
-    assert_eq!(plan.check_instances(4), Ok(()));
-    assert_eq!(plan.check_instances(0), Err(LayoutError::NoInstances));
-    let many = LayoutError::TooManyInstances { expected: 4, found: 5 };
-    assert_eq!(plan.check_instances(5), Err(many));
 }

@@ -1,4 +1,4 @@
-//! Batches of shapes: what a plan refuses, its workgroups, and that what is cut lies where the whole would.
+//! Batches of shapes: refusals, workgroups, and the places of arrays in chunks.
 
 use crate::common::load;
 use models::Pieces;
@@ -10,7 +10,7 @@ use sinew_runtime::format::{Element, PartKind, SectionKind};
 
 const LIMITS: DeviceLimits = DeviceLimits::DOWNLEVEL;
 
-/// 150 vertices, 8 shapes of whole numbers, tangents; the same without.
+/// Two files of 150 vertices and 8 shapes in whole numbers: with tangents, and without.
 fn files() -> [Vec<u8>; 2] {
     let [_, without, with, _] = Pieces::shaped();
     [with.bytes(), without.bytes()]
@@ -53,9 +53,9 @@ fn counts_and_sections_are_those_of_the_skin() {
     }
 }
 
-/// Each float of each face lies in its chunk's binding where it would lie in the whole buffer.
+/// In a chunk's binding, each float of each face is at its place in the whole buffer.
 #[test]
-fn what_is_cut_lies_where_the_whole_would() {
+fn chunks_keep_the_places_of_the_whole_batch() {
     let [bytes, _] = files();
     let model = load(&bytes);
     let skin = model.skin().unwrap();
@@ -93,7 +93,7 @@ fn what_is_cut_lies_where_the_whole_would() {
 }
 
 #[test]
-fn what_is_no_batch_of_the_skin_is_refused() {
+fn a_batch_that_does_not_fit_the_skin_is_refused() {
     let [bytes, other] = files();
     let (model, other) = (load(&bytes), load(&other));
     let skin = model.skin().unwrap();

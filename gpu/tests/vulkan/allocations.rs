@@ -12,7 +12,7 @@ thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
-/// Counts what each thread allocates.
+/// Counts the allocations of each thread.
 struct Counting;
 
 #[global_allocator]
@@ -34,7 +34,7 @@ unsafe impl GlobalAlloc for Counting {
 
 #[test]
 fn recording_allocates_nothing() {
-    // The layer allocates, in its own heap or not: without it.
+    // Without the validation layer, which allocates.
     let device = opened(Device::of_driver("llvmpipe", false));
     for bytes in GOLDEN {
         let model = load(bytes);

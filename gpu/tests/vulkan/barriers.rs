@@ -1,4 +1,4 @@
-//! The layer's word that barriers are needed where they stand, and that they are enough.
+//! The validation layer confirms that the barriers are needed, and that they are enough.
 
 use crate::common::{GOLDEN, hosted_batch, load, parts};
 use crate::{assert_silent, lavapipe};
@@ -10,7 +10,7 @@ use sinew_gpu::vulkan::headless::{Commands, Device};
 const HAZARD: &str = "SYNC-HAZARD-READ-AFTER-WRITE";
 
 #[test]
-fn gradients_then_palette_without_a_barrier_are_seen() {
+fn gradients_then_palette_without_a_barrier_are_reported() {
     let device = lavapipe();
     record(&device, GOLDEN[0], &[Stage::Gradients, Stage::Palette], None);
     let messages = device.messages().unwrap();
@@ -18,14 +18,14 @@ fn gradients_then_palette_without_a_barrier_are_seen() {
 }
 
 #[test]
-fn gradients_then_palette_with_a_barrier_are_well() {
+fn gradients_then_palette_with_a_barrier_pass() {
     let device = lavapipe();
     record(&device, GOLDEN[0], &[Stage::Gradients, Stage::Palette], Some(1));
     assert_silent(&device);
 }
 
 #[test]
-fn each_stage_that_reads_another_is_seen_without_its_barrier() {
+fn each_stage_that_reads_another_is_reported_without_its_barrier() {
     for (bytes, first, second) in [
         (GOLDEN[0], Stage::Gradients, Stage::Palette),
         (GOLDEN[0], Stage::Gradients, Stage::Confidence),
@@ -47,7 +47,7 @@ fn each_stage_that_reads_another_is_seen_without_its_barrier() {
 }
 
 #[test]
-fn records_one_after_another_need_nothing_between() {
+fn consecutive_records_need_no_barrier_between_them() {
     let device = lavapipe();
     for bytes in GOLDEN {
         let model = load(bytes);
@@ -82,7 +82,7 @@ fn skin_and_confidence_do_not_wait_for_each_other() {
     assert_silent(&device);
 }
 
-/// Records stages in one command buffer, with a barrier before the one of that index.
+/// Records stages in one command buffer, with a barrier before stage `guarded`.
 fn record(headless: &Device, bytes: &[u8], stages: &[Stage], guarded: Option<usize>) {
     let model = load(bytes);
     let (envelope, skin) = parts(&model);
@@ -92,7 +92,7 @@ fn record(headless: &Device, bytes: &[u8], stages: &[Stage], guarded: Option<usi
     let commands = Commands::new(headless).unwrap();
     let record = |device: &ash::Device, commands| {
         for (index, stage) in stages.iter().enumerate() {
-            // SAFETY: as below, but for the barrier whose lack is to be seen.
+            // SAFETY: as below, except for the barrier whose absence is tested.
             unsafe {
                 if guarded == Some(index) {
                     barrier(device, commands);

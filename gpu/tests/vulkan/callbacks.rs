@@ -1,4 +1,4 @@
-//! The host's allocation callbacks go through to every call, and nothing is left behind.
+//! The host's allocation callbacks reach every call, and nothing is left behind.
 
 use crate::fake;
 use crate::{opened, swiftshader};
@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 const CACHE: vk::PipelineCache = vk::PipelineCache::null();
 
-/// What the host has given out: where, and how it is laid out.
+/// The host's live allocations by address, and the number of allocations.
 #[derive(Default)]
 struct Host {
     live: Mutex<HashMap<usize, Layout>>,
@@ -36,7 +36,7 @@ impl Host {
 
 #[test]
 fn the_drivers_memory_for_pipelines_comes_from_the_host_and_returns() {
-    // lavapipe takes the host's memory for modules alone, SwiftShader for all that is made.
+    // lavapipe uses the host's memory for modules only, SwiftShader for all objects.
     let lavapipe = opened(Device::of_driver("llvmpipe", false));
     let found = balance(&lavapipe);
     assert!(found.given >= Stage::ALL.len(), "{found:?}");
@@ -52,15 +52,16 @@ struct Balance {
     live: usize,
 }
 
-/// Makes every pipeline and destroys it; returns how much was given, and lived between.
+/// Makes every pipeline and destroys it; returns the number of allocations, and of those live in
+/// between.
 fn balance(headless: &Device) -> Balance {
     let host = Host::default();
     let (callbacks, device) = (host.callbacks(), headless.device());
-    // SAFETY: the device is valid, the callbacks outlive the pipelines, which nothing uses.
+    // SAFETY: the device is valid, and the callbacks outlive the pipelines, which nothing uses.
     let pipelines =
         unsafe { Pipelines::new(device, &Stage::ALL, CACHE, Some(&callbacks)) }.unwrap();
     let live = host.live.lock().unwrap().len();
-    // SAFETY: likewise.
+    // SAFETY: as above.
     unsafe { pipelines.destroy(device, Some(&callbacks)) };
     assert_eq!(host.live.lock().unwrap().len(), 0);
     Balance { given: *host.given.lock().unwrap(), live }
@@ -71,7 +72,7 @@ fn every_call_is_given_the_callbacks() {
     let host = Host::default();
     let callbacks = host.callbacks();
     let device = fake::device(None);
-    // SAFETY: the device keeps nothing but counts.
+    // SAFETY: the fake device only counts.
     unsafe {
         let pipelines = Pipelines::new(&device, &Stage::ALL, CACHE, Some(&callbacks)).unwrap();
         assert_eq!(fake::seen().live.len(), 3 * Stage::ALL.len());
@@ -126,7 +127,7 @@ unsafe extern "system" fn reallocate(
     alignment: usize,
     scope: vk::SystemAllocationScope,
 ) -> *mut c_void {
-    // SAFETY: as Vulkan promises, which gives back what it was given.
+    // SAFETY: Vulkan passes a pointer that these callbacks returned.
     unsafe {
         let new = allocate(host, size, alignment, scope);
         if !original.is_null() && !new.is_null() {
@@ -145,6 +146,6 @@ unsafe extern "system" fn free(host: *mut c_void, pointer: *mut c_void) {
     // SAFETY: as above.
     let host = unsafe { &*host.cast::<Host>() };
     let layout = host.live.lock().unwrap().remove(&(pointer as usize)).unwrap();
-    // SAFETY: it was allocated with that layout, and is freed once.
+    // SAFETY: the memory was allocated with that layout, and is freed once.
     unsafe { dealloc(pointer.cast(), layout) };
 }

@@ -1,4 +1,5 @@
-//! A device that is none: it counts what is made, destroyed and recorded, and fails where it is told.
+//! A fake device: counts the objects made and destroyed and the commands recorded, and fails at a
+//! chosen call.
 
 use ash::vk::{self, Handle};
 use std::cell::RefCell;
@@ -9,18 +10,18 @@ thread_local! {
     static SEEN: RefCell<Seen> = const { RefCell::new(Seen::NONE) };
 }
 
-/// What a thread's device has seen.
+/// Calls that a thread's device has received.
 #[derive(Clone, Debug)]
 pub(crate) struct Seen {
     /// Objects that have been made and not destroyed.
     pub(crate) live: BTreeSet<u64>,
-    /// Calls that make an object.
+    /// Number of calls that make an object.
     pub(crate) made: usize,
-    /// The call of these that is to fail.
+    /// Index of the making call that fails.
     pub(crate) fails_at: Option<usize>,
     /// The callbacks of each call that makes or destroys.
     pub(crate) callbacks: Vec<*const vk::AllocationCallbacks<'static>>,
-    /// Names of calls that write sets or record, in their order.
+    /// Names of calls that write sets or record commands, in order.
     pub(crate) recorded: Vec<&'static str>,
 }
 
@@ -44,14 +45,14 @@ impl Seen {
     }
 }
 
-/// Makes the thread's device anew.
+/// Makes a new device for this thread.
 pub(crate) fn device(fails_at: Option<usize>) -> ash::Device {
     SEEN.set(Seen { fails_at, ..Seen::NONE });
-    // SAFETY: each function has the type of its name; ash puts a panic in the others' place.
+    // SAFETY: each function has the type of its name; ash panics for all others.
     unsafe { ash::Device::load_with(function, vk::Device::from_raw(1)) }
 }
 
-/// Returns what the thread's device has seen.
+/// Returns the calls that the thread's device has received.
 pub(crate) fn seen() -> Seen {
     SEEN.with_borrow(Clone::clone)
 }
@@ -78,7 +79,7 @@ fn function(name: &CStr) -> *const c_void {
 
 type Callbacks = *const vk::AllocationCallbacks<'static>;
 
-/// Makes a set layout, a pipeline layout or a module, which are all 64-bit handles.
+/// Makes a set layout, a pipeline layout or a module; all are 64-bit handles.
 unsafe extern "system" fn make(
     _: vk::Device,
     _: *const c_void,
@@ -87,7 +88,7 @@ unsafe extern "system" fn make(
 ) -> vk::Result {
     match SEEN.with_borrow_mut(|seen| seen.make(callbacks)) {
         Some(handle) => {
-            // SAFETY: ash hands over where the handle goes.
+            // SAFETY: ash passes a valid pointer for the handle.
             unsafe { out.write(handle) };
             vk::Result::SUCCESS
         }
@@ -104,7 +105,7 @@ unsafe extern "system" fn make_pipeline(
     out: *mut u64,
 ) -> vk::Result {
     assert_eq!(count, 1);
-    // SAFETY: Vulkan makes those that fail null.
+    // SAFETY: as in `make`; Vulkan returns null for a pipeline that fails.
     unsafe {
         out.write(0);
         make(device, infos, callbacks, out)

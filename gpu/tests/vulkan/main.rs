@@ -1,4 +1,5 @@
-//! The stages on raw Vulkan: against the CPU's bits, under validation, and against a host's mistakes.
+//! The stages on raw Vulkan: compared with the CPU's bits, under validation, and with a host's
+//! mistakes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod allocations;
@@ -8,7 +9,6 @@ mod callbacks;
 #[path = "../common/mod.rs"]
 mod common;
 mod fake;
-mod kernels;
 mod refusals;
 
 use sinew_gpu::headless::{Device as _, HeadlessError};
@@ -29,7 +29,7 @@ fn opened(device: Result<Device, HeadlessError>) -> Device {
     }
 }
 
-/// Opens SwiftShader, where the loader finds it; it must where `CI` is set.
+/// Opens SwiftShader if the loader finds it; required if `CI` is set.
 fn swiftshader() -> Option<Device> {
     let found = Device::of_driver("SwiftShader driver", true);
     if let Err(HeadlessError::NoDevice { found, .. }) = &found {
@@ -44,7 +44,7 @@ fn swiftshader() -> Option<Device> {
     Some(opened(found))
 }
 
-/// Asserts that the validation layer has nothing to say.
+/// Asserts that the validation layer has reported nothing.
 fn assert_silent(device: &Device) {
     let messages = device.messages().unwrap();
     assert!(messages.is_empty(), "{:?} {messages:#?}", device.info());

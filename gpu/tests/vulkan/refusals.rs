@@ -1,9 +1,8 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
-use crate::common::filter::filter_plan;
-use crate::common::kernels::kernel_plan;
-use crate::common::shapes::shapes_plan;
-use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
+use crate::common::{
+    GOLDEN, filter_plan, hosted_batch, kernel_plan, load, parts, remapped_batch, shapes_plan,
+};
 use crate::fake;
 use ash::vk::{self, Handle};
 use sinew_gpu::headless::HeadlessError;
@@ -37,7 +36,7 @@ fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batc
     Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap()
 }
 
-/// Of every kind of batch; together they need every resource.
+/// Plans of every kind of batch; together they need every resource.
 fn plans() -> [Plan; 4] {
     let of = |plan: fn(&DeviceLimits) -> (Plan, Vec<u8>)| plan(&DeviceLimits::DOWNLEVEL).0;
     let plans =
@@ -50,7 +49,7 @@ fn needed(plan: &Plan) -> impl Iterator<Item = Resource> {
     Resource::ALL.into_iter().filter(|resource| plan.bytes(*resource) > 0)
 }
 
-/// Gives every resource a buffer of its own, as short as may be.
+/// Gives every resource its own buffer of the least length.
 fn buffers(plan: &Plan) -> Buffers {
     needed(plan).fold(Buffers::default(), |buffers, resource| {
         buffers.with(resource, buffer(resource), 512, plan.bytes(resource))
@@ -69,7 +68,7 @@ fn bind(
 ) -> (ash::Device, Result<Bound, Error>) {
     let device = fake::device(None);
     let sets = vec![vk::DescriptorSet::from_raw(8); set_len];
-    // SAFETY: the device keeps nothing but counts.
+    // SAFETY: the fake device only counts.
     let bound = unsafe {
         let pipelines = Pipelines::new(&device, stages, vk::PipelineCache::null(), None).unwrap();
         Bound::new(&device, &pipelines, plan, buffers, &sets)
@@ -134,7 +133,7 @@ fn a_wrong_number_of_instances_records_nothing() {
     let commands = vk::CommandBuffer::from_raw(9);
     let many = LayoutError::TooManyInstances { expected: INSTANCES, found: INSTANCES + 1 };
     for (found, expected) in [(0, LayoutError::NoInstances), (INSTANCES + 1, many)] {
-        // SAFETY: the device keeps nothing but counts.
+        // SAFETY: the fake device only counts.
         let results = unsafe {
             [
                 bound.record(&device, commands, found),
@@ -143,7 +142,7 @@ fn a_wrong_number_of_instances_records_nothing() {
         };
         assert_eq!(results, [Err(Error::Layout(expected)); 2]);
     }
-    // SAFETY: likewise.
+    // SAFETY: as above.
     let result = unsafe { bound.record_stage(&device, commands, Stage::Joints, 1) };
     assert_eq!(result, Err(Error::NotPlanned { stage: Stage::Joints }));
     assert_eq!(fake::seen().recorded, written);
@@ -160,7 +159,7 @@ fn overlapping(plan: &Plan) {
     let written = [Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
     for first in needed(plan) {
         for second in needed(plan).filter(|second| first < *second) {
-            // Side by side in one buffer, and one alignment less.
+            // Side by side in one buffer; then overlapping by one alignment.
             let end = 512 + plan.bytes(first).next_multiple_of(256);
             let at = |offset| all.with(second, buffer(first), offset, plan.bytes(second));
             bind(plan, &Stage::ALL, &at(end), set_len).1.unwrap();
@@ -176,18 +175,18 @@ fn overlapping(plan: &Plan) {
     }
 }
 
-/// Records a plan's first `instance_len` instances; returns what is recorded.
+/// Records a plan's first `instance_len` instances; returns the commands.
 fn recorded(plan: &Plan, instance_len: usize) -> Vec<&'static str> {
     let (device, bound) = bind(plan, &Stage::ALL, &buffers(plan), set_len(plan) as usize);
     let written = fake::seen().recorded.len();
-    // SAFETY: the device keeps nothing but counts.
+    // SAFETY: the fake device only counts.
     unsafe { bound.unwrap().record(&device, vk::CommandBuffer::from_raw(9), instance_len) }
         .unwrap();
     fake::seen().recorded.split_off(written)
 }
 
 #[test]
-fn barriers_stand_where_a_stage_reads_what_another_wrote_and_nowhere_else() {
+fn barriers_stand_only_before_stages_that_read_earlier_writes() {
     let positions = |envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len| {
         let mut batch = Batch::skinned(envelope, skin, instance_len);
         let own = batch.skin.as_mut().unwrap();
@@ -195,9 +194,9 @@ fn barriers_stand_where_a_stage_reads_what_another_wrote_and_nowhere_else() {
         batch
     };
     type Of = fn(&Envelope<'_>, &Skin<'_>, usize) -> Batch;
-    // Gradients; palette; skin and, at the same time, confidence.
+    // Gradients; palette; skin and, without a barrier, confidence.
     let rotational = vec![true, true, true, false];
-    // Joints and features; correction, which adds to palettes; skin and confidence.
+    // Joints and features; correction, which changes palettes; skin and confidence.
     let kernel = vec![true, false, true, true, false];
     for (bytes, guarded) in GOLDEN.into_iter().zip([rotational, kernel]) {
         for batch in [Batch::skinned as Of, hosted_batch as Of, positions as Of] {
@@ -215,7 +214,7 @@ fn barriers_stand_where_a_stage_reads_what_another_wrote_and_nowhere_else() {
 }
 
 #[test]
-fn chunks_whose_bindings_meet_are_kept_apart() {
+fn chunks_whose_bindings_overlap_have_barriers_between_them() {
     let plan = chunked();
     let span = |chunk, resource| Chunk::span(chunk, resource).unwrap();
     let meet = |resource| {
@@ -226,7 +225,7 @@ fn chunks_whose_bindings_meet_are_kept_apart() {
         })
     };
     let mut expected = Vec::new();
-    // Gradients; palette; skin, whose chunks end where a span may start; confidence with it.
+    // Gradients; palette; skin, whose chunks end at aligned offsets; confidence without a barrier.
     let steps = [
         (true, Resource::Scratch, true),
         (true, Resource::Palettes, true),
@@ -255,7 +254,7 @@ fn requirements_are_those_of_the_plan() {
     let chunks = plan.chunks().len() as u32;
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
     assert_eq!((set_len(&plan), uniform, storage), (4 * chunks, 4 * chunks, 14 * chunks));
-    // Flags have no names without a feature of ash.
+    // Flags implement `Debug` only with a feature of ash.
     assert!(usage(Resource::Params) == vk::BufferUsageFlags::UNIFORM_BUFFER);
     assert!(usage(Resource::Scratch) == vk::BufferUsageFlags::STORAGE_BUFFER);
 }
@@ -308,7 +307,7 @@ fn a_device_whose_limits_are_too_small_is_refused() {
 }
 
 #[test]
-fn a_lost_device_is_told_from_a_refusal() {
+fn device_loss_is_a_separate_error() {
     let error = |result| HeadlessError::from(Error::Vulkan { doing: "submitting", result });
     assert_eq!(error(vk::Result::ERROR_DEVICE_LOST), HeadlessError::Lost("submitting".to_owned()));
     let refused = error(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY);
@@ -316,7 +315,7 @@ fn a_lost_device_is_told_from_a_refusal() {
 }
 
 #[test]
-fn an_unknown_driver_is_answered_with_those_there_are() {
+fn an_unknown_driver_is_reported_with_the_drivers_found() {
     let error = Device::of_driver("no such driver", false).err().unwrap();
     let HeadlessError::NoDevice { api: "vulkan", found, .. } = &error else { panic!("{error:?}") };
     assert!(found.iter().any(|driver| driver == "llvmpipe"), "{error}");
@@ -324,7 +323,7 @@ fn an_unknown_driver_is_answered_with_those_there_are() {
 
 #[test]
 fn a_missing_layer_and_a_missing_driver_say_what_to_install() {
-    // The loader reads these variables of a process: the test runs itself once more for each.
+    // The loader reads these variables once in a process, so the test runs itself again for each.
     const CHILD: &str = "SINEW_TEST_CHILD";
     let missing =
         |validation| match Device::open(|_| true, "of any kind", validation).err().unwrap() {

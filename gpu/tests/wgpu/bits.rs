@@ -1,53 +1,14 @@
-//! The stages on wgpu, end to end, against the CPU's bits.
+//! The stages on wgpu, end to end, compared with the CPU's bits.
 
-use crate::common::{Case, GOLDEN, TURNED, hosted_batch, load, odd_batch, parts};
+use crate::common::{self, Case, GOLDEN, TURNED, kernels, load, odd_batch, parts};
+use crate::lavapipe;
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 
-pub(crate) fn lavapipe() -> Device {
-    Device::of_driver("llvmpipe", true)
-        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
-}
-
 #[test]
-fn every_predictor_has_the_cpus_bits() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &Batch::skinned(&envelope, &skin, 67);
-        Case { bytes, batch, limits, instance_len: 67 }.check(&device);
-        let batch = &Batch::palettes(&envelope, 5);
-        Case { bytes, batch, limits, instance_len: 5 }.check(&device);
-    }
-}
-
-#[test]
-fn odd_offsets_and_strides_are_kept_and_gaps_left_alone() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &odd_batch(&envelope, &skin, 9);
-        Case { bytes, batch, limits, instance_len: 9 }.check(&device);
-    }
-}
-
-#[test]
-fn a_remap_and_a_rest_mesh_of_the_hosts_are_skinned_as_on_a_cpu() {
-    let device = lavapipe();
-    let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let batch = &hosted_batch(&envelope, &skin, 9);
-        for instance_len in [9, 4] {
-            Case { bytes, batch, limits, instance_len }.check(&device);
-        }
-    }
+fn lavapipe_has_the_cpus_bits() {
+    common::every_batch(&lavapipe());
 }
 
 #[test]
@@ -58,7 +19,7 @@ fn a_batch_in_chunks_has_the_same_bits() {
         let (envelope, skin) = parts(&model);
         let instances = 60;
         let batch = &odd_batch(&envelope, &skin, instances);
-        // As small as the model allows.
+        // The smallest binding that the model allows.
         let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
         let limits = &DeviceLimits { storage_binding_bytes, ..device.limits() };
         let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
@@ -74,12 +35,12 @@ fn a_batch_in_chunks_has_the_same_bits() {
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
     for bytes in GOLDEN.into_iter().chain(TURNED) {
-        crate::common::past_65535_workgroups(&device, bytes);
+        common::past_65535_workgroups(&device, bytes);
     }
 }
 
 #[test]
-fn the_count_sees_a_nudge() {
+fn a_changed_pose_is_counted() {
     let device = lavapipe();
     for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
@@ -88,13 +49,13 @@ fn the_count_sees_a_nudge() {
         let case = Case { bytes, batch, limits: &device.limits(), instance_len: 3 };
         assert_eq!(case.differing(&device, |_| {}).0, 0);
         // The third instance's last joint.
-        let nudge = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
-        assert_ne!(case.differing(&device, nudge).0, 0);
+        let change = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
+        assert_ne!(case.differing(&device, change).0, 0);
     }
 }
 
 #[test]
-fn a_lost_device_is_told() {
+fn a_lost_device_is_reported() {
     let device = lavapipe();
     let model = load(GOLDEN[1]);
     let (envelope, skin) = parts(&model);
@@ -112,7 +73,7 @@ fn a_lost_device_is_told() {
 }
 
 #[test]
-fn a_device_that_is_not_there_is_told_with_those_that_are() {
+fn a_missing_device_is_reported_with_the_drivers_found() {
     let Err(HeadlessError::NoDevice { api: "wgpu", wanted, found }) =
         Device::of_driver("no such driver", false)
     else {
@@ -140,4 +101,24 @@ fn writing_past_a_buffer_or_to_none_is_refused() {
         uploaded.read(Resource::Out),
         Err(HeadlessError::Layout(LayoutError::Missing { resource: Resource::Out }))
     ));
+}
+
+#[test]
+fn every_kernel_and_rule_has_the_cpus_bits() {
+    kernels::every_kernel_has_the_cpus_bits(&lavapipe());
+}
+
+#[test]
+fn odd_offsets_chunks_and_fewer_queries_have_the_same_bits() {
+    kernels::odd_queries_have_the_cpus_bits(&lavapipe());
+}
+
+#[test]
+fn past_65535_queries_nothing_else_is_written() {
+    kernels::past_65535_queries(&lavapipe());
+}
+
+#[test]
+fn a_refused_query_has_confidence_nan() {
+    kernels::a_query_that_is_wrong_is_seen(&lavapipe());
 }

@@ -1,102 +1,12 @@
-//! What the wgpu backend refuses, before anything is recorded.
+//! The wgpu backend refuses each mistake before anything is recorded.
 
-use crate::common::filter::filter_plan;
-use crate::common::kernels::kernel_plan;
-use crate::common::shapes::shapes_plan;
-use crate::common::{GOLDEN, load, parts, remapped_batch};
+use crate::common::{GOLDEN, load, parts};
+use crate::{COPIED, Scene, buffer, palettes, scene, scenes, whole};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 use sinew_gpu::wgpu::{Bound, Buffers, Error, Pipelines, limits};
-use sinew_runtime::{Envelope, Skin};
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, ErrorFilter, Limits};
-
-/// A batch with one buffer a resource.
-struct Scene {
-    device: Device,
-    pipelines: Pipelines,
-    plan: Plan,
-    own: Vec<Buffer>,
-}
-
-const COPIED: BufferUsages = BufferUsages::COPY_SRC.union(BufferUsages::COPY_DST);
-
-/// Palettes of three instances and nothing else.
-fn palettes(envelope: &Envelope<'_>, _: &Skin<'_>) -> Batch {
-    Batch { confidences: None, ..Batch::palettes(envelope, 3) }
-}
-
-/// Three instances for which every resource is needed.
-fn whole(envelope: &Envelope<'_>, skin: &Skin<'_>) -> Batch {
-    remapped_batch(envelope, skin, 3)
-}
-
-fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Scene {
-    let model = load(bytes);
-    let (envelope, skin) = parts(&model);
-    scene_of(|limits| {
-        let batch = batch(&envelope, &skin);
-        let plan = Plan::new(&model, &envelope, &batch, limits).unwrap();
-        (plan, model.blob().to_vec())
-    })
-}
-
-/// Of every kind of batch; together they need every resource.
-fn scenes() -> [Scene; 4] {
-    let scenes = [
-        scene(GOLDEN[1], whole),
-        scene_of(kernel_plan),
-        scene_of(shapes_plan),
-        scene_of(filter_plan),
-    ];
-    assert!(Resource::ALL.into_iter().all(|own| scenes.iter().any(|scene| scene.needs(own))));
-    scenes
-}
-
-fn scene_of(plan: impl Fn(&DeviceLimits) -> (Plan, Vec<u8>)) -> Scene {
-    let device = Device::of_driver("llvmpipe", true)
-        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
-    let (plan, mut blob) = plan(&device.limits());
-    let pipelines = Pipelines::new(device.device(), Stage::ALL).unwrap();
-    let own = Resource::ALL.map(|resource| {
-        let kind = match resource {
-            Resource::Params => BufferUsages::UNIFORM,
-            _ => BufferUsages::STORAGE,
-        };
-        buffer(device.device(), plan.bytes(resource).max(4), kind | COPIED)
-    });
-    device.queue().write_buffer(&own[Resource::Params as usize], 0, &plan.params());
-    blob.resize(plan.bytes(Resource::Blob) as usize, 0);
-    device.queue().write_buffer(&own[Resource::Blob as usize], 0, &blob);
-    Scene { device, pipelines, plan, own: own.into() }
-}
-
-fn buffer(device: &wgpu::Device, size: u64, usage: BufferUsages) -> Buffer {
-    device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
-}
-
-impl Scene {
-    fn buffers(&self) -> Buffers<'_> {
-        let all = Resource::ALL.into_iter().zip(&self.own);
-        all.fold(Buffers::new(), |buffers, (resource, own)| buffers.with(resource, own, 0))
-    }
-
-    fn needs(&self, resource: Resource) -> bool {
-        self.plan.bytes(resource) > 0
-    }
-
-    fn needed(&self) -> impl Iterator<Item = Resource> {
-        Resource::ALL.into_iter().filter(|resource| self.needs(*resource))
-    }
-
-    fn refused(&self, buffers: &Buffers<'_>) -> Error {
-        Bound::new(&self.pipelines, &self.plan, buffers).map(drop).unwrap_err()
-    }
-
-    fn make(&self, size: u64, usage: BufferUsages) -> Buffer {
-        buffer(self.device.device(), size, usage)
-    }
-}
+use wgpu::{BufferUsages, ErrorFilter, Limits};
 
 #[test]
 fn a_buffer_that_is_missing_short_or_misaligned_is_refused() {
@@ -133,7 +43,7 @@ fn missing_short_and_misaligned(scene: &Scene) {
                 expected.into()
             );
         }
-        // Past the end of all memory.
+        // Past the end of the address space.
         let beyond = u64::MAX - 255;
         assert_eq!(
             scene.refused(&scene.buffers().with(resource, &long, beyond)),
@@ -177,7 +87,7 @@ fn what_is_not_needed_may_be_left_out_or_wrong() {
 #[test]
 fn one_buffer_may_hold_what_no_stage_both_reads_and_writes() {
     let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM | COPIED;
-    // No stage of the kernel predictor reads what it writes, and one writes two.
+    // No stage of the kernel predictor reads a resource that it writes, and one stage writes two.
     let scene = scene(GOLDEN[1], whole);
     let bytes = |resource| scene.plan.bytes(resource).next_multiple_of(256);
     let [a, b] = [Resource::Scratch, Resource::Palettes].map(bytes);
@@ -235,7 +145,7 @@ fn overlapping(scene: &Scene) {
     }
 }
 
-/// What is refused as shared is what wgpu would refuse when commands are finished.
+/// Each buffer that is refused as shared is one that wgpu would refuse when the encoder finishes.
 #[test]
 fn wgpu_refuses_what_is_shared() {
     let scene = scene(GOLDEN[1], whole);
@@ -284,7 +194,7 @@ fn wgpu_refuses_what_is_shared() {
 
 #[test]
 fn a_buffer_of_another_device_is_refused() {
-    let adapter = lavapipe();
+    let adapter = adapter();
     let open = || pollster::block_on(adapter.request_device(&Default::default())).unwrap().0;
     let [device, other] = [(); 2].map(|()| open());
     let model = load(GOLDEN[1]);
@@ -346,14 +256,14 @@ fn a_wrong_number_of_instances_records_nothing() {
         scene.device.queue().submit([encoder.finish()]);
         assert_eq!(scene.device.read_bytes(palettes).unwrap(), poison);
     }
-    // The control: one that is right does write.
+    // Control: a correct call writes.
     submit(&scene.device, &bound, 3).unwrap();
     assert_ne!(scene.device.read_bytes(palettes).unwrap(), poison);
 }
 
 #[test]
 fn limits_too_small_are_refused() {
-    let adapter = lavapipe();
+    let adapter = adapter();
     type Change = fn(&mut Limits);
     let small: [(Change, &str); 3] = [
         (|limits| limits.max_storage_buffers_per_shader_stage = 3, "storage buffers"),
@@ -413,13 +323,14 @@ fn a_plan_by_larger_limits_is_refused() {
     assert_eq!(found, u64::from(own.workgroups));
 }
 
-/// wgpu tells it to the host's own callback, and to no error scope: what is made is void.
+/// Device loss reaches only the host's callback, not an error scope. Objects of the lost device are
+/// void.
 #[test]
-fn a_lost_device_is_told_to_the_host_alone() {
+fn device_loss_reaches_only_the_hosts_callback() {
     let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
-    let (tell, told) = std::sync::mpsc::channel();
-    device.set_device_lost_callback(move |_, _| tell.send(()).unwrap());
+    let (send, receive) = std::sync::mpsc::channel();
+    device.set_device_lost_callback(move |_, _| send.send(()).unwrap());
     device.destroy();
     let pipelines = Pipelines::new(device, Stage::ALL).unwrap();
     let bound = Bound::new(&pipelines, &scene.plan, &scene.buffers()).unwrap();
@@ -427,12 +338,12 @@ fn a_lost_device_is_told_to_the_host_alone() {
     assert_eq!(bound.encode(&mut encoder, 3), Ok(()));
     scene.device.queue().submit([encoder.finish()]);
     drop(device.poll(wgpu::PollType::Poll));
-    assert_eq!(told.try_recv(), Ok(()));
+    assert_eq!(receive.try_recv(), Ok(()));
 }
 
-/// What cannot be seen beforehand is told by wgpu at submission.
+/// A mistake that cannot be detected in advance is reported by wgpu at submission.
 #[test]
-fn a_destroyed_buffer_is_told_by_wgpu() {
+fn wgpu_reports_a_destroyed_buffer() {
     let scene = scene(GOLDEN[1], whole);
     let device = scene.device.device();
     let bound = Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
@@ -454,7 +365,7 @@ fn submit(device: &Device, bound: &Bound, instance_len: usize) -> Result<(), Err
     Ok(())
 }
 
-fn lavapipe() -> wgpu::Adapter {
+fn adapter() -> wgpu::Adapter {
     let backends = wgpu::Backends::VULKAN;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,

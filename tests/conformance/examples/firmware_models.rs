@@ -12,7 +12,7 @@ use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Values of a certainty, m.
+/// Number of values of a certainty, m.
 const CERTAINTY: usize = 8;
 
 fn main() -> ExitCode {
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     let normals = ("bar-normals".to_owned(), normals);
     for (name, file) in demos.chain(bars).chain([normals]) {
         let path = folder.join(name).with_extension("snw");
-        // A file that has not changed keeps its date, and the images that hold it are not rebuilt.
+        // An unchanged file keeps its date, so that the images that hold it are not rebuilt.
         if std::fs::read(&path).is_ok_and(|old| old == file) {
             continue;
         }
@@ -40,8 +40,8 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Bakes a model of the shape that the budget is stated for: J = 20, P = 20, V = 1000, K = 4. No
-/// joint can leave its range, so that every pose is known and none is cheaper for being far.
+/// Bakes a model of the budget's shape: J = 20, P = 20, V = 1000, K = 4. No joint can leave its
+/// range, so the maps are evaluated in full for every pose.
 fn bar(predictor: Predictor) -> Vec<u8> {
     let shape = Shape {
         predictor,
@@ -56,8 +56,8 @@ fn bar(predictor: Predictor) -> Vec<u8> {
     random_with(shape, groups, vec![10.0; shape.joints])
 }
 
-/// Makes a group of two helpers of every other joint. Each has 16 centres and hears the rotations of
-/// the five joints within two hops: 45 inputs, and 16 latent values.
+/// Makes a group of two helpers for every other joint. Each group has 16 centres, 16 latent values
+/// and 45 inputs: the rotations of the five joints within two hops.
 fn groups(shape: Shape) -> Vec<Group> {
     let mut random = ChaCha8Rng::seed_from_u64(16);
     let mut list = |len: usize, size: f64| -> Vec<_> {
@@ -66,9 +66,9 @@ fn groups(shape: Shape) -> Vec<Group> {
     let (centres, rank, proxies) = (16, 16, 2);
     let group = |g: usize| {
         let joint = 2 * g;
-        let heard = joint.saturating_sub(2).min(shape.joints - 5)..;
+        let first = joint.saturating_sub(2).min(shape.joints - 5)..;
         let rotation = |j: usize| (0..3).flat_map(move |r| (0..3).map(move |c| 12 * j + 4 * r + c));
-        let inputs: Vec<_> = heard
+        let inputs: Vec<_> = first
             .take(5)
             .flat_map(rotation)
             .map(|feature| Input { feature, weight: 0.5 })

@@ -1,14 +1,14 @@
-//! Comparators: each fails on a NaN, on nothing to compare, and on lengths that differ.
+//! Comparators. Each fails on a NaN, on empty input, and on different lengths.
 
 use thiserror::Error;
 
-/// How a comparison failed.
+/// The failure of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Mismatch {
     /// There is nothing to compare.
     #[error("there is nothing to compare")]
     Empty,
-    /// The lists do not have the same number of values.
+    /// The lists have different lengths.
     #[error("{found} values, expected {expected}")]
     Length {
         /// Values expected.
@@ -16,22 +16,23 @@ pub enum Mismatch {
         /// Values found.
         found: usize,
     },
-    /// A value is farther from the expected one than its tolerance, or any of the three is a NaN.
+    /// A value differs from the expected value by more than its tolerance, or one of the three
+    /// numbers is NaN.
     #[error("value {index} is {found:?}, expected {expected:?} within {tolerance:.3e}")]
     Beyond {
-        /// The value's place in its list.
+        /// Index of the value.
         index: usize,
         /// The value expected.
         expected: f64,
         /// The value found.
         found: f32,
-        /// How far it may be.
+        /// The tolerance.
         tolerance: f64,
     },
-    /// A value is a NaN or has other bits than the expected one.
+    /// A value is NaN or differs from the expected value in a bit.
     #[error("value {index} is {found:?}, expected the bits of {expected:?}")]
     Bits {
-        /// The value's place in its list.
+        /// Index of the value.
         index: usize,
         /// The value expected.
         expected: f32,
@@ -41,7 +42,7 @@ pub enum Mismatch {
 }
 
 impl Mismatch {
-    /// Returns how many tolerances the value is off: infinitely many where nothing can be measured.
+    /// Returns the error in units of the tolerance; infinity if it cannot be measured.
     pub fn ratio(&self) -> f64 {
         match *self {
             Self::Beyond { expected, found, tolerance, .. } => {
@@ -53,15 +54,16 @@ impl Mismatch {
     }
 }
 
-/// A NaN that no arithmetic makes: what is found to hold it has not been written.
+/// A NaN that no arithmetic produces. A float that holds it has not been written.
 pub const POISON: f32 = f32::from_bits(0x7fc5_1e37);
 
-/// Makes an output that a backend must write: any value that it leaves alone fails a comparison.
+/// Returns an output that a backend must write completely: a comparison fails on any value left as
+/// it is.
 pub fn poisoned<const N: usize>(len: usize) -> Vec<[f32; N]> {
     vec![[POISON; N]; len]
 }
 
-/// Counts the values whose bits are not those expected, or that are NaNs, or too many or too few.
+/// Counts the values that are NaN or differ in a bit, plus the difference in length.
 pub fn differing(found: &[f32], expected: &[f32]) -> usize {
     let pairs = found.iter().zip(expected);
     let other =
@@ -69,11 +71,11 @@ pub fn differing(found: &[f32], expected: &[f32]) -> usize {
     pairs.filter(other).count() + found.len().abs_diff(expected.len())
 }
 
-/// Compares values with those expected, each to a tolerance of its own; returns the largest ratio
+/// Compares each value with the expected value, within its own tolerance; returns the largest ratio
 /// of an error to its tolerance.
 ///
 /// # Errors
-/// [`Mismatch`], of the value that is the farthest beyond its tolerance.
+/// [`Mismatch`] of the value that exceeds its tolerance by the largest factor.
 pub fn within(found: &[f32], expected: &[f64], tolerances: &[f64]) -> Result<f64, Mismatch> {
     check_lens(expected.len(), found.len())?;
     check_lens(expected.len(), tolerances.len())?;
@@ -82,7 +84,7 @@ pub fn within(found: &[f32], expected: &[f64], tolerances: &[f64]) -> Result<f64
     let pairs = found.iter().zip(expected).zip(tolerances);
     for (index, ((&found, &expected), &tolerance)) in pairs.enumerate() {
         let error = (f64::from(found) - expected).abs();
-        // Written so that a NaN anywhere fails.
+        // Written so that any NaN fails.
         let holds = error <= tolerance && expected.is_finite();
         if !holds {
             let this = Mismatch::Beyond { index, expected, found, tolerance };

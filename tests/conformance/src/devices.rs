@@ -1,4 +1,4 @@
-//! The devices of this machine, by both APIs.
+//! The devices of this machine, through both APIs.
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError};
@@ -6,10 +6,10 @@ use sinew_gpu::vulkan::headless as vulkan;
 use sinew_gpu::wgpu::headless as wgpu;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The driver of lavapipe, which is required wherever tests run.
+/// The driver of lavapipe, which is required on every machine that runs tests.
 pub const LAVAPIPE: &str = "llvmpipe";
 
-/// Lists the devices of both APIs: of every driver and name one.
+/// Lists the devices of both APIs, one for each driver and name.
 ///
 /// # Errors
 /// [`HeadlessError::Missing`]: there is no Vulkan loader, and no device for wgpu either.
@@ -29,7 +29,7 @@ pub fn list() -> Result<Vec<DeviceInfo>, HeadlessError> {
     Ok(out)
 }
 
-/// Opens a device; with validation, through the layers, whose messages are counted.
+/// Opens a device; `validation` turns on the validation layers and counts their messages.
 ///
 /// # Errors
 /// [`HeadlessError`]
@@ -45,23 +45,25 @@ fn same(a: &DeviceInfo, b: &DeviceInfo) -> bool {
     a.api == b.api && a.driver == b.driver && a.name == b.name
 }
 
-/// What wgpu's validation says goes to `log`: a logger that counts warnings and errors, but for one.
+/// A logger that counts warnings and errors, except for one message. wgpu's validation reports to
+/// `log`.
 pub struct Counter;
 
-/// What older layers say of every shader that tells it was WGSL, which SPIR-V registered later.
+/// Message of older layers about every shader that is marked as compiled from WGSL; SPIR-V
+/// registered that mark later.
 const TOO_OLD: &str = "SPIR-V module not valid: Invalid source language operand: 10";
 
 static MESSAGES: AtomicUsize = AtomicUsize::new(0);
 
 impl Counter {
-    /// Makes it the process's logger; once it is, nothing happens.
+    /// Installs this logger for the process; later calls have no effect.
     pub fn install() {
         if log::set_logger(&Self).is_ok() {
             log::set_max_level(LevelFilter::Warn);
         }
     }
 
-    /// Returns the messages so far.
+    /// Returns the number of messages so far.
     pub fn message_len() -> usize {
         MESSAGES.load(Ordering::SeqCst)
     }
@@ -74,7 +76,7 @@ impl Log for Counter {
 
     fn log(&self, record: &Record<'_>) {
         let text = record.args().to_string();
-        // Lines that begin so tell more of the message before.
+        // Lines that start with a tab continue the message before.
         let counts = !text.starts_with('\t') && !text.contains(TOO_OLD);
         if counts && self.enabled(record.metadata()) {
             MESSAGES.fetch_add(1, Ordering::SeqCst);

@@ -1,11 +1,11 @@
-//! Filters under test, with signals: of one lane and of many, of one signal and of an image's rows.
+//! Filters under test, with signals: one lane and many, one signal and the rows of an image.
 
 use ::models::{FilterContent, Pieces, Rng};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::{Filter, Model};
 use std::sync::OnceLock;
 
-/// Signals of a filter.
+/// Number of signals of a filter.
 pub const SIGNALS: usize = 23;
 
 /// A filter under test.
@@ -14,17 +14,18 @@ pub struct FilterSubject<'a> {
     pub model: Model<&'a [u8]>,
     /// The filter.
     pub filter: Filter<'a>,
-    /// How the samples lie.
+    /// Layout of the samples.
     pub shape: Samples,
     /// The samples, of several magnitudes.
     pub samples: Vec<f32>,
 }
 
 impl<'a> FilterSubject<'a> {
-    /// Loads the first filter of a file and draws signals, of which none is much longer than its window.
+    /// Loads the first filter of a file and draws signals that are slightly longer than the
+    /// filter's window.
     ///
     /// # Panics
-    /// If the bytes are no model with a filter.
+    /// If the bytes are not a model with a filter.
     pub fn new(bytes: &'a [u8], signal_len: usize, lane_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a filter loads");
         let filter = model.filter().and_then(|filter| filter.layout().open(bytes));
@@ -37,13 +38,13 @@ impl<'a> FilterSubject<'a> {
         Self { model, filter, shape, samples }
     }
 
-    /// Says which it is.
+    /// Describes the subject for messages.
     pub fn described(&self) -> String {
         format!("{:?}, {:?}", self.filter, self.shape)
     }
 }
 
-/// The files, a filter each.
+/// The files, one filter in each.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| {
@@ -57,7 +58,7 @@ pub fn files() -> &'static [Vec<u8>] {
     })
 }
 
-/// Every filter under test, of so many signals each.
+/// Returns every filter under test, with `signal_len` signals each.
 pub fn filters(signal_len: usize) -> Vec<FilterSubject<'static>> {
     let each = files().iter().zip([1, 3, 64, 5]);
     each.map(|(bytes, lane_len)| FilterSubject::new(bytes, signal_len, lane_len)).collect()

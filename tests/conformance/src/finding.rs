@@ -1,30 +1,30 @@
-//! What a body finds out about an output of a stage.
+//! The result of comparing an output of a stage.
 
 use crate::compare::{Mismatch, differing, same_bits, within};
 
-/// How an output compares with the oracle's and with the CPU's on the same inputs.
+/// An output compared with the oracle, and with the CPU on equal inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The output's name.
     pub output: &'static str,
     /// Values compared.
     pub values: usize,
-    /// How many of them have other bits than the CPU's.
+    /// Number of values that differ from the CPU's in a bit.
     pub differing: usize,
     /// The largest deviation from the oracle, in units of the tolerance.
     pub worst: f64,
-    /// What was farthest beyond its tolerance in the first pose that had any.
+    /// The worst value of the first pose that has a value beyond its tolerance.
     pub mismatch: Option<Mismatch>,
 }
 
 impl Finding {
-    /// Begins with nothing.
+    /// Starts a finding without values.
     pub fn new(output: &'static str) -> Self {
         Self { output, values: 0, differing: 0, worst: 0.0, mismatch: None }
     }
 
-    /// Compares values with the CPU's and, each to its tolerance, with the oracle's; returns whether
-    /// they hold.
+    /// Compares values with the CPU's bits, and with the oracle within tolerances; returns whether
+    /// all are within.
     pub fn compare(
         &mut self,
         found: &[f32],
@@ -35,7 +35,7 @@ impl Finding {
         self.add(found, cpu, within(found, expected, tolerances))
     }
 
-    /// Compares values bit by bit with those expected; returns whether they are the same.
+    /// Compares values bit by bit with the expected ones; returns whether all are equal.
     pub fn equal(&mut self, found: &[f32], expected: &[f32]) -> bool {
         self.add(found, expected, same_bits(found, expected).map(|()| 0.0))
     }
@@ -49,7 +49,7 @@ impl Finding {
     }
 }
 
-/// Checks that every output was compared and holds.
+/// Checks that every output was compared and is within its tolerances.
 ///
 /// # Errors
 /// The first [`Mismatch`]; [`Mismatch::Empty`] if an output has no values, or if there is none.

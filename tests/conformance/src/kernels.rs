@@ -1,4 +1,5 @@
-//! Kernels under test: one of each with everything, the goldens, and a large one, with oracles and queries.
+//! Kernels under test: each kernel with every kind of input and output, the golden kernels, and
+//! large ones; with oracles and queries.
 
 use ::models::{KernelContent, Pieces, Rng};
 use sinew_runtime::kernel::Kernel;
@@ -6,7 +7,7 @@ use sinew_runtime::{KernelMap, Model};
 use sinew_trainer::scattered::model::KernelModel;
 use std::sync::OnceLock;
 
-/// Queries of a kernel.
+/// Number of queries of a kernel.
 pub const QUERIES: usize = 140;
 
 /// A kernel under test.
@@ -17,15 +18,15 @@ pub struct KernelSubject<'a> {
     pub kernel: KernelMap<'a>,
     /// Its oracle.
     pub oracle: KernelModel,
-    /// Queries of it, one after the other: near the centres, about them and beyond.
+    /// Queries, one after another: near the centres, around them and far from them.
     pub queries: Vec<f32>,
 }
 
 impl<'a> KernelSubject<'a> {
-    /// Loads the first kernel of a file and draws queries of it, each of which a CPU evaluates.
+    /// Loads the first kernel of a file and draws queries. The CPU accepts each query.
     ///
     /// # Panics
-    /// If the bytes are no model with a kernel.
+    /// If the bytes are not a model with a kernel.
     pub fn new(bytes: &'a [u8], query_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a kernel loads");
         let kernel = model.kernel().and_then(|kernel| kernel.layout().open(bytes));
@@ -39,19 +40,20 @@ impl<'a> KernelSubject<'a> {
         Self { model, kernel, oracle: KernelModel::from_file(&kernel), queries }
     }
 
-    /// Counts its queries.
+    /// Returns the number of queries.
     pub fn query_len(&self) -> usize {
         self.queries.len() / self.kernel.query_len()
     }
 
-    /// Says which it is.
+    /// Describes the subject for messages.
     pub fn described(&self) -> String {
         format!("{:?}, {:?}", self.kernel, self.kernel.rule())
     }
 }
 
-/// The files, a kernel each: of every kernel the golden one, and one of every kind of input and output; a servo; a
-/// function of 27 numbers with 480 values; more centres than are evaluated at once.
+/// The files, one kernel in each. For every kernel: the golden file, and one with every kind of
+/// input and output. Then a servo, a function of 27 numbers with 480 values, and a kernel with more
+/// centres than a shader evaluates at a time.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| {
@@ -66,7 +68,7 @@ pub fn files() -> &'static [Vec<u8>] {
     })
 }
 
-/// Every kernel under test, with so many queries.
+/// Returns every kernel under test, with `query_len` queries each.
 pub fn kernels(query_len: usize) -> Vec<KernelSubject<'static>> {
     files().iter().map(|bytes| KernelSubject::new(bytes, query_len)).collect()
 }

@@ -1,9 +1,10 @@
-//! What the conformance tests and the programs share: backends, the models and poses they are run
-//! on, tolerances, comparators, and one body a stage.
+//! Shared by the conformance tests and programs: backends, models and poses, tolerances,
+//! comparators, and one function for each stage that compares a backend with the oracle.
 #![forbid(unsafe_code)]
 
 pub mod backend;
 pub mod compare;
+pub mod cpu;
 pub mod devices;
 pub mod filters;
 pub mod finding;

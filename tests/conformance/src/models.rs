@@ -1,4 +1,4 @@
-//! Models to run on: random ones of every shape, the demo character, and a real arm.
+//! Models under test: random ones of every shape, the demo character, and a real arm.
 
 use crate::backend::Loaded;
 use ::models::{Content, Pieces, halves};
@@ -25,7 +25,7 @@ use std::sync::OnceLock;
 /// Counts of a random model.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// What predicts the palette.
+    /// The predictor of the palette.
     pub predictor: Predictor,
     /// V.
     pub vertices: usize,
@@ -35,9 +35,9 @@ pub struct Shape {
     pub proxies: usize,
     /// K.
     pub influences: usize,
-    /// Whether it has tangents.
+    /// Whether the skin has tangents.
     pub tangents: bool,
-    /// Whether it has tangent coefficients.
+    /// Whether the skin has tangent coefficients.
     pub coefficients: bool,
 }
 
@@ -53,7 +53,8 @@ impl Shape {
     }
 }
 
-/// Odd, one and zero of everything that may be. The first with a correction have six groups.
+/// Odd counts, one and zero wherever they are allowed. The first shape with a correction has six
+/// groups.
 pub const SHAPES: [Shape; 13] = [
     Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
     Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
@@ -79,36 +80,37 @@ pub fn shape_of(predictor: Predictor) -> Shape {
     shapes.next().expect("every predictor has a shape")
 }
 
-/// The model of each shape: once in a process.
+/// Returns the model of each shape, baked once in a process.
 ///
 /// # Panics
-/// If the bake refuses one.
+/// If the bake refuses a model.
 pub fn shapes() -> &'static [Vec<u8>; SHAPES.len()] {
     static MODELS: OnceLock<[Vec<u8>; SHAPES.len()]> = OnceLock::new();
     MODELS.get_or_init(|| SHAPES.map(random))
 }
 
-/// Bakes a model of random keys, coefficients and weights in which rest is rest: the root's blocks
-/// of c2 take up what the others add to it, and a correction is 0 there.
+/// Bakes a model of random keys, coefficients and weights whose rest pose gives the rest mesh: the
+/// root's blocks of c2 cancel the sum of the others, and corrections are 0 at rest.
 ///
 /// # Panics
-/// If the bake refuses it.
+/// If the bake refuses the model.
 pub fn random(shape: Shape) -> Vec<u8> {
     let groups = if shape.predictor.corrects() { groups(shape) } else { Vec::new() };
     let ranges = (0..shape.joints).map(|joint| [1.5, 0.5, 3.0, 1.0][joint % 4]);
     random_with(shape, groups, ranges.collect())
 }
 
-/// Bakes a model as [`random`] does, with these groups and these ranges of the joints, in radians.
+/// Bakes a model as [`random`] does, with the given groups and the given ranges of the joints, in
+/// radians.
 ///
 /// # Panics
-/// If the bake refuses it.
+/// If the bake refuses the model.
 pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> Vec<u8> {
     let Shape { predictor, vertices, joints, proxies, influences, tangents, coefficients } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
     let root = joints / 2;
-    // A chain up and a chain down from the root.
+    // A chain up from the root, and a chain down.
     let parent = |joint: usize| match joint.cmp(&root) {
         std::cmp::Ordering::Less => Some(joint + 1),
         std::cmp::Ordering::Equal => None,
@@ -145,7 +147,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     };
     let palette_len = if predictor.reconstructs() { proxies } else { joints + proxies };
     let weights = |v: usize| {
-        // The last vertex follows one proxy alone.
+        // The last vertex follows a single proxy.
         let len = if v + 1 == vertices { 1 } else { influences };
         (0..len).map(|k| ((v + k) % palette_len, 1.0 / (k + 1) as f64)).collect()
     };
@@ -193,7 +195,8 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     if coefficients { with_coefficients(&baked, 4.0) } else { baked }
 }
 
-/// Gives the skin of a file random tangent coefficients of up to a size, here and there 0, for what it has.
+/// Gives the skin of a file random tangent coefficients up to `size`, some of them 0, replacing any
+/// that it has.
 ///
 /// # Panics
 /// If the file has no skin.
@@ -221,19 +224,19 @@ fn half_of(x: f64) -> u16 {
     if exponent < 113 { sign } else { sign | (((exponent - 112) << 10) + mantissa) }
 }
 
-/// A matrix of rows.
+/// Returns a matrix from its rows.
 fn by_rows<const N: usize>(rows: [[f64; N]; N]) -> SMatrix<f64, N, N> {
     SMatrix::from_fn(|r, c| rows[r][c])
 }
 
-/// A matrix of rows, one after the other.
+/// Returns a matrix from its rows, one after another.
 pub fn row_major(values: &[f64], rows: usize, columns: usize) -> Mat<f64> {
     MatRef::from_row_major_slice(values, rows, columns).to_owned()
 }
 
-/// Makes random groups of one proxy, then two, one, ..., each of another kernel, until there are P:
-/// the first shows its latent values one by one, the fourth has one of everything,
-/// the fifth has no centres, the last is large.
+/// Makes random groups of one proxy, two, one, and so on until there are P, each with another
+/// kernel. The first group's outputs are its latent values, one at a time. The fourth has one of
+/// everything, the fifth has no centres, and the last is large.
 fn groups(shape: Shape) -> Vec<Group> {
     let Shape { predictor, joints, proxies, .. } = shape;
     let first = usize::from(predictor.number());
@@ -253,12 +256,12 @@ fn groups(shape: Shape) -> Vec<Group> {
             _ if left == 0 => [33, 41, 17],
             _ => [5 + 2 * g, 13 - 2 * g, 11 - 2 * g],
         };
-        // Each latent value alone, or all of them mixed.
+        // Each latent value separately, or all of them mixed.
         let picked = (0..12 * own * r).map(|i| f64::from(u8::from(i / r % r == i % r)));
         let feature = |i: usize| (7 * i + 12 * (g + 1)) % (12 * joints);
         let inputs = (0..d).map(|i| Input { feature: feature(i), weight: list(1, 1.0)[0] });
         let inputs = inputs.collect();
-        // Centre by centre, as a column each.
+        // Centre by centre, one column each.
         let centres = list(n * d, 0.6);
         let coefficients = list((r + 3) * (n + d), 0.5);
         let outputs = if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) };
@@ -284,13 +287,13 @@ fn groups(shape: Shape) -> Vec<Group> {
     out
 }
 
-/// Examples of the demo character, small.
+/// Returns examples of the demo character with few poses.
 pub fn demo_examples(vertices: usize) -> Examples {
     demo(&DemoOptions { vertices, poses: 60, held_out: 0, seed: 1 })
 }
 
-/// The demo character of about 300 vertices, trained with 13 proxies for each predictor: once in a
-/// process.
+/// Returns the demo character of about 300 vertices, trained with 13 proxies for each predictor,
+/// once in a process.
 ///
 /// # Panics
 /// If the training fails.
@@ -299,10 +302,10 @@ pub fn trained() -> &'static [Vec<u8>; 2] {
     MODELS.get_or_init(|| fit(&demo_examples(300)))
 }
 
-/// A real arm, trained likewise; `None` where the data is not beside the repository.
+/// Returns a real arm, trained as [`trained`]; `None` if the data is missing beside the repository.
 ///
 /// # Panics
-/// If the training fails, or if `CI` is set and there is no data.
+/// If the training fails, or if `CI` is set and the data is missing.
 pub fn arm() -> Option<&'static [Vec<u8>; 2]> {
     static MODELS: OnceLock<Option<[Vec<u8>; 2]>> = OnceLock::new();
     let models = MODELS.get_or_init(|| {
@@ -321,11 +324,11 @@ pub fn arm() -> Option<&'static [Vec<u8>; 2]> {
     models.as_ref()
 }
 
-/// The trained character by kernel maps, with random tangent coefficients: weights change by up to 30 over the
-/// diagonal.
+/// Returns the trained character of the kernel predictor with random tangent coefficients: weights
+/// change by up to 30 over the diagonal.
 ///
 /// # Panics
-/// As [`trained`] does.
+/// As [`trained`].
 pub fn turned() -> &'static [u8] {
     static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
     MODEL.get_or_init(|| {
@@ -344,7 +347,7 @@ fn fit(examples: &Examples) -> [Vec<u8>; 2] {
     })
 }
 
-/// Keeps the first frames.
+/// Keeps the first `count` frames.
 fn keep_frames(examples: &mut Examples, count: usize) {
     examples.vertices.truncate(count * examples.vertex_len());
     examples.transforms.truncate(count * examples.joint_len());

@@ -1,5 +1,5 @@
-//! Seeded poses of any skeleton: inside and beyond the trained range, near half turns, at rest, and
-//! carried through the world.
+//! Seeded poses of any skeleton: inside and outside the trained range, near half turns, at rest,
+//! and far from the origin.
 
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -10,27 +10,27 @@ use sinew_trainer::numeric::affine::after;
 use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
-/// Poses that a conformance test runs over.
+/// Number of poses of a conformance test.
 pub const POSES: usize = 1024;
-/// How far a pose may lie from where its character rests, in its diagonals.
+/// Largest offset of a pose from the character's rest place, in diagonals.
 const FAR: f64 = 100.0;
 
-/// What a pose is made to reach.
+/// The kind of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Every joint as it was bound.
+    /// Every joint at rest.
     Rest,
     /// Angles within the trained ranges.
     Trained,
     /// One joint within its trained range, the others at rest.
     Single,
-    /// Any angle, joints displaced by some tenths of the diagonal.
+    /// Any angle; joints displaced by some tenths of the diagonal.
     Beyond,
-    /// Angles at π and from a millionth to a tenth off it.
+    /// Angles that differ from π by a millionth to a tenth.
     HalfTurn,
     /// Angles from 1e-9 to 1e-3.
     Tiny,
-    /// Trained angles, matrices up to 1e-4 off a rotation, which is as rigid as a pose must be.
+    /// Trained angles; matrices differ from a rotation by up to 1e-4, the limit for a pose.
     Stretched,
 }
 
@@ -49,22 +49,23 @@ impl Kind {
 /// A pose of J joints.
 #[derive(Clone, Debug)]
 pub struct Pose {
-    /// What it is made to reach.
+    /// The kind.
     pub kind: Kind,
-    /// Whether it is moved as a whole.
+    /// Whether a rigid motion moves the whole pose.
     pub moved: bool,
     /// Skinning matrices, rest to posed, model space, as a backend takes them.
     pub transforms: Vec<sinew_runtime::Matrix3x4>,
 }
 
 impl Pose {
-    /// Widens the matrices.
+    /// Converts the matrices to f64.
     pub fn widened(&self) -> Vec<Matrix3x4<f64>> {
         self.transforms.iter().map(widened).collect()
     }
 }
 
-/// Draws poses, every kind in turn, at home and far off; the first is the rest pose at home.
+/// Draws poses, every kind in turn, with and without a rigid motion; the first is the rest pose
+/// without motion.
 pub fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Pose> {
     let mut random = ChaCha8Rng::seed_from_u64(2007);
     let kinds = Kind::ALL.iter().flat_map(|&kind| [(kind, false), (kind, true)]).cycle();
@@ -78,12 +79,12 @@ pub fn rigid_motion(diagonal: f64, random: &mut ChaCha8Rng) -> Matrix3x4<f64> {
     map(&turn, &shift)
 }
 
-/// Rounds a transform to what a backend takes.
+/// Rounds a transform to f32, as a backend takes it.
 pub fn rounded(transform: &Matrix3x4<f64>) -> sinew_runtime::Matrix3x4 {
     [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| transform[(r, c)] as f32))
 }
 
-/// Widens a transform.
+/// Converts a transform to f64.
 pub fn widened(transform: &sinew_runtime::Matrix3x4) -> Matrix3x4<f64> {
     Matrix3x4::from_fn(|r, c| f64::from(transform[r][c]))
 }
@@ -104,7 +105,7 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
             Kind::Tiny => power(-9..-2, random),
         };
         let displaced = if kind == Kind::Beyond { 0.3 * diagonal } else { 0.0 };
-        // The local motion turns about the joint's rest origin, in the rest pose's axes.
+        // The local motion rotates about the joint's rest origin, in the rest pose's axes.
         let turn = so3::exp(&(axis(random) * angle));
         let origin = envelope.inverse_bind(joint).map(|m| rigid_inverse(&widened(&m)));
         let origin = origin.map_or(Vector3::zeros(), |frame| frame.column(3).into_owned());
@@ -129,7 +130,7 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
     Pose { kind, moved, transforms: transforms.iter().map(rounded).collect() }
 }
 
-/// One of the three axes half of the time, which makes exact zeros; else any direction.
+/// Draws one of the three axes in half of the cases, which gives exact zeros; else any direction.
 fn axis(random: &mut ChaCha8Rng) -> Vector3<f64> {
     if random.random() {
         return direction(random);
@@ -146,7 +147,7 @@ fn direction(random: &mut ChaCha8Rng) -> Vector3<f64> {
     }
 }
 
-/// Draws a power of ten with any exponent in a range of whole ones.
+/// Draws a power of ten with any real exponent in a range.
 fn power(exponents: std::ops::Range<i32>, random: &mut ChaCha8Rng) -> f64 {
     10f64.powf(random.random_range(f64::from(exponents.start)..f64::from(exponents.end)))
 }

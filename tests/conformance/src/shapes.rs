@@ -1,4 +1,5 @@
-//! Skins with shapes under test: the goldens, and of one vertex, a whole block, none and many, with weights.
+//! Skins with shapes under test, with weights: the golden files, and skins with one vertex, a full
+//! block, no shape and many shapes.
 
 use ::models::{Pieces, Rng, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
@@ -7,7 +8,7 @@ use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::model::SkinModel;
 use std::sync::OnceLock;
 
-/// Lists of weights of a skin.
+/// Number of faces (lists of weights) of a skin.
 pub const FACES: usize = 70;
 
 /// A skin with shapes under test.
@@ -18,9 +19,10 @@ pub struct ShapeSubject<'a> {
     pub skin: Skin<'a>,
     /// Its oracle.
     pub oracle: SkinModel,
-    /// Lists of weights, one after the other: from -1 to 2, and here and there 0; of the first all.
+    /// Weights of all faces, one face after another: from -1 to 2, some of them 0; all weights of
+    /// the first face are 0.
     pub weights: Vec<f32>,
-    /// How many lists.
+    /// Number of faces.
     pub face_len: usize,
 }
 
@@ -28,7 +30,7 @@ impl<'a> ShapeSubject<'a> {
     /// Loads the first skin of a file and draws weights of its shapes.
     ///
     /// # Panics
-    /// If the bytes are no model with a skin.
+    /// If the bytes are not a model with a skin.
     pub fn new(bytes: &'a [u8], face_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a skin loads");
         let skin = model.skin().and_then(|skin| skin.layout().open(bytes));
@@ -43,13 +45,13 @@ impl<'a> ShapeSubject<'a> {
         Self { model, skin, oracle: SkinModel::from_file(&skin), weights, face_len }
     }
 
-    /// Says which it is.
+    /// Describes the subject for messages.
     pub fn described(&self) -> String {
         format!("{:?}, {:?}", self.skin, self.skin.shape_element())
     }
 }
 
-/// The files, a skin each.
+/// The files, one skin in each.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| {
@@ -71,7 +73,7 @@ pub fn files() -> &'static [Vec<u8>] {
     })
 }
 
-/// Every skin under test, with so many lists of weights.
+/// Returns every skin under test, with `face_len` faces each.
 pub fn shapes(face_len: usize) -> Vec<ShapeSubject<'static>> {
     files().iter().map(|bytes| ShapeSubject::new(bytes, face_len)).collect()
 }

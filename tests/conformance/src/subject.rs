@@ -1,4 +1,4 @@
-//! A model under test, with its oracle and its poses.
+//! Models under test, with their oracles and poses.
 
 use crate::backend::Loaded;
 use crate::models;
@@ -6,22 +6,22 @@ use crate::poses::{POSES, Pose, poses};
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 
-/// Poses of a model that is not the main one: ten rounds of every kind.
+/// Number of poses of a secondary model: ten rounds of every kind.
 pub const FEWER_POSES: usize = 140;
 
 /// A model under test.
 pub struct Subject<'a> {
-    /// What kind of model it is.
+    /// Name of the model.
     pub name: &'static str,
     /// The model.
     pub loaded: Loaded<'a>,
-    /// Its oracle.
+    /// Oracle of the envelope.
     pub oracle: EnvelopeModel,
-    /// That of its skin.
+    /// Oracle of the skin.
     pub skin: SkinModel,
-    /// Poses of it.
+    /// Poses of the model.
     pub poses: Vec<Pose>,
-    /// Their matrices, J of each.
+    /// Matrices of all poses, J each.
     pub transforms: Vec<Matrix3x4>,
 }
 
@@ -29,7 +29,7 @@ impl<'a> Subject<'a> {
     /// Loads a model and draws poses.
     ///
     /// # Panics
-    /// If the bytes are no model with an envelope.
+    /// If the bytes are not a model with an envelope and a skin.
     pub fn new(name: &'static str, bytes: &'a [u8], pose_len: usize) -> Self {
         let loaded = Loaded::new(bytes);
         let poses = poses(&loaded.envelope, pose_len);
@@ -38,7 +38,7 @@ impl<'a> Subject<'a> {
         Self { name, oracle, skin, loaded, poses, transforms }
     }
 
-    /// Says which it is.
+    /// Describes the subject for messages.
     pub fn described(&self) -> String {
         let envelope = &self.loaded.envelope;
         format!("{}, {:?}, {envelope:?}", self.name, envelope.predictor())
@@ -53,25 +53,26 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The trained character and, where it is there, the real arm, by every predictor.
+/// Returns the trained character and, if its data is present, the real arm, for every predictor.
 pub fn characters() -> Vec<Subject<'static>> {
     let arms = models::arm().into_iter().flatten();
     let arms = arms.map(|bytes| Subject::new("arm", bytes, FEWER_POSES));
     trained(POSES).into_iter().chain(arms).collect()
 }
 
-/// The trained character by every predictor, and with tangent coefficients, in so many poses.
+/// Returns the trained character for every predictor, and one with tangent coefficients, with
+/// `pose_len` poses each.
 pub fn trained(pose_len: usize) -> Vec<Subject<'static>> {
     let trained = models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len));
     trained.chain([Subject::new("demo with coefficients", models::turned(), pose_len)]).collect()
 }
 
-/// A random model of every shape, in so many poses; some have no vertices.
+/// Returns a random model of every shape, with `pose_len` poses each; some have no vertices.
 pub fn shapes(pose_len: usize) -> impl Iterator<Item = Subject<'static>> {
     models::shapes().iter().map(move |bytes| Subject::new("random", bytes, pose_len))
 }
 
-/// Those that have vertices.
+/// Returns the random models that have vertices.
 pub fn random() -> Vec<Subject<'static>> {
     let has_vertices = |own: &Subject<'_>| own.loaded.skin.vertex_len() > 0;
     shapes(FEWER_POSES).filter(has_vertices).collect()

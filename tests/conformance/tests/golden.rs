@@ -1,7 +1,7 @@
-//! Today's bake writes the golden files' bytes.
+//! The present bake writes the bytes of the golden files.
 //!
-//! `SINEW_BLESS=1 cargo test -p conformance --test golden` writes the files anew; a released
-//! version's golden files are never written again.
+//! `SINEW_BLESS=1 cargo test -p conformance --test golden` rewrites the files. The golden files of
+//! a released version are never rewritten.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
@@ -21,7 +21,7 @@ use sinew_trainer::regression::certainty::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 
-/// Multiples of 1/64 in [-1, 1), so that rounding to f32 is no part of what is compared.
+/// Pseudo-random multiples of 1/64 in [-1, 1), which f32 holds exactly.
 struct Dyadic(u32);
 
 impl Dyadic {
@@ -35,19 +35,19 @@ impl Dyadic {
         (0..len).map(|_| self.next(scale)).collect()
     }
 
-    /// Row by row.
+    /// Draws a matrix, row by row.
     fn matrix<const N: usize>(&mut self, scale: f64) -> SMatrix<f64, N, N> {
         SMatrix::from_row_slice(&self.list(N * N, scale))
     }
 
-    /// Row by row.
+    /// Draws a matrix, row by row.
     fn dense(&mut self, rows: usize, columns: usize, scale: f64) -> Mat<f64> {
         MatRef::from_row_major_slice(&self.list(rows * columns, scale), rows, columns).to_owned()
     }
 }
 
-/// A model of an envelope and its skin: 24 vertices, 5 joints, 5 proxies, 4 influences; the root is
-/// joint 3.
+/// Makes a model of an envelope and its skin: 24 vertices, 5 joints, 5 proxies, 4 influences; the
+/// root is joint 3.
 fn file_model(predictor: Predictor) -> FileModel {
     let mut dyadic = Dyadic(7);
     let (v, j, p, root) = (24, 5, 5, 3);
@@ -75,7 +75,7 @@ fn file_model(predictor: Predictor) -> FileModel {
     let keys = keys.collect();
     let c1 = dyadic.dense(4 * p, 3 * p, 0.25);
     let mut c2 = dyadic.dense(4 * p, 4 * j, 0.25);
-    // Rows sum so that the rest pose is exact: c1 I + c2 rest = [I | 0].
+    // The sums of rows make the rest pose exact: c1 I + c2 rest = [I | 0].
     for row in 0..4 * p {
         for c in 0..3 {
             let of_c1 = c1.row(row).iter().skip(c).step_by(3).sum::<f64>();
@@ -83,7 +83,7 @@ fn file_model(predictor: Predictor) -> FileModel {
             c2[(row, 4 * root + c)] -= of_c1 + of_c2 - if row % 4 == c { 1.0 } else { 0.0 };
         }
     }
-    // Two, one and two proxies; odd sizes, and all four kernels between the two predictors.
+    // Two, one and two proxies; odd sizes; the two predictors together have all four kernels.
     let first = usize::from(predictor.number());
     let groups = [(2, 5, 13, 3), (1, 9, 7, 11), (2, 3, 17, 1)].into_iter().enumerate();
     let mut end = 0;
@@ -166,7 +166,7 @@ fn bake_writes_the_golden_files() {
         }
         let golden = std::fs::read(golden_path(predictor)).unwrap();
         assert!(baked == golden, "the baked bytes differ from the golden file of {predictor:?}");
-        // The comparison can fail.
+        // Control: the comparison can fail.
         let mut other = file_model(predictor);
         let envelope = &mut other.envelopes[0];
         if let Some(reconstruction) = &mut envelope.reconstruction {
@@ -270,7 +270,7 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
             assert_eq!(found.input(i), Some((feature, weight as f32)));
         }
         assert_eq!(&dense(centres, &|i, k| found.centre(k, i)), centres);
-        // 1 at the centre, and every kernel falls from there.
+        // Every kernel is 1 at the centre, and falls from there.
         let falls = |k| found.rest(k).is_some_and(|rest| (0.0..1.0).contains(&rest));
         assert!((0..centres.ncols()).all(falls));
         assert_eq!(&dense(coefficients, &|r, c| found.coefficient(r, c)), coefficients);
@@ -278,7 +278,7 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
     }
 }
 
-/// The maker of models writes the same bytes of the same shapes.
+/// The crate `models` writes equal bytes for equal shapes.
 #[test]
 fn shapes_are_baked_as_the_maker_of_models_writes_them() {
     const V: usize = 150;
@@ -288,7 +288,7 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
         (ShapeNumbers::I8, Element::I8),
     ] {
         let mut content = ShapeContent::sample(element, 7, V);
-        // Of steps as the trainer chooses them: the largest number has the most places.
+        // Steps as the trainer chooses them: the largest number uses all digits.
         for (steps, moved) in content.steps.iter_mut().zip(&mut content.moved) {
             match element {
                 Element::I8 => *steps = [0.5, 0.25],
@@ -299,7 +299,8 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
             let first = moved.iter_mut().flatten().next();
             first.into_iter().for_each(|numbers| *numbers = [most; 5]);
             for numbers in moved.iter_mut().flatten() {
-                // None that is moved nowhere, which would not be there; and -0 is read as 0.
+                // No vertex without a movement, which the file would omit; and no -0, which is read
+                // as 0.
                 numbers[4] = numbers[4].max(1.0);
                 numbers.iter_mut().for_each(|x| *x += 0.0);
             }
@@ -412,7 +413,7 @@ fn files_are_replaced_whole_or_not_at_all() {
         files::write(&path, content).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), content);
     }
-    // A folder stands where the file should go: the rename fails and leaves nothing beside it.
+    // A folder has the file's name, so the rename fails and must leave nothing behind.
     let taken = folder.join("taken");
     std::fs::create_dir_all(taken.join("full")).unwrap();
     assert!(files::write(&taken, b"x").is_err());

@@ -1,5 +1,5 @@
-//! The vectors that are written for others: the same bytes every time, what the runtime gives, and a
-//! foreign implementation can be checked with them.
+//! The vectors for other backends: equal bytes every time, equal to the runtime's outputs, and fit
+//! to check a foreign implementation.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A place of a test's own, empty.
+/// Returns an unused path for one test.
 fn place(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("vectors").join(name);
     let _ = fs::remove_dir_all(&path);
@@ -47,13 +47,13 @@ fn cases(folder: &Path) -> Vec<PathBuf> {
     out
 }
 
-/// Those whose names begin so.
+/// Lists the cases whose names start with `start`.
 fn named(folder: &Path, start: &str) -> Vec<PathBuf> {
     let is_it = |case: &PathBuf| case.file_name().unwrap().to_str().unwrap().starts_with(start);
     cases(folder).into_iter().filter(is_it).collect()
 }
 
-/// Those of an envelope and its skin.
+/// Lists the cases of an envelope and its skin.
 fn skinned(folder: &Path) -> Vec<PathBuf> {
     let others = ["kernel-", "shapes-", "filter-"].map(|start| named(folder, start)).concat();
     cases(folder).into_iter().filter(|case| !others.contains(case)).collect()
@@ -64,7 +64,7 @@ fn json(case: &Path) -> serde_json::Value {
 }
 
 #[test]
-fn the_same_bytes_every_time_and_not_too_many() {
+fn the_bytes_are_equal_every_time_and_not_too_many() {
     let [one, two] = ["one", "two"].map(place);
     write(&one).unwrap();
     write(&two).unwrap();
@@ -92,7 +92,7 @@ fn nothing_is_overwritten_and_nothing_is_left_half_written() {
     let is_left = |name: String| name.starts_with("given-up");
     assert!(!beside.map(|entry| entry.unwrap().file_name().into_string().unwrap()).any(is_left));
 
-    // An empty folder is taken.
+    // An empty folder is accepted.
     fs::create_dir(&given_up).unwrap();
     write(&given_up).unwrap();
     assert!(given_up.join("README.md").is_file());
@@ -123,8 +123,8 @@ fn arrays_have_their_shapes_and_tolerances_are_numbers() {
                 let found = floats(case.join(output["tolerance"].as_str().unwrap()));
                 let len = lens[output["array"].as_str().unwrap()];
                 assert_eq!(found.len() as u64, len, "{output} of {}", case.display());
-                // Far from home positions are some hundreds, and u of that is 1e-5; far from its data a kernel
-                // of a fifth power has millions.
+                // Far from the origin positions are some hundreds, and u times that is 1e-5. Far
+                // from its data a kernel with a fifth power has values of millions.
                 let values =
                     floats(case.join(format!("{}.f32", output["array"].as_str().unwrap())));
                 let most = values.iter().fold(0.0f32, |most, x| most.max(x.abs()));
@@ -139,7 +139,7 @@ fn arrays_have_their_shapes_and_tolerances_are_numbers() {
 }
 
 #[test]
-fn skins_are_what_the_runtime_makes_of_the_palettes() {
+fn skins_equal_the_runtimes() {
     let out = place("runtime");
     write(&out).unwrap();
     let mut values = 0;
@@ -162,11 +162,11 @@ fn skins_are_what_the_runtime_makes_of_the_palettes() {
 }
 
 #[test]
-fn outputs_are_what_the_runtime_makes_of_the_queries() {
+fn outputs_of_kernels_equal_the_runtimes() {
     let out = place("kernels");
     write(&out).unwrap();
     let all = named(&out, "kernel-");
-    // One of each, and a servo.
+    // One of each kernel, and a servo.
     assert_eq!(all.len(), 16);
     for case in all {
         let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
@@ -184,7 +184,7 @@ fn outputs_are_what_the_runtime_makes_of_the_queries() {
 }
 
 #[test]
-fn signals_are_what_the_runtime_makes_of_the_samples() {
+fn signals_equal_the_runtimes() {
     let out = place("signals");
     write(&out).unwrap();
     let all = named(&out, "filter-");
@@ -203,7 +203,7 @@ fn signals_are_what_the_runtime_makes_of_the_samples() {
     }
 }
 
-/// Runs the example.
+/// Runs the example script.
 fn check(folder: &Path) -> Output {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/vectors.py");
     let run = Command::new("python3").arg(script).arg(folder).output();
@@ -218,7 +218,7 @@ fn a_foreign_skin_is_checked_by_them() {
     let text = String::from_utf8_lossy(&right.stdout);
     assert!(right.status.success(), "{text}{}", String::from_utf8_lossy(&right.stderr));
     println!("{text}");
-    // Each case is told, and some deviate.
+    // Each case has a line, and some deviate.
     assert!(text.lines().count() == skinned(&out).len() && text.contains(" 0.2"), "{text}");
 
     let spoiled = out.join("character-kernel/positions.f32");
@@ -246,7 +246,7 @@ fn place_of_nothing() -> PathBuf {
 }
 
 #[test]
-fn meshes_are_what_the_runtime_makes_of_the_weights() {
+fn shaped_meshes_equal_the_runtimes() {
     let out = place("faces");
     write(&out).unwrap();
     let all = named(&out, "shapes-");

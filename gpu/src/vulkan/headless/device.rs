@@ -1,9 +1,7 @@
-//! A device that has been opened, its queue and its pipelines.
+//! An open device, its queue, its pipelines, and its command buffers.
 
-use super::super::pipelines::Pipelines;
-use super::super::requirements::limits;
-use super::error::while_doing;
-use super::instance::Vulkan;
+use super::super::pipelines::{Pipelines, limits};
+use super::instance::{Vulkan, while_doing};
 use crate::headless::{DeviceInfo, HeadlessError};
 use crate::layout::{DeviceLimits, Stage};
 use ash::vk;
@@ -11,7 +9,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::mem::take;
 
-/// Lists the devices that there are.
+/// Lists the devices of the machine.
 ///
 /// # Errors
 /// - [`HeadlessError::Missing`]: no loader, or no driver.
@@ -21,30 +19,30 @@ pub fn devices() -> Result<Vec<DeviceInfo>, HeadlessError> {
     Ok(devices.into_iter().map(|(_, info)| info).collect())
 }
 
-/// A device, opened without any feature, with the pipelines of every stage.
+/// An open device without optional features, with the pipelines of every stage.
 pub struct Device {
     device: ash::Device,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
     pipelines: Pipelines,
     physical: vk::PhysicalDevice,
     queue: vk::Queue,
-    family: u32,
-    pub(super) commands: vk::CommandPool,
+    commands: vk::CommandPool,
     pub(super) info: DeviceInfo,
     pub(super) limits: DeviceLimits,
     vulkan: Vulkan,
-    /// Command pool and queue are one thread's at a time.
+    /// Only one thread at a time may use the command pool and the queue.
     _not_sync: PhantomData<Cell<()>>,
 }
 
 impl Device {
-    /// Opens the first device that is wanted; `name` says in words what that is. Validation turns the
-    /// Khronos layer on, synchronisation included.
+    /// Opens the first device that `wanted` accepts; `name` describes the request in words.
+    /// `validation` turns on the Khronos layer, with synchronisation validation.
     ///
     /// # Errors
-    /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer where validation is asked for.
+    /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer although validation is
+    ///   requested.
     /// - [`HeadlessError::NoDevice`]
-    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    /// - [`HeadlessError::Refused`]: the device cannot be opened.
     pub fn open(
         wanted: impl Fn(&DeviceInfo) -> bool,
         name: &str,
@@ -57,7 +55,7 @@ impl Device {
         let Some((physical, info)) = own else {
             return Err(HeadlessError::NoDevice { api: "vulkan", wanted: name.to_owned(), found });
         };
-        // SAFETY: the device is this instance's.
+        // SAFETY: the device belongs to this instance.
         let families =
             unsafe { vulkan.instance.get_physical_device_queue_family_properties(physical) };
         let compute =
@@ -70,7 +68,7 @@ impl Device {
             .queue_family_index(family)
             .queue_priorities(&[1.0])];
         let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
-        // SAFETY: the family is the device's, and what is pointed to lives through the call.
+        // SAFETY: the family belongs to the device, and all pointers live through the call.
         let device = unsafe { vulkan.instance.create_device(physical, &create, None) }
             .map_err(while_doing("opening the device"))?;
         // SAFETY: the device is valid.
@@ -81,7 +79,7 @@ impl Device {
             )
         };
         let real = limits(&properties.limits);
-        // Whoever drops it has it freed, from here on.
+        // From here on, a drop frees everything.
         let mut own = Self {
             // SAFETY: the device has one queue of this family.
             queue: unsafe { device.get_device_queue(family, 0) },
@@ -89,7 +87,6 @@ impl Device {
             memory,
             pipelines: Pipelines::default(),
             physical,
-            family,
             commands: vk::CommandPool::null(),
             info,
             limits: at_most(real, DeviceLimits::DOWNLEVEL),
@@ -99,7 +96,7 @@ impl Device {
         let create = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
             .queue_family_index(family);
-        // SAFETY: likewise.
+        // SAFETY: as above.
         own.commands = unsafe { own.device.create_command_pool(&create, None) }
             .map_err(while_doing("making a command pool"))?;
         let cache = vk::PipelineCache::null();
@@ -126,11 +123,6 @@ impl Device {
         (&self.vulkan.instance, self.physical)
     }
 
-    /// Returns the queue and its family.
-    pub fn queue(&self) -> (vk::Queue, u32) {
-        (self.queue, self.family)
-    }
-
     /// Returns the pipelines.
     pub fn pipelines(&self) -> &Pipelines {
         &self.pipelines
@@ -144,7 +136,7 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: batches borrow this and are gone; whatever was submitted has been waited for.
+        // SAFETY: batches borrow this and are gone; all submissions have been waited for.
         unsafe {
             take(&mut self.pipelines).destroy(&self.device, None);
             self.device.destroy_command_pool(self.commands, None);
@@ -153,7 +145,72 @@ impl Drop for Device {
     }
 }
 
-/// Returns a device's limits, but none beyond another's.
+/// A command buffer that can be recorded repeatedly; freed when dropped.
+pub struct Commands<'d> {
+    device: &'d Device,
+    raw: vk::CommandBuffer,
+}
+
+impl<'d> Commands<'d> {
+    /// Allocates a command buffer.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    pub fn new(device: &'d Device) -> Result<Self, HeadlessError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(device.commands)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool belongs to this device.
+        let buffers = unsafe { device.device().allocate_command_buffers(&info) }
+            .map_err(while_doing("allocating a command buffer"))?;
+        Ok(Self { device, raw: buffers.first().copied().unwrap_or_default() })
+    }
+
+    /// Records, submits, and waits for completion.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]; if `record` fails, nothing is submitted.
+    ///
+    /// # Safety
+    /// `record` must record valid commands.
+    pub unsafe fn submit(
+        &self,
+        record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), HeadlessError>,
+    ) -> Result<(), HeadlessError> {
+        let device = self.device.device();
+        let begin = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is not in flight, and its pool allows a reset.
+        unsafe { device.begin_command_buffer(self.raw, &begin) }
+            .map_err(while_doing("beginning a command buffer"))?;
+        let recorded = record(device, self.raw);
+        // SAFETY: the command buffer has been begun.
+        unsafe { device.end_command_buffer(self.raw) }
+            .map_err(while_doing("ending a command buffer"))?;
+        recorded?;
+        let (queue, buffers) = (self.device.queue, [self.raw]);
+        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        // SAFETY: as our own caller promises; the device, and so the queue, is used by one thread.
+        unsafe {
+            device
+                .queue_submit(queue, &submits, vk::Fence::null())
+                .map_err(while_doing("submitting"))?;
+            device.queue_wait_idle(queue).map_err(while_doing("waiting"))
+        }
+    }
+}
+
+impl Drop for Commands<'_> {
+    fn drop(&mut self) {
+        let device = self.device.device();
+        // SAFETY: the command buffer comes from this pool, and all submissions have been waited
+        // for.
+        unsafe { device.free_command_buffers(self.device.commands, &[self.raw]) };
+    }
+}
+
+/// Returns the stricter of two devices' limits, limit by limit.
 fn at_most(own: DeviceLimits, other: DeviceLimits) -> DeviceLimits {
     DeviceLimits {
         storage_binding_bytes: own.storage_binding_bytes.min(other.storage_binding_bytes),

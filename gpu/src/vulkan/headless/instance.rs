@@ -1,24 +1,24 @@
-//! An instance of Vulkan 1.1, with or without validation, and the devices that it sees.
+//! An instance of Vulkan 1.1, with or without validation: its devices, messages and errors.
 
-use super::error::while_doing;
-use super::messages::{Messages, Messenger};
+use super::super::error::Error;
 use crate::headless::{DeviceInfo, HeadlessError};
-use ash::{Entry, Instance, ext, khr, vk};
-use std::ffi::CStr;
+use ash::{Entry, Instance, ext, ext::debug_utils, khr, vk};
+use std::ffi::{CStr, c_void};
+use std::sync::{Mutex, PoisonError};
 
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// An instance with what keeps its messages.
+/// An instance, with the messages of the validation layer.
 pub(super) struct Vulkan {
     pub(super) instance: Instance,
     validation: Option<(Messages, Messenger)>,
-    /// Holds the loader's library.
+    /// Keeps the loader's library loaded.
     _entry: Entry,
 }
 
 impl Vulkan {
     pub(super) fn new(validation: bool) -> Result<Self, HeadlessError> {
-        // SAFETY: the system's loader is what it says it is.
+        // SAFETY: the system's library is the Vulkan loader.
         let entry = unsafe { Entry::load() }.map_err(|error| HeadlessError::Missing {
             what: "the Vulkan loader",
             detail: format!("{error}; on Debian install libvulkan1 and mesa-vulkan-drivers"),
@@ -30,11 +30,11 @@ impl Vulkan {
         let instance = create(&entry, messages.as_ref())?;
         let validation = match messages {
             None => None,
-            // SAFETY: the instance has just been made, with the extension.
+            // SAFETY: the instance has just been made with the extension.
             Some(messages) => match unsafe { Messenger::new(&entry, &instance, &messages) } {
                 Ok(messenger) => Some((messages, messenger)),
                 Err(error) => {
-                    // SAFETY: nothing has been made of it.
+                    // SAFETY: the instance has no objects yet.
                     unsafe { instance.destroy_instance(None) };
                     return Err(error);
                 }
@@ -43,30 +43,30 @@ impl Vulkan {
         Ok(Self { instance, validation, _entry: entry })
     }
 
-    /// Lists the messages; `None` without validation.
+    /// Lists the messages so far; `None` without validation.
     pub(super) fn messages(&self) -> Option<Vec<String>> {
         self.validation.as_ref().map(|(messages, _)| messages.list())
     }
 
-    /// Lists the devices that have compute, as the loader orders them.
+    /// Lists the devices, in the loader's order.
     pub(super) fn devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, HeadlessError> {
-        // SAFETY: the instance is valid as long as self.
+        // SAFETY: the instance is valid as long as `self`.
         let all = unsafe { self.instance.enumerate_physical_devices() }
             .map_err(while_doing("listing devices"))?;
         all.into_iter().map(|physical| Ok((physical, self.info(physical)?))).collect()
     }
 
     fn info(&self, physical: vk::PhysicalDevice) -> Result<DeviceInfo, HeadlessError> {
-        // SAFETY: the device is this instance's.
+        // SAFETY: the device belongs to this instance.
         let own = unsafe { self.instance.get_physical_device_properties(physical) };
-        // SAFETY: likewise.
+        // SAFETY: as above.
         let extensions = unsafe { self.instance.enumerate_device_extension_properties(physical) }
             .map_err(while_doing("listing extensions"))?;
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
-        let told = own.api_version >= vk::API_VERSION_1_2
+        let has_properties = own.api_version >= vk::API_VERSION_1_2
             || own.api_version >= vk::API_VERSION_1_1
                 && has(&extensions, khr::driver_properties::NAME);
-        if told {
+        if has_properties {
             let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
             // SAFETY: instance and device are of 1.1 or later, and the device knows the structure.
             unsafe { self.instance.get_physical_device_properties2(physical, &mut all) };
@@ -74,7 +74,7 @@ impl Vulkan {
         let text = |text: Result<&CStr, _>| {
             text.map_or_else(|_| String::new(), |text| text.to_string_lossy().into_owned())
         };
-        let (driver, driver_info) = match told {
+        let (driver, driver_info) = match has_properties {
             true => (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
             false => {
                 (format!("vendor {:#06x}", own.vendor_id), format!("{:#x}", own.driver_version))
@@ -92,7 +92,8 @@ impl Vulkan {
 
 impl Drop for Vulkan {
     fn drop(&mut self) {
-        // SAFETY: what is made of the instance is gone: only `Device` makes any, and ends before.
+        // SAFETY: the instance's objects are gone: only `Device` makes any, and it is dropped
+        // before.
         unsafe {
             if let Some((_, messenger)) = &self.validation {
                 messenger.destroy();
@@ -114,7 +115,7 @@ fn validating(entry: &Entry) -> Result<Messages, HeadlessError> {
     if !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(LAYER)) {
         return Err(missing("there is no such layer".to_owned()));
     }
-    // SAFETY: likewise, and the layer is there.
+    // SAFETY: the entry is valid, and the layer is installed.
     let extensions = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) }
         .map_err(while_doing("listing extensions"))?;
     for name in [ext::debug_utils::NAME, ext::validation_features::NAME] {
@@ -141,7 +142,7 @@ fn create(entry: &Entry, messages: Option<&Messages>) -> Result<Instance, Headle
             .push_next(&mut features)
             .push_next(messenger);
     }
-    // SAFETY: all that the description points to lives through the call.
+    // SAFETY: all pointers in the description live through the call.
     unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => HeadlessError::Missing {
             what: "a Vulkan driver",
@@ -153,4 +154,103 @@ fn create(entry: &Entry, messages: Option<&Messages>) -> Result<Instance, Headle
 
 fn has(extensions: &[vk::ExtensionProperties], name: &CStr) -> bool {
     extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
+}
+
+/// The messages so far, boxed because the layer holds their address.
+struct Messages(Box<Mutex<Vec<String>>>);
+
+/// The Vulkan object that passes messages on, until it is destroyed.
+struct Messenger {
+    api: debug_utils::Instance,
+    handle: vk::DebugUtilsMessengerEXT,
+}
+
+impl Messages {
+    fn new() -> Self {
+        Self(Box::new(Mutex::new(Vec::new())))
+    }
+
+    /// Describes a messenger of warnings and errors. The messenger must not outlive these messages.
+    fn info(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+        let own: *const Mutex<_> = &*self.0;
+        vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+            )
+            // No general messages: the loader sends them about drivers that are not in use.
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+            )
+            .pfn_user_callback(Some(receive))
+            .user_data(own.cast_mut().cast())
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Messenger {
+    /// # Safety
+    /// The instance must be valid and have the extension; the messages must outlive the messenger.
+    unsafe fn new(
+        entry: &Entry,
+        instance: &Instance,
+        messages: &Messages,
+    ) -> Result<Self, HeadlessError> {
+        let api = debug_utils::Instance::new(entry, instance);
+        // SAFETY: as our own caller promises.
+        let handle = unsafe { api.create_debug_utils_messenger(&messages.info(), None) }
+            .map_err(while_doing("making a messenger"))?;
+        Ok(Self { api, handle })
+    }
+
+    /// # Safety
+    /// The instance must be valid.
+    unsafe fn destroy(&self) {
+        // SAFETY: as our own caller promises.
+        unsafe { self.api.destroy_debug_utils_messenger(self.handle, None) };
+    }
+}
+
+/// Stores a message. Returns `FALSE`, as Vulkan requires, so that the call goes on.
+unsafe extern "system" fn receive(
+    _: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    messages: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the layer passes valid data, and the address that `info` gave.
+    let (data, messages) = unsafe { (&*data, &*messages.cast::<Mutex<Vec<String>>>()) };
+    let text = [data.p_message_id_name, data.p_message].map(|text| {
+        if text.is_null() {
+            return String::new();
+        }
+        // SAFETY: texts end with nul.
+        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    });
+    messages.lock().unwrap_or_else(PoisonError::into_inner).push(text.join(": "));
+    vk::FALSE
+}
+
+/// Returns a function that converts a result of the step `doing` into an error.
+pub(super) fn while_doing(doing: &'static str) -> impl Fn(vk::Result) -> HeadlessError {
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST => HeadlessError::Lost(doing.to_owned()),
+        _ => HeadlessError::Refused { doing, detail: result.to_string() },
+    }
+}
+
+impl From<Error> for HeadlessError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Layout(error) => Self::Layout(error),
+            Error::Vulkan { doing, result } => while_doing(doing)(result),
+            Error::NoPipeline { .. } | Error::NotPlanned { .. } | Error::Sets { .. } => {
+                Self::Refused { doing: "preparing or recording a batch", detail: error.to_string() }
+            }
+        }
+    }
 }

@@ -1,11 +1,12 @@
-//! Buffers, each with memory of its own.
+//! Buffers, each with its own memory.
 
 use super::device::Device;
-use super::error::while_doing;
+use super::instance::while_doing;
 use crate::headless::HeadlessError;
 use ash::vk::{self, MemoryPropertyFlags as Flags};
 
-/// A buffer with its memory, freed when dropped: what used it must have been waited for.
+/// A buffer with its memory, freed when dropped. Commands that use the buffer must have been waited
+/// for.
 pub struct Memory<'d> {
     device: &'d Device,
     buffer: vk::Buffer,
@@ -15,7 +16,7 @@ pub struct Memory<'d> {
 }
 
 impl<'d> Memory<'d> {
-    /// Allocates a buffer in the device's own memory, which may be copied to and from.
+    /// Allocates a buffer in the device's own memory, which can be copied to and from.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -28,8 +29,8 @@ impl<'d> Memory<'d> {
         Self::new(device, bytes, usage | copied, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
     }
 
-    /// Allocates a buffer that the host sees, cached where there is such memory; it may be copied to
-    /// and from.
+    /// Allocates a buffer in host-visible memory, cached if the device has such memory. The buffer
+    /// can be copied to and from.
     ///
     /// # Errors
     /// [`HeadlessError`]
@@ -39,10 +40,11 @@ impl<'d> Memory<'d> {
         usage: vk::BufferUsageFlags,
     ) -> Result<Self, HeadlessError> {
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
-        let seen = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
-        let mut own = Self::new(device, bytes, usage | copied, seen | Flags::HOST_CACHED, seen)?;
+        let visible = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
+        let mut own =
+            Self::new(device, bytes, usage | copied, visible | Flags::HOST_CACHED, visible)?;
         let (whole, none) = (vk::WHOLE_SIZE, vk::MemoryMapFlags::empty());
-        // SAFETY: the memory is the host's to see, and is not mapped.
+        // SAFETY: the memory is host-visible and not mapped yet.
         let mapped = unsafe { device.device().map_memory(own.memory, 0, whole, none) }
             .map_err(while_doing("mapping memory"))?;
         own.mapped = Some(mapped.cast());
@@ -54,34 +56,34 @@ impl<'d> Memory<'d> {
         self.buffer
     }
 
-    /// Returns how many bytes it has.
+    /// Returns the length of the buffer in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Copies bytes into what the host sees, from its start on.
+    /// Copies bytes into host-visible memory, from its start.
     ///
     /// # Errors
-    /// [`HeadlessError::Refused`]: it is not the host's to see, or shorter.
+    /// [`HeadlessError::Refused`]: the memory is not host-visible, or is shorter.
     pub fn fill(&mut self, bytes: &[u8]) -> Result<(), HeadlessError> {
-        let to = self.seen(bytes.len(), "writing to memory")?;
-        // SAFETY: so many bytes are mapped, and no command in flight uses them: all are waited for.
+        let to = self.host_pointer(bytes.len(), "writing to memory")?;
+        // SAFETY: enough bytes are mapped, and no command in flight uses them.
         unsafe { to.copy_from_nonoverlapping(bytes.as_ptr(), bytes.len()) };
         Ok(())
     }
 
-    /// Copies bytes out of what the host sees, from its start on.
+    /// Copies bytes out of host-visible memory, from its start.
     ///
     /// # Errors
-    /// [`HeadlessError::Refused`]: it is not the host's to see, or shorter.
+    /// [`HeadlessError::Refused`]: the memory is not host-visible, or is shorter.
     pub fn copy(&self, out: &mut [u8]) -> Result<(), HeadlessError> {
-        let from = self.seen(out.len(), "reading memory")?;
+        let from = self.host_pointer(out.len(), "reading memory")?;
         // SAFETY: as in `fill`.
         unsafe { from.copy_to_nonoverlapping(out.as_mut_ptr(), out.len()) };
         Ok(())
     }
 
-    fn seen(&self, bytes: usize, doing: &'static str) -> Result<*mut u8, HeadlessError> {
+    fn host_pointer(&self, bytes: usize, doing: &'static str) -> Result<*mut u8, HeadlessError> {
         let refused = |detail: &str| HeadlessError::Refused { doing, detail: detail.to_owned() };
         if bytes as u64 > self.bytes {
             return Err(refused("more bytes than there are"));
@@ -89,7 +91,7 @@ impl<'d> Memory<'d> {
         self.mapped.ok_or_else(|| refused("the host does not see it"))
     }
 
-    /// Allocates memory that has the wanted flags, or at least the needed ones.
+    /// Allocates a buffer and memory with the `wanted` flags, or at least with the `needed` flags.
     fn new(
         device: &'d Device,
         bytes: u64,
@@ -99,7 +101,7 @@ impl<'d> Memory<'d> {
     ) -> Result<Self, HeadlessError> {
         let raw = device.device();
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
-        // SAFETY: the device is valid; so below. A drop frees what has been made so far.
+        // SAFETY: the device is valid, here and below. A drop frees the objects made so far.
         let buffer =
             unsafe { raw.create_buffer(&info, None) }.map_err(while_doing("making a buffer"))?;
         let memory = vk::DeviceMemory::null();
@@ -119,10 +121,10 @@ impl<'d> Memory<'d> {
         })?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(asked.size).memory_type_index(kind);
-        // SAFETY: the type is the device's.
+        // SAFETY: the memory type belongs to the device.
         own.memory = unsafe { raw.allocate_memory(&info, None) }
             .map_err(while_doing("allocating memory"))?;
-        // SAFETY: both have just been made, and the memory is as long as the buffer asks.
+        // SAFETY: both have just been made, and the memory is as long as the buffer requires.
         unsafe { raw.bind_buffer_memory(buffer, own.memory, 0) }
             .map_err(while_doing("binding memory"))?;
         Ok(own)
@@ -132,7 +134,7 @@ impl<'d> Memory<'d> {
 impl Drop for Memory<'_> {
     fn drop(&mut self) {
         let device = self.device.device();
-        // SAFETY: whatever used it has been waited for; memory that is freed is unmapped.
+        // SAFETY: commands that use the buffer have been waited for; freeing unmaps the memory.
         unsafe {
             device.destroy_buffer(self.buffer, None);
             device.free_memory(self.memory, None);

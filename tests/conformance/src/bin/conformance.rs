@@ -3,13 +3,11 @@
 use clap::Parser;
 use conformance::devices::{list, open};
 use conformance::matrix::{Matrix, Scope, markdown, page};
+use conformance::poses::POSES;
 use conformance::subject::{self, FEWER_POSES};
 use conformance::{filters, kernels, shapes};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Poses of the trained character, of each predictor.
-const POSES: usize = 1024;
 
 /// Runs every stage on every Vulkan device of this machine, through wgpu and through raw Vulkan, and
 /// prints how each compares with the CPU, bit by bit, and with the f64 oracle, in units of the

@@ -4,8 +4,8 @@ use clap::Parser;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Writes models, poses, what every stage makes of them, and how far a backend may be from it: plain
-/// files, which the README.md beside them describes.
+/// Writes models, poses, the outputs of every stage, and the tolerances of a backend: plain files,
+/// which the README.md beside them describes.
 #[derive(Parser)]
 #[command(
     bin_name = "cargo xtask vectors",

@@ -1,4 +1,4 @@
-//! A batch on its device, whose buffers are poisoned, and watched.
+//! A batch of an envelope on a device, in poisoned buffers that are checked for stray writes.
 
 use crate::backend::{Failure, Loaded, floats, part};
 use crate::compare::POISON;
@@ -8,17 +8,17 @@ use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::{Envelope, Matrix3x4};
 use std::ops::Range;
 
-/// What is poisoned and watched: all but what the helper itself uploads.
+/// Buffers that are poisoned and checked: all but those that the upload fills.
 const BUFFERS: [Resource; 5] =
     [Resource::Poses, Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
 
-/// Where confidences lie.
+/// Place of the confidences.
 const CONFIDENCES: Array = Array { offset: 1, stride: 2 };
 
-/// What a stage may write to: so many floats of each instance's part of an array.
-pub(super) type Own = (Resource, Array, usize);
+/// Floats that a stage may write: the first `usize` floats of each instance's part of an array.
+pub(super) type Writable = (Resource, Array, usize);
 
-/// A batch on its device, and what its buffers hold.
+/// A batch on a device, and the content of its buffers.
 pub(super) struct Batched<'a> {
     uploaded: Box<dyn Uploaded + 'a>,
     batch: Batch,
@@ -29,7 +29,7 @@ pub(super) struct Batched<'a> {
 }
 
 impl<'a> Batched<'a> {
-    /// Uploads a model, and poisons everything else.
+    /// Uploads a model, and poisons all other buffers.
     ///
     /// # Errors
     /// [`Failure`]
@@ -62,7 +62,7 @@ impl<'a> Batched<'a> {
         &mut own.expect("the host writes to it").1
     }
 
-    /// Puts each instance's part of some floats where an array lies.
+    /// Writes each instance's part of some floats to its place in an array.
     pub(super) fn put(&mut self, resource: Resource, array: Array, floats: &[f32]) {
         let n = self.instance_len;
         let out = self.floats(resource);
@@ -80,18 +80,18 @@ impl<'a> Batched<'a> {
         self.put(Resource::Palettes, self.batch.palettes, floats(palettes));
     }
 
-    /// Where an array lies in the scratch.
+    /// Returns the place of an array in the scratch.
     pub(super) fn scratch_at(&self, offset: usize) -> Array {
         Array { offset, stride: self.scratch.len }
     }
 
-    /// Uploads, runs some stages alone, or else all of them, and downloads. Only what `own` lists of
-    /// each instance, and a range of the skins' floats, may have changed.
+    /// Uploads, runs the given stages alone or, if there are none, all stages, and downloads.
+    /// Checks that only the floats of `own` and of the range `writable_skin` have changed.
     pub(super) fn run(
         &mut self,
         stages: &[Stage],
-        own: &[Own],
-        own_skin: Range<usize>,
+        own: &[Writable],
+        writable_skin: Range<usize>,
     ) -> Result<(), Failure> {
         for (resource, floats) in self.buffers.iter().filter(|(_, floats)| !floats.is_empty()) {
             self.uploaded.write(*resource, 0, floats)?;
@@ -104,21 +104,21 @@ impl<'a> Batched<'a> {
         }
         for (resource, floats) in self.buffers.iter_mut().filter(|(_, floats)| !floats.is_empty()) {
             let found = self.uploaded.read(*resource)?;
-            let mut may = vec![false; floats.len()];
+            let mut writable = vec![false; floats.len()];
             for (_, array, len) in own.iter().filter(|(own, ..)| own == resource) {
                 for i in 0..self.instance_len {
-                    may[array.offset + i * array.stride..][..*len].fill(true);
+                    writable[array.offset + i * array.stride..][..*len].fill(true);
                 }
             }
             if *resource == Resource::Out {
-                may[own_skin.clone()].fill(true);
+                writable[writable_skin.clone()].fill(true);
             }
             let stage = stages.first().map_or("the whole", |stage| stage.name());
-            let changed = |(float, may): (usize, bool)| {
+            let changed = |(float, writable): (usize, bool)| {
                 let same = found.get(float).map(|x| x.to_bits()) == Some(floats[float].to_bits());
-                !may && !same
+                !writable && !same
             };
-            if let Some(float) = may.into_iter().enumerate().position(changed) {
+            if let Some(float) = writable.into_iter().enumerate().position(changed) {
                 return Err(Failure::Touched { stage, resource: resource.name(), float });
             }
             *floats = found;
@@ -126,7 +126,7 @@ impl<'a> Batched<'a> {
         Ok(())
     }
 
-    /// Gathers each instance's part of what lies where an array does.
+    /// Copies each instance's part of an array out.
     pub(super) fn take(&mut self, resource: Resource, array: Array, out: &mut [f32]) {
         let n = self.instance_len;
         let len = out.len() / n;
@@ -141,38 +141,39 @@ impl<'a> Batched<'a> {
         self.take(Resource::Palettes, array, out.as_flattened_mut().as_flattened_mut());
     }
 
-    /// What a stage writes of palettes.
-    pub(super) fn own_palettes(&self) -> Own {
+    /// Returns the floats of palettes that a stage may write.
+    pub(super) fn writable_palettes(&self) -> Writable {
         (Resource::Palettes, self.batch.palettes, self.palette_floats)
     }
 
-    /// What a stage writes of confidences.
-    pub(super) fn own_confidences(&self) -> Own {
+    /// Returns the floats of confidences that a stage may write.
+    pub(super) fn writable_confidences(&self) -> Writable {
         (Resource::Confidences, CONFIDENCES, 1)
     }
 
-    /// Copies the host's floats for skins in: as much of them as the device has.
+    /// Copies the host's floats for skins into the buffer, up to the shorter length.
     pub(super) fn put_skin(&mut self, out: &[f32]) {
         let to = self.floats(Resource::Out);
         let len = out.len().min(to.len());
         to[..len].copy_from_slice(&out[..len]);
     }
 
-    /// Copies them out.
+    /// Copies the skins' floats out of the buffer.
     pub(super) fn take_skin(&mut self, out: &mut [f32]) {
         let from = self.floats(Resource::Out);
         let len = from.len().min(out.len());
         out[..len].copy_from_slice(&from[..len]);
     }
 
-    /// The part of the skins' floats, of which the host has so many, that the body looks after.
-    pub(super) fn own_skin(&mut self, host: usize) -> Range<usize> {
+    /// Returns the range of the skins' floats that the comparing function checks itself; `host` is
+    /// the length of the host's list.
+    pub(super) fn writable_skin(&mut self, host: usize) -> Range<usize> {
         0..self.floats(Resource::Out).len().min(host)
     }
 }
 
-/// Describes a batch in which nothing starts at 0 and nothing follows closely; palettes in fours, as
-/// skins ask for.
+/// Describes a batch in which no array starts at 0 and every array has gaps; palettes are aligned
+/// to 4 floats, as skins require.
 fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&SkinBatch>) -> Batch {
     Batch {
         instance_len,

@@ -1,10 +1,7 @@
-//! The stages on a device. Everything lies with room between: what a stage has no business with must
-//! stay as it was.
+//! The stages on a device. All arrays have gaps between them, and a stage must not change the gaps.
 
+mod alone;
 mod batched;
-mod filter;
-mod kernel;
-mod shapes;
 
 use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
 use crate::filters::FilterSubject;
@@ -20,12 +17,12 @@ use sinew_trainer::regression::arithmetic::Arithmetic;
 pub struct Gpu<'a> {
     /// The device.
     pub device: &'a dyn Device,
-    /// What batches are planned by: the device's limits, or less, so that batches are cut.
+    /// Limits for plans: the device's limits, or lower ones to cut batches into chunks.
     pub limits: DeviceLimits,
 }
 
 impl<'a> Gpu<'a> {
-    /// Takes a device at its own limits.
+    /// Wraps a device at its own limits.
     pub fn new(device: &'a dyn Device) -> Self {
         Self { device, limits: device.limits() }
     }
@@ -87,7 +84,7 @@ impl Backend for Gpu<'_> {
             .map(|offset| batched.scratch_at(offset));
         batched.put(Resource::Scratch, q, input.relative.as_flattened());
         batched.put(Resource::Scratch, d, input.gradients.as_flattened());
-        let own = batched.own_palettes();
+        let own = batched.writable_palettes();
         batched.run(&[Stage::Palette], &[own], 0..0)?;
         batched.take_palettes(out_palettes);
         Ok(())
@@ -101,7 +98,7 @@ impl Backend for Gpu<'_> {
     ) -> Result<(), Failure> {
         let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
         batched.put_poses(poses);
-        let own = batched.own_palettes();
+        let own = batched.writable_palettes();
         batched.run(&[Stage::Joints], &[own], 0..0)?;
         batched.take_palettes(out_palettes);
         Ok(())
@@ -137,7 +134,7 @@ impl Backend for Gpu<'_> {
         batched.put(Resource::Scratch, at, floats(features));
         let scratch = batched.scratch_at(batched.scratch.confidences);
         let scratch_len = batched.scratch.len - batched.scratch.confidences;
-        let (own, confidences) = (batched.own_palettes(), batched.own_confidences());
+        let (own, confidences) = (batched.writable_palettes(), batched.writable_confidences());
         let own = [own, confidences, (Resource::Scratch, scratch, scratch_len)];
         batched.run(&[Stage::Correction, Stage::Confidence], &own, 0..0)?;
         batched.take_palettes(out_palettes);
@@ -154,7 +151,7 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, out_confidences.len(), None)?;
         let at = batched.scratch_at(batched.scratch.rotations);
         batched.put(Resource::Scratch, at, rotations.as_flattened());
-        let own = batched.own_confidences();
+        let own = batched.writable_confidences();
         batched.run(&[Stage::Confidence], &[own], 0..0)?;
         batched.take(Resource::Confidences, own.1, out_confidences);
         Ok(())
@@ -174,7 +171,7 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, n, Some(skin))?;
         batched.put_palettes(palettes);
         batched.put_skin(out);
-        let own = batched.own_skin(out.len());
+        let own = batched.writable_skin(out.len());
         batched.run(&[Stage::Skin], &[], own)?;
         batched.take_skin(out);
         Ok(())
@@ -187,7 +184,7 @@ impl Backend for Gpu<'_> {
         out: &mut [f32],
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        kernel::evaluate(self.device, &self.limits, subject, queries, [out, out_confidences])
+        alone::kernel(self.device, &self.limits, subject, queries, [out, out_confidences])
     }
 
     fn shapes(
@@ -196,11 +193,11 @@ impl Backend for Gpu<'_> {
         batch: &ShapesBatch,
         out: &mut [f32],
     ) -> Result<(), Failure> {
-        shapes::evaluate(self.device, &self.limits, subject, batch, out)
+        alone::shapes(self.device, &self.limits, subject, batch, out)
     }
 
     fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
-        filter::evaluate(self.device, &self.limits, subject, out)
+        alone::filter(self.device, &self.limits, subject, out)
     }
 
     fn whole(
@@ -214,8 +211,8 @@ impl Backend for Gpu<'_> {
         batched.put_poses(poses);
         batched.put_skin(&out.skin);
         let scratch = (Resource::Scratch, batched.scratch_at(0), batched.scratch.len);
-        let (palettes, confidences) = (batched.own_palettes(), batched.own_confidences());
-        let own = batched.own_skin(out.skin.len());
+        let (palettes, confidences) = (batched.writable_palettes(), batched.writable_confidences());
+        let own = batched.writable_skin(out.skin.len());
         batched.run(&[], &[scratch, palettes, confidences], own)?;
         batched.take_palettes(&mut out.palettes);
         batched.take(Resource::Confidences, confidences.1, &mut out.confidences);

@@ -1,9 +1,7 @@
-//! The matrix: every stage on every device of this machine, in figures.
+//! The matrix: figures of every stage on every device of this machine.
 
-mod markdown;
 mod page;
 mod table;
 
-pub use markdown::markdown;
-pub use page::page;
+pub use page::{markdown, page};
 pub use table::{Column, Matrix, Row, Scope};

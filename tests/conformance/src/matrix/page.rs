@@ -1,11 +1,53 @@
-//! The matrix as a page in one file.
+//! The matrix as Markdown, and as a page in one file.
 
 use super::table::{Column, Matrix, Row, grouped, ratio};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Writes the page.
+/// Returns a Markdown table of every backend, device and stage, with the failures below.
+pub fn markdown(matrix: &Matrix) -> String {
+    let mut out = String::from(
+        "| backend | device | stage | cases | bits differing | largest deviation |\n\
+         |---|---|---|--:|--:|--:|\n",
+    );
+    let mut failures = String::new();
+    for column in &matrix.backends {
+        let device = table_cell(&format!("{}, {}", column.device, column.driver));
+        for row in &column.stages {
+            let mark = if row.failure.is_some() { " **fails**" } else { "" };
+            let _ = writeln!(
+                out,
+                "| {} | {device} | {} | {} | {} | {}{mark} |",
+                column.api,
+                row.stage,
+                grouped(row.cases),
+                grouped(row.differing),
+                ratio(row.worst)
+            );
+            if let Some(failure) = &row.failure {
+                let failure = table_cell(failure);
+                let _ = writeln!(failures, "- {}, {device}, {}: {failure}", column.api, row.stage);
+            }
+        }
+    }
+    let _ = writeln!(
+        out,
+        "\n{} models, {} poses; {} kernels, {} queries. Bits are compared with the CPU's; deviations from the f64 oracle, in \
+         units of the tolerance: beyond 1 a stage fails.",
+        matrix.model_len,
+        grouped(matrix.pose_len),
+        matrix.kernel_len,
+        grouped(matrix.query_len)
+    );
+    if !failures.is_empty() {
+        out += "\n";
+        out += &failures;
+    }
+    out
+}
+
+/// Returns the page.
 pub fn page(matrix: &Matrix) -> String {
     let verdict = if matrix.holds() {
         "Every stage is within its tolerance on every device."
@@ -39,7 +81,7 @@ const LEGEND: &str = "<section>\n<h2>How to read it</h2>\n\
     <p>Each stage runs alone, on inputs that the CPU has made; <i>whole</i> goes from a pose to \
     palettes, confidences and the skin; <i>kernel</i> from a query to outputs and their confidence.</p>\n</section>\n";
 
-/// Stages down, devices across.
+/// Returns the table: a row for each stage, a column for each device.
 fn table(columns: &[Column]) -> String {
     let mut stages: Vec<&str> = Vec::new();
     for row in columns.iter().flat_map(|column| &column.stages) {
@@ -92,7 +134,7 @@ fn failures(columns: &[Column]) -> String {
     if out.is_empty() { out } else { format!("<h2>What fails</h2>\n<ul>\n{out}</ul>\n") }
 }
 
-/// Text as HTML: names come from drivers and may hold anything.
+/// Escapes text for HTML: names come from drivers and may hold anything.
 fn text(text: &str) -> String {
     text.chars().fold(String::new(), |mut out, character| {
         match character {
@@ -105,4 +147,9 @@ fn text(text: &str) -> String {
         }
         out
     })
+}
+
+/// Escapes text for a Markdown cell: names come from drivers.
+fn table_cell(text: &str) -> String {
+    text.replace('|', "\\|").replace(['\n', '\r'], " ")
 }

@@ -1,6 +1,7 @@
-//! The table: a column a backend, a row a stage.
+//! The table: one column for each backend, one row for each stage.
 
-use crate::backend::{Backend, Cpu, Failure};
+use crate::backend::{Backend, Failure};
+use crate::cpu::Cpu;
 use crate::filters::FilterSubject;
 use crate::finding::{Finding, sound};
 use crate::gpu::Gpu;
@@ -12,24 +13,24 @@ use serde::Serialize;
 use sinew_gpu::headless::{Device, DeviceInfo};
 use sinew_gpu::layout::Stage;
 
-/// All that was measured.
+/// All measurements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Matrix {
     /// Version of the project.
     pub version: &'static str,
-    /// How many models there were.
+    /// Number of models.
     pub model_len: usize,
-    /// How many poses of all of them together.
+    /// Number of poses of all models together.
     pub pose_len: usize,
-    /// How many kernels there were.
+    /// Number of kernels.
     pub kernel_len: usize,
-    /// How many queries of all of them together.
+    /// Number of queries of all kernels together.
     pub query_len: usize,
-    /// What evaluated them; the CPU first.
+    /// The backends; the CPU first.
     pub backends: Vec<Column>,
 }
 
-/// A device by one API, or the CPU.
+/// A device through one API, or the CPU.
 #[derive(Clone, Debug, Serialize)]
 pub struct Column {
     /// `cpu`, `wgpu` or `vulkan`.
@@ -38,7 +39,8 @@ pub struct Column {
     pub device: String,
     /// Driver and version.
     pub driver: String,
-    /// Its stages; what goes from a pose to the skin; and last kernels, shapes and filters.
+    /// Stages of the envelope and its skin; then `whole`, from pose to skin; then kernels, shapes
+    /// and filters.
     pub stages: Vec<Row>,
 }
 
@@ -49,16 +51,16 @@ pub struct Row {
     pub stage: &'static str,
     /// Values compared.
     pub cases: usize,
-    /// How many of them have other bits than the CPU's.
+    /// Number of values that differ from the CPU's in a bit.
     pub differing: usize,
-    /// The largest deviation from the oracle, in units of the tolerance; infinite, in JSON null, where
+    /// The largest deviation from the oracle, in units of the tolerance; infinite (in JSON null) if
     /// it cannot be measured.
     pub worst: f64,
-    /// What went wrong.
+    /// The failure, if any.
     pub failure: Option<String>,
 }
 
-/// What every backend evaluates.
+/// The subjects that every backend evaluates.
 pub struct Scope<'a> {
     /// Characters, with poses.
     pub subjects: Vec<Subject<'a>>,
@@ -71,7 +73,7 @@ pub struct Scope<'a> {
 }
 
 impl Matrix {
-    /// Begins with the CPU.
+    /// Measures the CPU.
     pub fn new(scope: &Scope<'_>) -> Self {
         let Scope { subjects, kernels, .. } = scope;
         let mut out = Self {
@@ -88,20 +90,20 @@ impl Matrix {
         out
     }
 
-    /// Adds a device.
+    /// Measures a device and adds its column.
     pub fn add(&mut self, device: &dyn Device, scope: &Scope<'_>) {
         let rows = rows(&Gpu::new(device), scope);
         self.backends.push(Column::of(device.info(), rows));
     }
 
-    /// Adds a device that cannot be opened.
+    /// Adds a column for a device that cannot be opened.
     pub fn add_unopened(&mut self, info: &DeviceInfo, failure: &dyn std::fmt::Display) {
         let failure = Some(failure.to_string());
         let row = Row { stage: "opening", cases: 0, differing: 0, worst: f64::INFINITY, failure };
         self.backends.push(Column::of(info, vec![row]));
     }
 
-    /// Whether every stage holds on every device.
+    /// Whether every stage is within its tolerance on every device.
     pub fn holds(&self) -> bool {
         self.backends.iter().all(Column::holds)
     }
@@ -118,7 +120,8 @@ impl Column {
     }
 }
 
-/// Runs every body on every model that has the stage, on every kernel, on every skin with shapes, and on every filter.
+/// Compares each stage on every subject that has the stage: models, kernels, skins with shapes, and
+/// filters.
 fn rows(backend: &dyn Backend, scope: &Scope<'_>) -> Vec<Row> {
     let alone = |stage: &Stage| matches!(stage, Stage::Kernel | Stage::Shapes | Stage::Filter);
     let of_envelope = Stage::ALL.into_iter().filter(|stage| !alone(stage));
@@ -139,7 +142,7 @@ fn rows(backend: &dyn Backend, scope: &Scope<'_>) -> Vec<Row> {
     of_envelope.map(stage).chain([whole, kernel, shaped, filter]).collect()
 }
 
-/// Adds up what a body finds of each model, by its description.
+/// Adds up the findings of a stage over its subjects, each with its description.
 fn row(
     stage: &'static str,
     found: impl Iterator<Item = (String, Result<Vec<Finding>, Failure>)>,
@@ -175,7 +178,7 @@ impl Row {
     }
 }
 
-/// A count with a thin space before each three digits.
+/// Formats a count with a thin space before each three digits.
 pub(super) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut out = String::new();
@@ -188,7 +191,7 @@ pub(super) fn grouped(number: usize) -> String {
     out
 }
 
-/// A deviation to three digits.
+/// Formats a deviation with three digits.
 pub(super) fn ratio(worst: f64) -> String {
     match worst {
         0.0 => "0".to_owned(),

@@ -1,27 +1,28 @@
-//! Bounds hold every skinned vertex, and are not much larger than the skin.
+//! Bounds contain every skinned vertex, and are not much larger than the skin.
 
-use super::skin::{Skinned, plain, whole_of};
+use super::skin::{Skinned, whole_of};
 use crate::backend::{Backend, Failure, part};
 use crate::compare::Mismatch;
 use crate::finding::Finding;
 use crate::poses::Kind;
 use crate::subject::Subject;
 use crate::tolerance::{BOUNDS_AT_REST, BOUNDS_POSED};
+use sinew_gpu::layout::SkinBatch;
 use sinew_runtime::skin::Bounds;
 
-/// Compares each position with the bounds, 0 apart, and prints how many times longer than the skin's
-/// own box they are at most, at rest and in trained poses; not of random models, whose transforms have
-/// nothing to do with their vertices.
+/// Checks that every position is inside the bounds. Prints the largest ratio of the bounds'
+/// diagonal to that of the skin's own box, at rest and in trained poses. Random models have no
+/// ratio, because their transforms are unrelated to their vertices.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 ///
 /// # Panics
 /// If the bounds are too large.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (skin, n) = (&subject.loaded.skin, subject.poses.len());
     let whole = whole_of(backend, subject)?;
-    let positions = Skinned::gather(&whole.skin, &plain(skin), n).positions;
+    let positions = Skinned::gather(&whole.skin, &SkinBatch::new(skin), n).positions;
     let mut held = Finding::new("bounds");
     let (mut at_rest, mut posed) = (0.0_f64, 0.0_f64);
     for (i, pose) in subject.poses.iter().enumerate() {

@@ -1,8 +1,9 @@
-//! The confidence of rotational models, on the rotations that stage gradients gave.
+//! Stage confidence of rotational models, on the rotations of stage gradients.
 
 use super::gradients::{exact_rotations, gradients_of};
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance;
@@ -10,7 +11,7 @@ use crate::tolerance;
 /// Compares the confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (rotations, n) = (gradients_of(&Cpu, subject)?.rotations, subject.poses.len());
     let run = |backend: &dyn Backend| {

@@ -1,12 +1,13 @@
-//! The correction, on the features and the base that the stages before it gave.
+//! Stage correction, on the features and the base palettes of the stages before.
 
 use super::features::features_of;
 use super::gradients::gradients_of;
+use super::gradients::{compare_transforms, exact};
 use super::joints::joints_of;
 use super::palette::palettes_on;
-use super::transforms::{compare_transforms, exact};
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance;
@@ -15,16 +16,16 @@ use sinew_runtime::Matrix3x4;
 /// Compares transforms and confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (features, base) = (features_of(&Cpu, subject)?, base_of(&Cpu, subject)?);
     Ok(on(backend, subject, &subject.transforms, &features, &base)?.0.into())
 }
 
-/// Evaluates what a correction adds to.
+/// Evaluates the base palettes, before the correction.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn base_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
     if subject.oracle.predictor().reconstructs() {
         return palettes_on(backend, subject, &gradients_of(backend, subject)?);
@@ -32,11 +33,11 @@ pub fn base_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matri
     joints_of(backend, subject)
 }
 
-/// Compares the corrections of poses, features and palettes of any origin; also returns the
-/// confidences found.
+/// Compares the corrections for any poses, features and base palettes; also returns the confidences
+/// found.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn on(
     backend: &dyn Backend,
     subject: &Subject<'_>,

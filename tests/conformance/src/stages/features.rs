@@ -1,7 +1,8 @@
-//! The pose features of models with a correction.
+//! Stage features, of models with a correction.
 
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, part, poisoned_transforms};
+use super::gradients::compare_transforms;
+use crate::backend::{Backend, Failure, part, poisoned_transforms};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance::{self, Inexact};
@@ -10,7 +11,7 @@ use sinew_runtime::Matrix3x4;
 /// Compares the features.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (found, cpu) = (features_of(backend, subject)?, features_of(&Cpu, subject)?);
     let n = subject.poses.len();
@@ -26,7 +27,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 /// Evaluates the features of every pose.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn features_of(
     backend: &dyn Backend,
     subject: &Subject<'_>,

@@ -1,7 +1,8 @@
-//! Stage filter, from samples to finer ones.
+//! Stage filter, from samples to finer samples.
 
-use crate::backend::{Backend, Cpu, Failure};
+use crate::backend::{Backend, Failure};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::filters::FilterSubject;
 use crate::finding::Finding;
 use crate::tolerance::{self, UNDERFLOW};
@@ -9,7 +10,7 @@ use crate::tolerance::{self, UNDERFLOW};
 /// Compares every number.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &FilterSubject<'_>) -> Result<Vec<Finding>, Failure> {
     let (found, cpu) = (finer_by(backend, subject)?, finer_by(&Cpu, subject)?);
     let mut finding = Finding::new("samples");
@@ -23,7 +24,7 @@ pub fn body(backend: &dyn Backend, subject: &FilterSubject<'_>) -> Result<Vec<Fi
 /// Makes all signals of a subject finer.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn finer_by(backend: &dyn Backend, subject: &FilterSubject<'_>) -> Result<Vec<f32>, Failure> {
     let mut out = vec![POISON; subject.samples.len() * subject.filter.factor()];
     backend.filter(subject, &mut out)?;

@@ -6,10 +6,10 @@ use crate::poses::rounded;
 use crate::subject::Subject;
 use sinew_runtime::Matrix3x4;
 
-/// Compares the transforms, which are equal or not.
+/// Compares the transforms bit by bit.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (found, n) = (joints_of(backend, subject)?, subject.poses.len());
     let mut transforms = Finding::new("joints");
@@ -20,10 +20,10 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(vec![transforms])
 }
 
-/// Evaluates the base of every pose.
+/// Evaluates the base palettes of every pose.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn joints_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
     let mut out = poisoned_transforms(subject.poses.len() * subject.loaded.envelope.palette_len());
     backend.joints(&subject.loaded, &subject.transforms, &mut out)?;

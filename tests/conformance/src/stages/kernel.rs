@@ -1,7 +1,8 @@
-//! Kernels, from queries to outputs.
+//! Stage kernel, from queries to outputs and confidences.
 
-use crate::backend::{Backend, Cpu, Failure, part};
+use crate::backend::{Backend, Failure, part};
 use crate::compare::POISON;
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::kernels::KernelSubject;
 use crate::tolerance::{self, UNDERFLOW};
@@ -9,7 +10,7 @@ use crate::tolerance::{self, UNDERFLOW};
 /// Compares outputs and confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &KernelSubject<'_>) -> Result<Vec<Finding>, Failure> {
     let n = subject.query_len();
     let (found, certain) = outputs_of(backend, subject)?;
@@ -29,7 +30,7 @@ pub fn body(backend: &dyn Backend, subject: &KernelSubject<'_>) -> Result<Vec<Fi
 /// Evaluates outputs and confidences.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn outputs_of(
     backend: &dyn Backend,
     subject: &KernelSubject<'_>,

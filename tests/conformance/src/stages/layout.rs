@@ -1,8 +1,9 @@
-//! Layouts, ranges and shortcuts give the bits of the plain call, and touch nothing else.
+//! Other layouts, ranges of vertices, and stages run alone give the bits of the plain call, and
+//! change no other float.
 
 use super::correction::base_of;
 use super::features::features_of;
-use super::skin::{Skinned, places, plain, skinned_by, whole_of};
+use super::skin::{Skinned, places, skinned_by, whole_of};
 use crate::backend::{Backend, Failure, attributes, floats, poisoned_out};
 use crate::compare::POISON;
 use crate::finding::Finding;
@@ -11,10 +12,11 @@ use sinew_gpu::layout::{Attribute, Resource, SkinBatch, Stage};
 use sinew_runtime::{Matrix3x4, Skin};
 use std::ops::Range;
 
-/// Compares palettes made stage by stage, and skins laid out otherwise: equal or not.
+/// Compares palettes that are evaluated stage by stage, and skins in other layouts, bit by bit with
+/// the plain call.
 ///
 /// # Errors
-/// What the backend refuses; [`Failure::Touched`] if a float between attributes is written to.
+/// The backend's error; [`Failure::Touched`] if a float between attributes has changed.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (skin, n) = (&subject.loaded.skin, subject.poses.len());
     let whole = whole_of(backend, subject)?;
@@ -23,7 +25,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let (found, certain) = by_stages(backend, subject)?;
     palettes.equal(floats(&found), floats(&whole.palettes));
     confidences.equal(&certain, &whole.confidences);
-    let plain_layout = plain(skin);
+    let plain_layout = SkinBatch::new(skin);
     let plain = skinned_by(backend, subject, &whole.palettes)?;
     let end_to_end = Skinned::gather(&whole.skin, &plain_layout, n);
     same(&mut skins, &end_to_end, &plain);
@@ -56,19 +58,19 @@ fn by_stages(
         let features = features_of(backend, subject)?;
         backend.correction(loaded, poses, &features, &mut palettes, &mut confidences)?;
     } else {
-        // Nothing is added, and nothing is in doubt.
+        // Nothing is added, so the confidence is 1.
         confidences.fill(1.0);
     }
     Ok((palettes, confidences))
 }
 
-/// Lists layouts, each as the pieces that the mesh is skinned in: positions alone; interleaved with
-/// gaps, whole and in pieces; instance by instance within each vertex.
+/// Lists layouts, each as the pieces of the mesh that are skinned: positions alone; interleaved
+/// attributes with gaps, whole and in pieces; all instances of a vertex side by side.
 fn layouts(skin: &Skin<'_>, n: usize) -> [Vec<SkinBatch>; 4] {
     let vertex_len = skin.vertex_len();
     let attribute =
         |offset, stride, instance_stride| Some(Attribute { offset, stride, instance_stride });
-    let whole = plain(skin);
+    let whole = SkinBatch::new(skin);
     let positions = SkinBatch {
         positions: attribute(0, 3, 3 * vertex_len),
         normals: None,
@@ -80,7 +82,7 @@ fn layouts(skin: &Skin<'_>, n: usize) -> [Vec<SkinBatch>; 4] {
         let tangents = at(8).filter(|_| skin.has_tangents());
         SkinBatch { positions: at(1), normals: at(5), tangents, vertices, ..whole.clone() }
     };
-    // A vertex of each instance after the other; between two vertices a float of nobody's.
+    // All instances of a vertex side by side; one unused float between two vertices.
     let at = |offset| attribute(offset, 12 * n + 1, 12);
     let within = SkinBatch {
         positions: at(2),
@@ -92,14 +94,14 @@ fn layouts(skin: &Skin<'_>, n: usize) -> [Vec<SkinBatch>; 4] {
     [vec![positions], vec![interleaved(0..vertex_len)], pieces, vec![within]]
 }
 
-/// Cuts a mesh: none, one, an odd number, the rest.
+/// Cuts a mesh into ranges: empty, one vertex, up to an odd number, and the rest.
 fn cuts(vertex_len: usize) -> [Range<usize>; 6] {
     let (one, some) = (1.min(vertex_len), (vertex_len / 2) | 1);
     let some = some.clamp(one, vertex_len);
     [0..0, 0..one, one..some, some..some, some..vertex_len, vertex_len..vertex_len]
 }
 
-/// Skins the mesh piece by piece, and gathers it.
+/// Skins the mesh piece by piece, and gathers the attributes.
 fn pieces(
     backend: &dyn Backend,
     subject: &Subject<'_>,
@@ -116,7 +118,7 @@ fn pieces(
     Ok(Skinned::gather(&out, &all, n))
 }
 
-/// Checks that every float which is no attribute's is as it was.
+/// Checks that every float outside the attributes is unchanged.
 fn untouched(out: &[f32], pieces: &[SkinBatch], n: usize) -> Result<(), Failure> {
     let mut own = vec![false; out.len()];
     for skin in pieces {

@@ -1,8 +1,8 @@
-//! One body a stage, for any backend: all poses of a subject go through the stage as one batch, on
-//! inputs that the CPU has made, and each is compared with the CPU's and with the oracle's.
-//! The bounds stand in `tolerance/`, by the same names; `tests/stages/main.rs` runs the bodies.
+//! One function for each stage compares any backend: all poses of a subject go through the stage as
+//! one batch, on inputs that the CPU has computed. The outputs are compared with the CPU's bits and
+//! with the oracle. The tolerances are in `tolerance/`, by the same names; `tests/stages/main.rs`
+//! runs the comparisons.
 
-mod bodies;
 pub mod bounds;
 pub mod confidence;
 pub mod correction;
@@ -15,8 +15,39 @@ pub mod layout;
 pub mod palette;
 pub mod shapes;
 pub mod skin;
-mod transforms;
 pub mod whole;
 
-pub use bodies::{Body, applies, body};
-pub use transforms::exact;
+pub use gradients::exact;
+
+use crate::backend::{Backend, Failure, Loaded};
+use crate::finding::Finding;
+use crate::subject::Subject;
+use sinew_gpu::layout::Stage;
+
+/// Compares the outputs of a stage, or of several.
+pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
+
+/// Returns the comparison of a stage of an envelope or of its skin. Kernels, shapes and filters
+/// have their own, for example [`kernel::body`].
+///
+/// # Panics
+/// If the stage belongs to a kernel, to shapes or to a filter.
+pub fn body(stage: Stage) -> Body {
+    match stage {
+        Stage::Gradients => gradients::body,
+        Stage::Palette => palette::body,
+        Stage::Joints => joints::body,
+        Stage::Features => features::body,
+        Stage::Correction => correction::body,
+        Stage::Confidence => confidence::body,
+        Stage::Skin => skin::body,
+        Stage::Kernel | Stage::Shapes | Stage::Filter => panic!("it has no poses"),
+    }
+}
+
+/// Whether a stage is compared alone for a model. For models with a correction, the confidence is
+/// compared as an output of the correction.
+pub fn applies(stage: Stage, backend: &dyn Backend, loaded: &Loaded<'_>) -> bool {
+    let certain = stage == Stage::Confidence && loaded.envelope.predictor().corrects();
+    !certain && backend.has(loaded, stage)
+}

@@ -1,8 +1,9 @@
-//! Stage palette: on the stacks that stage gradients gave.
+//! Stage palette, on the outputs of stage gradients.
 
+use super::gradients::compare_transforms;
 use super::gradients::{columns, gradients_of};
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_transforms};
+use crate::backend::{Backend, Failure, Gradients, part, poisoned_transforms};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::poses::widened;
 use crate::subject::Subject;
@@ -12,7 +13,7 @@ use sinew_runtime::Matrix3x4;
 /// Compares the transforms.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (root, n) = (subject.oracle.skeleton.root(), subject.poses.len());
     let input = gradients_of(&Cpu, subject)?;
@@ -29,10 +30,10 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(vec![transforms])
 }
 
-/// Evaluates the reconstruction of every pose on what stage gradients gave.
+/// Evaluates the palettes of every pose from outputs of stage gradients.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn palettes_on(
     backend: &dyn Backend,
     subject: &Subject<'_>,

@@ -1,16 +1,17 @@
 //! Stage shapes, from weights to a rest mesh.
 
-use crate::backend::{Backend, Cpu, Failure, part, poisoned_attributes};
+use crate::backend::{Backend, Failure, part, poisoned_attributes};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::shapes::ShapeSubject;
 use crate::tolerance::{self, UNDERFLOW};
 use sinew_gpu::layout::{Attribute, ShapesBatch};
 
-/// Compares positions, normals and tangents of the whole mesh; then those of a range of it, the attributes of a vertex
-/// side by side, bit by bit with what the backend made of the whole.
+/// Compares positions, normals and tangents of the whole mesh. Then compares a range of vertices
+/// with interleaved attributes, bit by bit with the backend's whole mesh.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &ShapeSubject<'_>) -> Result<Vec<Finding>, Failure> {
     let batch = ShapesBatch::new(&subject.skin, subject.face_len);
     let (found, cpu) = (shaped_by(backend, subject, &batch)?, shaped_by(&Cpu, subject, &batch)?);
@@ -46,7 +47,7 @@ pub fn body(backend: &dyn Backend, subject: &ShapeSubject<'_>) -> Result<Vec<Fin
     Ok(findings)
 }
 
-/// Describes vertices from within a block to within another, their attributes side by side with a gap.
+/// Describes a range that starts and ends inside blocks, with interleaved attributes and gaps.
 fn side_by_side(subject: &ShapeSubject<'_>) -> ShapesBatch {
     let len = subject.skin.vertex_len();
     let vertices = len / 3..(len - len / 7).max(len / 3 + 1);
@@ -61,7 +62,7 @@ fn side_by_side(subject: &ShapeSubject<'_>) -> ShapesBatch {
     }
 }
 
-/// Where the first vertex starts, and from it to the next: with a float between.
+/// First float of the first vertex, and floats from a vertex to the next, with one unused.
 const FIRST: usize = 1;
 const STRIDE: usize = 11;
 
@@ -73,7 +74,7 @@ fn places(batch: &ShapesBatch) -> impl Iterator<Item = Attribute> {
     [batch.positions, batch.normals, batch.tangents].into_iter().flatten()
 }
 
-/// Where an attribute of a face's vertex starts.
+/// Returns the first float of an attribute of a face's vertex.
 fn place(attribute: &Attribute, face: usize, vertex: usize) -> usize {
     attribute.offset + face * attribute.instance_stride + vertex * attribute.stride
 }
@@ -81,7 +82,7 @@ fn place(attribute: &Attribute, face: usize, vertex: usize) -> usize {
 /// Shapes a batch of all faces.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn shaped_by(
     backend: &dyn Backend,
     subject: &ShapeSubject<'_>,

@@ -1,14 +1,15 @@
-//! Stage skin: on the palettes that the poses have.
+//! Stage skin, on the palettes of the poses.
 
-use super::transforms::exact;
-use crate::backend::{Backend, Cpu, Failure, Whole, part, poisoned_out};
+use super::gradients::exact;
+use crate::backend::{Backend, Failure, Whole, part, poisoned_out};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform, UNDERFLOW};
 use sinew_gpu::layout::{Attribute, SkinBatch};
 use sinew_runtime::{Matrix3x4, Skin};
 
-/// Every attribute of every vertex of n instances, each in a run of its own.
+/// Every attribute of every vertex of n instances, one list for each attribute.
 #[derive(Debug)]
 pub struct Skinned {
     /// Positions.
@@ -22,7 +23,7 @@ pub struct Skinned {
 /// Compares positions, normals and tangents.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let n = subject.poses.len();
     let palettes = whole_of(&Cpu, subject)?.palettes;
@@ -37,24 +38,19 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(findings)
 }
 
-/// Returns how [`SkinBatch::new`] lays a skin out.
-pub fn plain(skin: &Skin<'_>) -> SkinBatch {
-    SkinBatch::new(skin)
-}
-
-/// Begins a finding of each attribute that a skin has.
+/// Starts a finding for each attribute of a skin.
 pub fn findings(skin: &Skin<'_>) -> Vec<Finding> {
     let all = ["positions", "normals", "tangents"].map(Finding::new);
     all.into_iter().take(if skin.has_tangents() { 3 } else { 2 }).collect()
 }
 
-/// Evaluates every pose from end to end.
+/// Evaluates every pose, from pose to skin.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, Failure> {
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
-    let skin = plain(&subject.loaded.skin);
+    let skin = SkinBatch::new(&subject.loaded.skin);
     let mut out = Whole::poisoned(envelope, &skin, n);
     backend.whole(&subject.loaded, &subject.transforms, &skin, &mut out)?;
     Ok(out)
@@ -63,21 +59,21 @@ pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, F
 /// Skins the whole mesh by every palette.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn skinned_by(
     backend: &dyn Backend,
     subject: &Subject<'_>,
     palettes: &[Matrix3x4],
 ) -> Result<Skinned, Failure> {
     let n = palettes.len() / subject.loaded.envelope.palette_len();
-    let skin = plain(&subject.loaded.skin);
+    let skin = SkinBatch::new(&subject.loaded.skin);
     let mut out = poisoned_out(&skin, n);
     backend.skin(&subject.loaded, palettes, &skin, &mut out)?;
     Ok(Skinned::gather(&out, &skin, n))
 }
 
 impl Skinned {
-    /// Picks the attributes of n instances out of the floats that they were written to.
+    /// Gathers the attributes of n instances from a backend's floats.
     pub fn gather(out: &[f32], skin: &SkinBatch, n: usize) -> Self {
         let pick = |attribute: Option<Attribute>, own: usize| -> Vec<f32> {
             let Some(attribute) = attribute else { return Vec::new() };
@@ -91,19 +87,20 @@ impl Skinned {
         }
     }
 
-    /// Returns instance i's.
+    /// Returns the attributes of instance i.
     pub fn at(&self, n: usize, i: usize) -> [&[f32]; 3] {
         [&self.positions, &self.normals, &self.tangents].map(|list| part(list, n, i))
     }
 }
 
-/// Lists where an attribute of each vertex of each instance starts.
+/// Lists the first float of an attribute for each vertex of each instance.
 pub fn places(attribute: &Attribute, skin: &SkinBatch, n: usize) -> impl Iterator<Item = usize> {
     let (Attribute { offset, stride, instance_stride }, len) = (*attribute, skin.vertices.len());
     (0..n).flat_map(move |i| (0..len).map(move |v| offset + i * instance_stride + v * stride))
 }
 
-/// Compares one instance's skin with the CPU's and with the oracle's on a palette.
+/// Compares one instance's skin with the CPU's bits, and with the oracle's skin by the given
+/// palette.
 pub fn compare(
     findings: &mut [Finding],
     (found, cpu): (&[&[f32]; 3], &[&[f32]; 3]),

@@ -1,35 +1,37 @@
-//! From a pose to the skin: the stages' tolerances chained.
+//! From pose to skin, with the stages' tolerances chained.
 
+use super::gradients::compare_transforms;
 use super::gradients::gradients_of;
-use super::skin::{self, Skinned, findings, plain, whole_of};
-use super::transforms::compare_transforms;
-use crate::backend::{Backend, Cpu, Failure, part};
+use super::skin::{self, Skinned, findings, whole_of};
+use crate::backend::{Backend, Failure, part};
+use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::poses::{Kind, Pose, rigid_motion, rounded};
 use crate::subject::Subject;
 use crate::tolerance::{self, EXACT, Inexact, Transform, UNDERFLOW};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use sinew_gpu::layout::SkinBatch;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::numeric::affine::after;
 
 /// Compares palettes, confidences, positions, normals and tangents.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let poses: Vec<_> = subject.poses.iter().map(|pose| Inexact::exact(pose.widened())).collect();
     compare(backend, subject, &poses)
 }
 
-/// Carries poses off by rigid motions, rounds them after it, and compares what they give with the
-/// moved skins: findings as above.
+/// Moves poses by rigid motions, then rounds them, and compares palettes, confidences and skins
+/// with the oracle at the unrounded poses.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 ///
 /// # Panics
-/// If the oracle is not equivariant itself.
+/// If the oracle itself is not equivariant.
 pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let diagonal = f64::from(subject.loaded.envelope.certificate().diagonal);
@@ -48,17 +50,17 @@ pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<
     compare(backend, &Subject { name, loaded, oracle, skin, poses: carried, transforms }, &exact)
 }
 
-/// Compares what the rest pose gives with the rest positions, although c1, c2 and the weights were
-/// rounded.
+/// Compares the skin of the rest pose with the rest positions, allowing for the rounding of c1, c2
+/// and the weights.
 ///
 /// # Errors
-/// What the backend refuses.
+/// The backend's error.
 ///
 /// # Panics
 /// If the first pose is not the rest pose.
 pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     assert_eq!(subject.poses[0].kind, Kind::Rest);
-    let (n, skin) = (subject.poses.len(), plain(&subject.loaded.skin));
+    let (n, skin) = (subject.poses.len(), SkinBatch::new(&subject.loaded.skin));
     let positions = |backend: &dyn Backend| {
         Ok::<_, Failure>(Skinned::gather(&whole_of(backend, subject)?.skin, &skin, n).positions)
     };
@@ -71,7 +73,7 @@ pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(vec![rest])
 }
 
-/// Compares the subject's poses, whose exact values are given.
+/// Compares the subject's poses with the oracle at their exact values.
 fn compare(
     backend: &dyn Backend,
     subject: &Subject<'_>,
@@ -83,7 +85,7 @@ fn compare(
     } else {
         Vec::new()
     };
-    let layout = plain(&subject.loaded.skin);
+    let layout = SkinBatch::new(&subject.loaded.skin);
     let (found, cpu) = (whole_of(backend, subject)?, whole_of(&Cpu, subject)?);
     let skins = [&found, &cpu].map(|whole| Skinned::gather(&whole.skin, &layout, n));
     let [mut palette, mut certain] = ["palette", "confidence"].map(Finding::new);
@@ -101,7 +103,8 @@ fn compare(
     Ok([palette, certain].into_iter().chain(attributes).collect())
 }
 
-/// Equivariance is exact where nothing is rounded to f32; at a half turn f64 rounds too.
+/// Asserts that the oracle is equivariant, which is exact without rounding to f32. Skips half
+/// turns, where f64 rounds too.
 fn oracle_is_equivariant(
     oracle: &EnvelopeModel,
     pose: &Pose,
@@ -113,7 +116,7 @@ fn oracle_is_equivariant(
     }
     let (still, confidence) = oracle.evaluate(&pose.widened());
     let (carried, same) = oracle.evaluate(moved);
-    // Of what is left of a difference of sums, as the transforms below.
+    // Confidence and transforms are differences of large sums, so their errors exceed EXACT.
     assert!((confidence - same).abs() <= 1e3 * EXACT, "{confidence} {same}");
     for (transform, still) in carried.iter().zip(&still) {
         let expected = after(motion, still);

@@ -1,4 +1,4 @@
-//! The tolerance of a rotational model's confidence.
+//! The tolerance of stage confidence, for a rotational model.
 
 use super::inexact::Inexact;
 use nalgebra::Vector3;
@@ -6,9 +6,11 @@ use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::regression::fade::STEP_ERROR;
 
-/// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
-/// excess, its scale and their quotient behind one, two and a division's; a step's relative error is
-/// known, and the difference from 1 rounds once.
+/// Bounds the confidence of a rotational model.
+///
+/// `|θ|` has half the error of three roundings, and the root's. The excess has one rounding, its
+/// scale two, and their quotient those of a division. The relative error of a step is
+/// [`STEP_ERROR`], and the difference from 1 rounds once.
 pub fn confidence(
     oracle: &EnvelopeModel,
     rotations: &Inexact<Vector3<f64>, f64>,
@@ -16,7 +18,7 @@ pub fn confidence(
 ) -> Inexact<f64> {
     let (of_length, of_excess) = (gamma(2 + arithmetic.root), gamma(3 + arithmetic.division));
     let value = oracle.confidence(&rotations.value);
-    // Of rotations that are longer or shorter by as much as they may be.
+    // The confidence of rotations that are longer or shorter by their bounds.
     let shifted = |sign: f64| {
         let angles = rotations.value.iter().zip(&rotations.error).zip(&oracle.pose_ranges);
         let angles = angles.map(|((theta, error), range)| {

@@ -1,4 +1,5 @@
-//! The tolerance of stage correction, and of its confidence: what maps know, and what the joints' ranges do.
+//! The tolerance of stage correction, and of its confidence, which combines the kernel maps'
+//! evidence with the joints' ranges.
 
 use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
@@ -8,9 +9,11 @@ use sinew_trainer::regression::certainty::Between;
 use sinew_trainer::regression::fade::STEP_ERROR;
 use sinew_trainer::regression::map::{Value, ValueError};
 
-/// Correction: inputs are features times a weight, rounded once; latent values and w are off as the
-/// kernel map says, `K = w (outputs z)` sums r products and rounds once more, and `Q K` is a product
-/// of three terms that is added to the base. Where w is 0 beyond doubt nothing is added.
+/// Bounds the corrected palettes and the confidence.
+///
+/// Inputs are features times a weight, rounded once. The kernel map bounds the errors of latent
+/// values and of w. `K = w (outputs z)` sums r products and rounds once more. `Q K` is a product of
+/// three terms, which is added to the base. If w is certainly 0, nothing is added.
 pub fn correction(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
@@ -36,7 +39,7 @@ pub fn correction(
         }
     }
     let (least, most) = evidence.confidence(oracle.groups.len(), arithmetic);
-    let (least_known, most_known) = known_of_joints(oracle, features, arithmetic);
+    let (least_known, most_known) = joint_confidence(oracle, features, arithmetic);
     let (least, most) = (least.min(least_known), most.min(most_known));
     let confidence = Inexact {
         value: vec![confidence],
@@ -45,10 +48,13 @@ pub fn correction(
     (Inexact { value, error }, confidence)
 }
 
-/// The least and the most that is known of the joints' angles: those that a trace of three entries, summed with two roundings,
-/// and the square root's, may be off to; the excess behind one rounding of its bound and one of its own, its scale's two and
-/// the quotient's; a step's relative error, and the difference from 1.
-fn known_of_joints(
+/// Returns bounds of the confidence that the joints' angles allow: lower and upper.
+///
+/// The trace sums three entries with two roundings, and its square root rounds as well. The excess
+/// has one rounding of its bound and one of the difference; its scale has two, and the quotient
+/// those of a division. The relative error of a step is [`STEP_ERROR`], and the difference from 1
+/// rounds once.
+fn joint_confidence(
     oracle: &EnvelopeModel,
     features: &Inexact<Transform>,
     arithmetic: Arithmetic,
@@ -63,7 +69,7 @@ fn known_of_joints(
             let own = gamma(arithmetic.root) * root + U * most;
             let excess = gamma(4 + arithmetic.division) * ((root - most).abs() + own);
             let angle = (root + sign * (own + excess)).max(0.0);
-            // Of features the trace alone counts.
+            // The confidence depends on the features' trace only.
             Transform::from_diagonal_element(-angle * angle / 12.0)
         };
         let both = features.value.iter().zip(&features.error);
@@ -76,7 +82,7 @@ fn known_of_joints(
     (rounded(shifted(1.0), -1.0).max(0.0), rounded(shifted(-1.0), 1.0).min(1.0))
 }
 
-/// K of a group's proxies, its errors, and what the group knows.
+/// Returns K of a group's proxies, its errors, and bounds of the group's evidence.
 fn added(
     group: &Group,
     features: &Inexact<Transform>,
@@ -94,7 +100,7 @@ fn added(
         group.map.error_from(&input, &input_error, arithmetic);
     let (w, (least, most)) = (evidence.share(), between.shares(arithmetic));
     let w_error = (w - least).max(most - w);
-    // Errors grow by magnitudes.
+    // Errors are propagated by the magnitudes of the outputs.
     let mut magnitudes = group.clone();
     magnitudes.outputs.col_iter_mut().flat_map(|c| c.iter_mut()).for_each(|x| *x = x.abs());
     let rounding = gamma(outputs.len());

@@ -1,4 +1,4 @@
-//! Normals and tangents in f64, by what FORMAT.md says under "Skin", and the tolerance of each.
+//! Normals and tangents in f64, as FORMAT.md defines them under "Skin", and the tolerance of each.
 
 use super::inexact::{Inexact, Transform, product};
 use nalgebra::{Matrix3, Vector3};
@@ -10,18 +10,18 @@ use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 /// A direction of length 1, or 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Direction {
-    /// The oracle's.
+    /// The oracle's direction.
     pub value: Vector3<f64>,
     /// Bound of the length of the error.
     pub error: f64,
 }
 
-/// No two directions are farther apart.
+/// Largest distance of two directions.
 const ANY: f64 = 2.0;
 
-/// A vertex's normal and tangent.
+/// Returns a vertex's normal and tangent.
 ///
-/// - `blended`: M, and the bounds of its entries.
+/// - `(transform, transform_error)`: the blended transform M, and the bounds of its entries.
 pub(super) fn directions(
     (skin, number): (&Skin<'_>, usize),
     vertex: &Vertex<'_>,
@@ -34,15 +34,15 @@ pub(super) fn directions(
     let tangent = vertex.tangent.map(|(tangent, _)| tangent);
     if !skin.has_coefficients() {
         let (cofactor, cofactor_error) = (cofactors(&turn), cofactor_error(&turn, &turn_error));
-        let normal = through((&cofactor, &cofactor_error), &Bounded::exact(vertex.normal));
+        let normal = transformed((&cofactor, &cofactor_error), &Bounded::exact(vertex.normal));
         let tangent = tangent.map(|rest| {
-            through((&turn, &turn_error), &Bounded::exact(rest)).direction(rest, arithmetic)
+            transformed((&turn, &turn_error), &Bounded::exact(rest)).direction(rest, arithmetic)
         });
-        return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
+        return (oriented(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
     }
     let [u, v] = frame(vertex.normal, tangent, arithmetic);
-    let [g, h] = parted((skin, number), vertex, palette);
-    let image = |along: &Bounded| through((&turn, &turn_error), along);
+    let [g, h] = coefficient_terms((skin, number), vertex, palette);
+    let image = |along: &Bounded| transformed((&turn, &turn_error), along);
     let normal = image(&u).plus(&g).cross(&image(&v).plus(&h));
     let tangent = tangent.map(|rest| {
         let part = |of: &Bounded, along: &Bounded| of.times(along.dot(&rest));
@@ -50,13 +50,13 @@ pub(super) fn directions(
         turned.direction(rest, arithmetic)
     });
     if normal.value.norm_squared() >= f64::from(f32::MIN_POSITIVE) {
-        return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
+        return (oriented(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
     }
-    // The first of equals.
+    // The first of equal influences.
     let stronger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
     let strongest = vertex.influences.iter().copied().reduce(stronger).map_or(0, |(l, _)| l);
     let (own, own_error) = (linear(&palette.value[strongest]), linear(&palette.error[strongest]));
-    let turned = through((&own, &own_error), &Bounded::exact(vertex.normal));
+    let turned = transformed((&own, &own_error), &Bounded::exact(vertex.normal));
     let mut found = turned.direction(vertex.normal, arithmetic);
     if normal.value != Vector3::zeros() || normal.error != Vector3::zeros() {
         found.error = ANY;
@@ -64,9 +64,9 @@ pub(super) fn directions(
     (found, tangent)
 }
 
-/// Turns a direction, unless that of rest stands for it, to the palette's side; of one that is not certain
-/// any may be found.
-fn sided(found: Direction, of: &Bounded, side: Option<f64>) -> Direction {
+/// Orients a direction by the palette's side, unless it is the rest direction. If the side is
+/// uncertain, any direction is accepted.
+fn oriented(found: Direction, of: &Bounded, side: Option<f64>) -> Direction {
     let Direction { value, error } = found;
     match side {
         Some(side) if of.value != Vector3::zeros() => Direction { value: value * side, error },
@@ -75,8 +75,8 @@ fn sided(found: Direction, of: &Bounded, side: Option<f64>) -> Direction {
     }
 }
 
-/// -1 where the palette mirrors, else 1; `None` where rounding may decide. Five products and sums in a row,
-/// of terms that are all positive in the permanent.
+/// Returns -1 if the palette mirrors, else 1; `None` if rounding may decide. The determinant has
+/// five products and sums in a row; the permanent has the same terms, all positive.
 fn side(palette: &Inexact<Transform>) -> Option<f64> {
     let (value, error) = (linear(palette.value.first()?), linear(palette.error.first()?));
     let permanent = |m: &Matrix3<f64>| {
@@ -90,7 +90,7 @@ fn side(palette: &Inexact<Transform>) -> Option<f64> {
     (volume.abs() > error || most == 0.0).then_some(if volume < 0.0 { -1.0 } else { 1.0 })
 }
 
-/// The frame's two directions: u, v.
+/// Returns the frame's two directions: u, v.
 pub(super) fn frame(
     normal: Vector3<f64>,
     tangent: Option<Vector3<f64>>,
@@ -104,7 +104,7 @@ pub(super) fn frame(
     let [x, y, z]: [f64; 3] = normal.into();
     let side = 1.0f64.copysign(z);
     let share = x / (side + z);
-    // A sum and a division; then a product, and of the first entry a difference.
+    // A sum and a division; then a product, and for the first entry a difference.
     let share_error = share.abs() * gamma(1 + division);
     let of = |by: f64| by.abs() * (share_error + (share.abs() + share_error) * gamma(1));
     let value = Vector3::new(1.0 - side * x * share, -(side * y * share), -side * x);
@@ -113,8 +113,9 @@ pub(super) fn frame(
     [u, n.cross(&u)]
 }
 
-/// What the coefficients add: sums of g (y - y_last) and of h (y - y_last).
-fn parted(
+/// Returns the correction of the frame by tangent coefficients: sums of g (y - y_last) and of h (y
+/// - y_last).
+fn coefficient_terms(
     (skin, number): (&Skin<'_>, usize),
     vertex: &Vertex<'_>,
     palette: &Inexact<Transform>,
@@ -171,20 +172,20 @@ impl Bounded {
         Self { value, error: error + (value.abs() + error) * U }
     }
 
-    /// One product an entry.
+    /// Multiplies by a number: one product an entry.
     pub(super) fn times(&self, (by, by_error): (f64, f64)) -> Self {
         let inherited = self.value.abs() * by_error + self.error * (by.abs() + by_error);
         let error = inherited + self.most() * ((by.abs() + by_error) * U);
         Self { value: self.value * by, error }
     }
 
-    /// Three products and their sum.
+    /// Returns the dot product: three products and their sum.
     fn dot(&self, other: &Vector3<f64>) -> (f64, f64) {
         let most = self.most().dot(&other.abs());
         (self.value.dot(other), self.error.dot(&other.abs()) + most * gamma(3))
     }
 
-    /// Each entry is a difference of two products: γ₂ of their sum.
+    /// Returns the cross product. Each entry is a difference of two products: γ₂ of their sum.
     fn cross(&self, other: &Self) -> Self {
         let error = positive_cross(self.error, other.most())
             + positive_cross(self.value.abs(), other.error)
@@ -192,11 +193,13 @@ impl Bounded {
         Self { value: self.value.cross(&other.value), error }
     }
 
-    /// What it is made unit. Directions of v and v + e are at most 2|e| / (|v| + |v + e|) apart
-    /// (Dunkl and Williams 1964). Its squared length is off by γ₃, the length by half of that and a
-    /// root, and a division and a product follow: 2.5u, here 3u, a root and a division. No two unit
-    /// vectors are farther apart than 2: also where the squared length is no normal number, for which
-    /// the rest direction stands, in one of two evaluations.
+    /// Returns the direction of the vector; `rest` if the vector is 0.
+    ///
+    /// The directions of v and v + e differ by at most 2|e| / (|v| + |v + e|) (Dunkl and Williams
+    /// 1964). The squared length has an error of γ₃, the length half of that and a root. A division
+    /// and a product follow. In total 2.5u, here 3u, plus a root and a division. Two unit vectors
+    /// differ by at most 2. That also bounds the case in which the squared length is not a normal
+    /// number, and only one of two evaluations returns the rest direction.
     pub(super) fn direction(
         &self,
         rest: Vector3<f64>,
@@ -212,12 +215,13 @@ impl Bounded {
     }
 }
 
-/// A matrix times a vector: three products an entry.
-fn through(matrix: (&Matrix3<f64>, &Matrix3<f64>), v: &Bounded) -> Bounded {
+/// Returns a matrix times a vector: three products an entry.
+fn transformed(matrix: (&Matrix3<f64>, &Matrix3<f64>), v: &Bounded) -> Bounded {
     Bounded { value: matrix.0 * v.value, error: product(matrix, (&v.value, &v.error), 3) }
 }
 
-/// Each cofactor is a difference of two products: γ₂ of their sum.
+/// Returns the bounds of the cofactors. Each cofactor is a difference of two products: γ₂ of their
+/// sum.
 fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
     let columns = [0, 1, 2].map(|c| {
         let at = |c: usize| Bounded {
@@ -229,7 +233,7 @@ fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&columns)
 }
 
-/// A cross product in which nothing is subtracted.
+/// Returns the cross product with all terms added.
 fn positive_cross(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|r, _| a[(r + 1) % 3] * b[(r + 2) % 3] + a[(r + 2) % 3] * b[(r + 1) % 3])
 }

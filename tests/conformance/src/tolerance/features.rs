@@ -1,6 +1,6 @@
 //! The tolerance of stage features.
 
-use super::gradients::turned;
+use super::gradients::rotation_error;
 use super::inexact::{Inexact, Transform, product, seen_from};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::model::EnvelopeModel;
@@ -8,8 +8,11 @@ use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::numeric::{affine, so3};
 use sinew_trainer::regression::arithmetic::{Arithmetic, U};
 
-/// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` is behind γ₄. 1 is taken off on the diagonal of R, and
-/// `(R - I) o + t` sums three products and one term; `half` says what becomes of R's error.
+/// Bounds the features.
+///
+/// `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` has an error of γ₄. 1 is subtracted on the
+/// diagonal of R, and `(R - I) o + t` sums three products and one term. `half` bounds the effect
+/// of R's error.
 pub fn features(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
@@ -36,21 +39,20 @@ pub fn features(
     Inexact { error: (0..value.len()).map(bound).collect(), value }
 }
 
-/// Half of a rotation: `(1 - l⁸) [a] + [a][a] / (1 + c)`, l = 1 - c, of the unit quaternion c >= 0, a.
+/// Bounds half of a rotation: `(1 - l⁸) [a] + [a][a] / (1 + c)`, l = 1 - c, for the unit quaternion
+/// c >= 0, a.
 ///
-/// That quaternion is off by d, half of what [`turned`] bounds the rotation by. No entry of the odd part moves by more
-/// than d (1 + 8 l⁷), of the even by more than 3 d.
+/// The quaternion has an error d, half of the rotation's error ([`rotation_error`]). No entry of
+/// the odd part changes by more than d (1 + 8 l⁷), and no entry of the even part by more than 3 d.
 ///
-/// The quaternion that is read off has a length, behind 2u (a sum of squares) and a root; c is off by
-/// that and a quotient, l by a rounding more; l⁸ by eight times as much and by 7u of its three squares. The odd part's
-/// factor is a difference and a quotient by the length, and a product follows. The even part's is behind two
-/// lengths, a sum, a product and a quotient, and of the quaternion's entries behind 2u and a product. Their sum rounds once.
-fn half(
-    rotation: &Matrix3<f64>,
-    rotation_error: &Matrix3<f64>,
-    arithmetic: Arithmetic,
-) -> Matrix3<f64> {
-    let d = turned(rotation, rotation_error) / 2.0;
+/// The length of the computed quaternion has an error of 2u (a sum of squares) and a root. c has
+/// that error and a quotient's, l one rounding more. l⁸ has eight times the relative error of l,
+/// and 7u from its three squares. The factor of the odd part is a difference and a quotient by the
+/// length; a product follows. The factor of the even part has two lengths, a sum, a product and a
+/// quotient; its entries of the quaternion have 2u and a product. The sum of both parts rounds
+/// once.
+fn half(rotation: &Matrix3<f64>, error: &Matrix3<f64>, arithmetic: Arithmetic) -> Matrix3<f64> {
+    let d = rotation_error(rotation, error) / 2.0;
     let angles = so3::log(rotation);
     let (sine, c) = (angles.norm() / 2.0).sin_cos();
     let axis = angles.try_normalize(0.0).unwrap_or_default().cross_matrix();

@@ -1,4 +1,4 @@
-//! The tolerance of stage gradients: relative transforms, rotations, the keys' gradients.
+//! The tolerance of stage gradients: relative transforms, rotations, and gradients of the keys.
 
 use super::inexact::{Inexact, Transform, product, seen_from};
 use nalgebra::{Matrix3, Vector3};
@@ -8,8 +8,8 @@ use sinew_trainer::numeric::so3;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 use std::f64::consts::PI;
 
-/// Gradients, first part: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one rounding
-/// of the difference: γ₄.
+/// Bounds the relative transforms: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one
+/// rounding of the difference: γ₄.
 pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
     let root = oracle.skeleton.root();
     let moving = (&pose.value[root], &pose.error[root]);
@@ -19,11 +19,12 @@ pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Tr
     Inexact { error: error.collect(), value: oracle.relative(&pose.value) }
 }
 
-/// Gradients, second part: θ = log(Q_pᵀ Q_j); one bound for the length of each error.
+/// Bounds the rotations θ = log(Q_pᵀ Q_j): one bound for the length of each error.
 ///
-/// `turned` bounds the rotation. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most. |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
-/// which u is its division; the scale by |v| once more, a division and a product: in all 7.2u|θ|,
-/// two roots and two divisions, here 8u.
+/// `rotation_error` bounds the error of the rotation. The slope of log is (|θ|/2)/sin(|θ|/2), at
+/// most π/2. |v| has an error of 1.5u and a root, and so has its ratio to w. The arc tangent has
+/// 2.1 ULP or 4.2u, including u for its division. The scale has the error of |v| again, a division
+/// and a product. In total 7.2u|θ|, two roots and two divisions; here 8u.
 pub fn rotations(
     oracle: &EnvelopeModel,
     relative: &Inexact<Transform>,
@@ -40,27 +41,28 @@ pub fn rotations(
             let error = product((&p, &p_error), (&q, &q_error), 3);
             let half = theta.norm() / 2.0;
             let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
-            steepness * turned(&(p * q), &error) + of_angle * theta.norm()
+            steepness * rotation_error(&(p * q), &error) + of_angle * theta.norm()
         });
     Inexact { error: error.collect(), value }
 }
 
-/// The angle by which the rotation of a quaternion that is read off a matrix is off.
+/// Bounds the angle of the error of a rotation whose quaternion is computed from a matrix.
 ///
-/// Let Δ be the Frobenius distance of the computed matrix from the nearest rotation of the exact
-/// one: the error and the exact one's own defect. The quaternion is read off linearly,
-/// up to a length of at least 2 (its largest component is at least 1/2, times four): it moves by at
-/// most √3 Δ, that is, the rotation by an angle of √3 Δ. Rounding of its components, the largest of
-/// a sum of four numbers up to 1, adds 8u. A tenth covers the second order in Δ ≤ 0.05.
-pub(super) fn turned(rotation: &Matrix3<f64>, error: &Matrix3<f64>) -> f64 {
+/// Let Δ be the Frobenius distance of the computed matrix from the rotation nearest to the exact
+/// matrix: the error plus the exact matrix's own defect. The quaternion is linear in the matrix, up
+/// to a length of at least 2 (four times its largest component, which is at least 1/2). So the
+/// quaternion moves by at most √3 Δ, that is, the rotation by an angle of √3 Δ. Rounding of its
+/// components adds 8u; the largest is a sum of four numbers up to 1. A tenth covers the second
+/// order for Δ ≤ 0.05.
+pub(super) fn rotation_error(rotation: &Matrix3<f64>, error: &Matrix3<f64>) -> f64 {
     let nearest = so3::polar(rotation).map_or(Matrix3::zeros(), |(rotation, _)| rotation);
     let delta = error.norm() + (rotation - nearest).norm();
     assert!(delta <= 0.05, "a joint is not rigid, or its error is not small: {delta}");
     1.1 * (3f64.sqrt() * delta + 8.0 * U)
 }
 
-/// Takes, of a rotation vector that may be at π within its error, the representative that the
-/// backend took: θ and θ - 2πθ/|θ| are one rotation.
+/// Chooses the backend's representative of each rotation vector that may be at π within its error:
+/// θ and θ - 2πθ/|θ| are one rotation.
 pub fn same_branch(rotations: &mut Inexact<Vector3<f64>, f64>, found: &[[f32; 3]]) {
     for ((theta, error), found) in rotations.value.iter_mut().zip(&rotations.error).zip(found) {
         let other = *theta * (1.0 - 2.0 * PI / theta.norm());
@@ -71,7 +73,8 @@ pub fn same_branch(rotations: &mut Inexact<Vector3<f64>, f64>, found: &[[f32; 3]
     }
 }
 
-/// Gradients, third part: `D = Q_p exp(A θ_b) [exp(A' θ_c)] S`, three products a sum: γ₃ each time.
+/// Bounds the gradients: `D = Q_p exp(A θ_b) [exp(A' θ_c)] S`. Each product sums three products: γ₃
+/// each time.
 pub fn gradients(
     oracle: &EnvelopeModel,
     relative: &Inexact<Transform>,
@@ -115,16 +118,17 @@ pub fn gradients(
     Inexact { error, value: oracle.gradients(&relative.value, &rotations.value) }
 }
 
-/// The exponential `I + sin φ K + (1 - cos φ) K²`, φ = |ω|, K the cross product with ω/φ, of an ω
-/// that is off by `omega_error`.
+/// Bounds the exponential `I + sin φ K + (1 - cos φ) K²`, φ = |ω|, where K is the cross product
+/// with ω/φ and ω has an error of `omega_error`.
 ///
-/// No entry moves by more than ω does. φ itself is off by 1.5u (a sum of squares) and a root, here
-/// 2u and a root, which turns the matrix about its own axis by that times φ(|K| + |K²|). In the term
-/// of K the sine is off by 2 ULP or 4u, φ below it as said, and a division and two operations
-/// follow: 8u, a root and a division; in that of K² the versine likewise by 4u, φ² by 3u, and a
-/// division and three operations follow: 10u and a division. Beyond π/2 the two are off by 1.3e-7
-/// and 2e-7 instead, which 4u times min(φ, 1) and min(φ²/2, 2) also cover. 1 is added on the
-/// diagonal: u.
+/// No entry changes by more than ω does. φ has an error of 1.5u (a sum of squares) and a root, here
+/// 2u and a root. That rotates the matrix about its own axis by this error times φ(|K| + |K²|).
+///
+/// In the term of K, the sine has 2 ULP or 4u and the error of φ above; a division and two
+/// operations follow: 8u, a root and a division. In the term of K², the versine has 4u and φ² has
+/// 3u; a division and three operations follow: 10u and a division. For φ above π/2, the sine has an
+/// error of 1.3e-7 and the versine of 2e-7 instead; 4u times min(φ, 1) and min(φ²/2, 2) cover these
+/// as well. 1 is added on the diagonal: u.
 fn exponential(
     omega: &Vector3<f64>,
     omega_error: f64,

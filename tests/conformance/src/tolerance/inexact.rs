@@ -1,32 +1,34 @@
-//! Values with bounds of their errors, and what all stages' bounds are made of.
+//! Values with bounds of their errors, and the bounds that all stages use.
 
 use faer::Mat;
 use nalgebra::{Matrix3x4, SMatrix};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::{U, gamma};
 
-/// Room for products that underflow: each loses less than 2⁻¹²⁶ even where subnormals are flushed,
-/// and no coefficient that multiplies the loss passes 1e7.
+/// Allowance for products that underflow. Each loses less than 2⁻¹²⁶ even if subnormal numbers are
+/// flushed, and no coefficient that multiplies the loss exceeds 1e7.
 pub const UNDERFLOW: f64 = 1e-30;
-/// Rounding of f64 over some thousand operations on numbers near 1: for what is exact in real
-/// arithmetic and is evaluated in f64 (METHOD §1.7).
+/// Rounding of f64 over some thousand operations on numbers near 1: for properties that are exact
+/// in real arithmetic and are evaluated in f64 (METHOD §1.7).
 pub const EXACT: f64 = 1e-12;
-/// Likewise after solving a system of a condition near 1e4 in another way (METHOD §1.7.3).
+/// As [`EXACT`], after solving a system of a condition near 1e4 by another method (METHOD §1.7.3).
 pub const SOLVED: f64 = 1e-10;
-/// Likewise through the pseudo-inverse of a system of a condition near 1e5.
+/// As [`EXACT`], through the pseudo-inverse of a system of a condition near 1e5.
 pub const PSEUDO_SOLVED: f64 = 1e-9;
-/// How many times longer than the skin's own box the bounds may be at rest: the proxies' boxes are
-/// then its own, widened by the runtime's slack of 1e-5 and 2(K + 8)u of sums of up to four extents.
+/// Largest ratio of the bounds' diagonal to that of the skin's own box at rest. The proxies' boxes
+/// are then the skin's own, widened by the runtime's slack of 1e-5 and 2(K + 8)u of sums of up to
+/// four extents.
 pub const BOUNDS_AT_REST: f64 = 1.001;
-/// Likewise in trained poses. Each proxy's box is moved as a whole: a turn makes it up to √3 longer,
-/// and a transform is free to stretch where no vertex of its box follows it alone. Not derived: a guard
-/// against bounds that hold because they are enormous.
+/// Largest ratio of the diagonals in trained poses. Each proxy's box moves as a whole: a rotation
+/// makes the box up to √3 longer. A transform may also stretch where no vertex of its box follows
+/// it alone. This value is not derived: it guards against bounds that hold only because they are
+/// enormous.
 pub const BOUNDS_POSED: f64 = 6.0;
 
 /// A transform from rest to posed.
 pub type Transform = Matrix3x4<f64>;
 
-/// Values, and how far from each, entry by entry, an f32 evaluation may be.
+/// Values, each with the bound of the error of an f32 evaluation, entry by entry.
 #[derive(Clone, Debug)]
 pub struct Inexact<V, E = V> {
     /// The oracle's values.
@@ -36,18 +38,18 @@ pub struct Inexact<V, E = V> {
 }
 
 impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
-    /// Takes values that the backend is given as they are.
+    /// Wraps values that the backend receives exactly.
     pub fn exact(value: Vec<SMatrix<f64, R, C>>) -> Self {
         Self { error: vec![SMatrix::zeros(); value.len()], value }
     }
 
-    /// Takes values that the backend is given rounded to f32.
+    /// Wraps values that the backend receives rounded to f32.
     pub fn rounded(value: Vec<SMatrix<f64, R, C>>) -> Self {
         Self { error: value.iter().map(|m| m.abs() * U).collect(), value }
     }
 }
 
-/// `[A⁻¹ B]` of transforms, A taken as rigid.
+/// Bounds `[A⁻¹ B]` of transforms; A is treated as rigid.
 pub(super) fn seen_from(
     (a, a_error): (&Transform, &Transform),
     (b, b_error): (&Transform, &Transform),
@@ -59,7 +61,7 @@ pub(super) fn seen_from(
     product((&inverse, &inverse_error), (&apart, &apart_error), 4)
 }
 
-/// `E_a |b| + |a| E_b + E_a E_b + γₙ (|a| + E_a)(|b| + E_b)` of a product behind n roundings.
+/// Bounds a product after n roundings: `E_a |b| + |a| E_b + E_a E_b + γₙ (|a| + E_a)(|b| + E_b)`.
 pub(super) fn product<const R: usize, const K: usize, const C: usize>(
     (a, a_error): (&SMatrix<f64, R, K>, &SMatrix<f64, R, K>),
     (b, b_error): (&SMatrix<f64, K, C>, &SMatrix<f64, K, C>),

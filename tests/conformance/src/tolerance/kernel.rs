@@ -7,13 +7,16 @@ use sinew_trainer::regression::rotations::{Feature, Xyzw};
 use sinew_trainer::scattered::bound::{bound, distances};
 use sinew_trainer::scattered::model::{Input, InputKind, KernelModel, Output, OutputKind};
 
-/// Kernel: features of rotations are off as `feature_error` says, values by METHOD §2.7's E of them, the confidence as
-/// a fade's; `w y + (1 - w) n` rounds three times. A range moves nothing apart, a rotation is half as far off as its
-/// vector and rounds as `rotation` says, and a share of a sum is off as the sum and the number, and by a
-/// division.
+/// Bounds the outputs of a kernel and the confidence.
+///
+/// `feature_error` bounds the features of rotations. METHOD §2.7's E bounds the values for given
+/// errors of the features. The fade bounds the confidence; `w y + (1 - w) n` rounds three times.
+/// Clamping to a range increases no error. A rotation has half the error of its vector and the
+/// rounding of `rotation`. A share of a sum has the errors of the sum and of the number, and a
+/// division's.
 ///
 /// # Panics
-/// If a query is one that a CPU refuses.
+/// If the CPU refuses a query.
 pub fn kernel(
     oracle: &KernelModel,
     query: &[f32],
@@ -62,7 +65,7 @@ pub fn kernel(
     (Inexact { value: right.numbers, error: out }, confidence)
 }
 
-/// The features of all inputs, and how far off they are: numbers are not.
+/// Returns the features of all inputs with their bounds; those of plain numbers are 0.
 fn features(inputs: &[Input], query: &[f64], arithmetic: Arithmetic) -> (Vec<f64>, Vec<f64>) {
     let (mut value, mut error, mut left) = (Vec::new(), Vec::new(), query);
     for Input { kind, .. } in inputs {
@@ -84,10 +87,12 @@ fn features(inputs: &[Input], query: &[f64], arithmetic: Arithmetic) -> (Vec<f64
     (value, error)
 }
 
-/// How far features of a rotation are off. |q|² is behind four roundings, its quotient behind a division's more, an
-/// entry's products behind three more of their own, their sum and its difference from 1. v · axis is behind three.
-/// A product with an axis sums three. An angle is off by its point, by 2.1 ULP of an arc tangent, its quotient, and
-/// no more than a turn.
+/// Returns the bounds of the features of a rotation.
+///
+/// |q|² has four roundings, a quotient by it a division's more. The products of an entry have three
+/// roundings of their own; then come their sum and its difference from 1. v · axis has three
+/// roundings. A product with an axis sums three. An angle has the error of its point, 2.1 ULP of an
+/// arc tangent and its quotient, and at most a full turn.
 fn feature_error(feature: Feature, q: Xyzw, value: &[f64], arithmetic: Arithmetic) -> Vec<f64> {
     let [x, y, z, w] = q;
     let square: f64 = q.iter().map(|x| x * x).sum();
@@ -138,7 +143,7 @@ fn feature_error(feature: Feature, q: Xyzw, value: &[f64], arithmetic: Arithmeti
     }
 }
 
-/// The values of an output where a query has faded.
+/// Returns the neutral values of an output, which a faded query has.
 fn neutral(output: &Output) -> Vec<f64> {
     match output.kind {
         OutputKind::Scalar { neutral, .. } => vec![neutral],
@@ -147,9 +152,11 @@ fn neutral(output: &Output) -> Vec<f64> {
     }
 }
 
-/// How far a rotation's quaternion is off. That of its vector turns half as far as the vector moves; h and 1 + h are
-/// behind five roundings, a quotient behind them and a division's. A product with the neutral sums four; the oracle
-/// makes that of length 1.
+/// Returns the bounds of a rotation's quaternion.
+///
+/// The quaternion of a vector changes by half as much as the vector. h and 1 + h have five
+/// roundings; a quotient adds those and a division's. The product with the neutral rotation sums
+/// four. The oracle normalises the neutral rotation.
 fn rotation(neutral: Xyzw, values: [f64; 3], error: [f64; 3], arithmetic: Arithmetic) -> [f64; 4] {
     let h = values.iter().map(|y| y * y).sum::<f64>() / 16.0;
     let inherited = 0.5 * error.iter().map(|e| e * e).sum::<f64>().sqrt();
@@ -164,7 +171,7 @@ fn rotation(neutral: Xyzw, values: [f64; 3], error: [f64; 3], arithmetic: Arithm
     PRODUCTS.map(|row| row.iter().map(|&(i, j)| of(i, j)).sum())
 }
 
-/// The entries that the products in each entry of a product of quaternions are of.
+/// Index pairs of the products in each entry of a product of quaternions.
 const PRODUCTS: [[(usize, usize); 4]; 4] = [
     [(3, 0), (0, 3), (1, 2), (2, 1)],
     [(3, 1), (0, 2), (1, 3), (2, 0)],
@@ -172,7 +179,8 @@ const PRODUCTS: [[(usize, usize); 4]; 4] = [
     [(3, 3), (0, 0), (1, 1), (2, 2)],
 ];
 
-/// Widens the errors of the marked numbers, by their places, where they are divided by their sum, or may be.
+/// Widens the bounds of the normalised outputs, given by index and value, if they are divided by
+/// their sum, or may be.
 fn share(rule: Normalise, marked: &[(usize, f64)], error: &mut [f64], arithmetic: Arithmetic) {
     let least = match rule {
         Normalise::Never => return,
@@ -190,8 +198,8 @@ fn share(rule: Normalise, marked: &[(usize, f64)], error: &mut [f64], arithmetic
         let share = x / sum;
         let rounded = gamma(arithmetic.division) * share.abs();
         let own = (error[at] + share.abs() * sum_error) / (sum - sum_error) * (1.0 + U) + rounded;
-        // Whether it is divided at all may be in doubt.
-        let doubt = if sum - sum_error <= least { (x - share).abs() + error[at] } else { 0.0 };
-        error[at] = own + doubt;
+        // Rounding may decide whether the numbers are divided.
+        let undecided = if sum - sum_error <= least { (x - share).abs() + error[at] } else { 0.0 };
+        error[at] = own + undecided;
     }
 }

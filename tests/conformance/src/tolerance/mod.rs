@@ -1,18 +1,22 @@
-//! Every tolerance of the conformance tests, with its derivation; a file a stage, by its name.
+//! Every tolerance of the conformance tests, with its derivation; one file for each stage, with the
+//! stage's name.
 //!
-//! Each operation rounds once, `fl(a op b) = (a op b)(1 + δ)`, |δ| ≤ u = 2⁻²⁴. A value behind n of
-//! them in a row is off by at most γₙ = n u / (1 - n u) of what it would be if all its terms had one
-//! sign (Higham, Accuracy and Stability, §3.1); so a sum of n products is off by γₙ Σ|a||b| in any
-//! order, fused or not. A stage takes values with bounds of their own errors and gives the oracle's
-//! value with the bound that follows: with zeros for a stage alone on given f32 inputs, chained from
-//! pose to skin. Every product of bounds is kept, so that nothing is neglected but the oracle's own
-//! rounding, a billionth of ours. U is u, [`gamma`] γₙ: the trainer bounds its kernel maps by them.
+//! Each operation rounds once: `fl(a op b) = (a op b)(1 + δ)`, |δ| ≤ u = 2⁻²⁴. After n roundings in
+//! a row, the error of a value is at most γₙ = n u / (1 - n u) times the value with all its terms
+//! taken as positive (Higham, Accuracy and Stability, §3.1). So the error of a sum of n products is
+//! at most γₙ Σ|a||b|, in any order, fused or not. [`U`] is u and [`gamma`] is γₙ; the trainer
+//! bounds its kernel maps with them.
 //!
-//! GPUs may divide and take roots less exactly: [`Arithmetic`] says how many roundings each counts.
-//! They may also fuse a product and a sum, which leaves out a rounding, and flush numbers below the
-//! least normal one, for which there is [`UNDERFLOW`]. The bounds of the transcendental functions
-//! hold as well: all but one or two of the roundings in them are of terms far below the result, and
-//! none of them divides but the arc tangent, whose quotient is counted.
+//! A stage's function takes values with bounds of their errors. The function returns the oracle's
+//! value with the resulting bound. For a stage alone, on given f32 inputs, the bounds of the inputs
+//! are zero; from pose to skin the bounds are chained. Every product of bounds is kept, so only the
+//! oracle's own rounding is neglected, a billionth of f32 rounding.
+//!
+//! GPUs may divide and take roots less precisely: [`Arithmetic`] has the number of roundings of
+//! each. GPUs may also fuse a product and a sum, which omits a rounding. They may flush subnormal
+//! numbers; [`UNDERFLOW`] allows for that. The bounds of the transcendental functions hold on GPUs
+//! as well: all but one or two of their roundings are of terms far below the result. Of these
+//! functions only the arc tangent divides, and its division is counted.
 
 mod confidence;
 mod correction;

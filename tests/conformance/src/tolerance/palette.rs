@@ -8,7 +8,8 @@ use sinew_trainer::envelope::oracle::stack;
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::gamma;
 
-/// Palette: `t = c1 d + c2 q`, sums of 3P + 4J products; then `B_r t`, three products and one term.
+/// Bounds the palette: `t = c1 d + c2 q`, sums of 3P + 4J products; then `B_r t`, three products
+/// and one term.
 pub fn palette(
     oracle: &EnvelopeModel,
     root: &Inexact<Transform>,
@@ -23,13 +24,13 @@ pub fn palette(
     let errors = stacked_error(c1, gradients, terms) + stacked_error(c2, relative, terms);
     let error = unmoved.iter().enumerate().map(|(l, transform)| {
         let error = Transform::from_fn(|r, c| errors[(4 * l + c, r)]);
-        moved((&root.value[0], &root.error[0]), (transform, &error))
+        composed((&root.value[0], &root.error[0]), (transform, &error))
     });
     let value = oracle.palette(&root.value[0], &relative.value, &gradients.value);
     Inexact { error: error.collect(), value }
 }
 
-/// `|c| E + γₙ |c| (|x| + E)` of a stack x of blocks.
+/// Bounds c x for a stack x of blocks: `|c| E + γₙ |c| (|x| + E)`.
 fn stacked_error<const C: usize>(
     coefficients: &Mat<f64>,
     blocks: &Inexact<SMatrix<f64, 3, C>>,
@@ -42,8 +43,8 @@ fn stacked_error<const C: usize>(
     magnitudes(coefficients) * stack(&blocks)
 }
 
-/// A transform `a` after a transform `b`.
-fn moved(a: (&Transform, &Transform), b: (&Transform, &Transform)) -> Transform {
+/// Bounds the composition of a transform `a` after a transform `b`.
+fn composed(a: (&Transform, &Transform), b: (&Transform, &Transform)) -> Transform {
     let mut error = product((&linear(a.0), &linear(a.1)), b, 4);
     let last = (a.0.column(3).abs() + a.1.column(3)) * gamma(4) + a.1.column(3);
     error.column_mut(3).axpy(1.0, &last, 1.0);

@@ -5,10 +5,11 @@ use crate::shapes::ShapeSubject;
 use nalgebra::Vector3;
 use sinew_trainer::regression::arithmetic::{Arithmetic, gamma};
 
-/// Position, normal and tangent with its handedness of a shaped vertex, each with the bounds of its entries.
+/// Bounds the position, the normal, and the tangent with its handedness, of a shaped vertex, entry
+/// by entry.
 ///
-/// A term of a sum is a weight times a step times a number, of which the oracle's is off by one rounding: three
-/// and those of the sum. The position is one sum more.
+/// Each term of a sum is a weight times a step times a number, and the oracle's product of step and
+/// number is rounded once: three roundings, and those of the sum. The position is one sum more.
 pub fn shapes(
     subject: &ShapeSubject<'_>,
     number: usize,

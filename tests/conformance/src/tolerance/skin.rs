@@ -1,4 +1,5 @@
-//! The tolerance of stage skin; and of the rest pose, which is exact but for the file's rounding.
+//! The tolerance of stage skin; and of the rest pose, which is exact except for the file's
+//! rounding.
 
 use super::directions::{Direction, directions};
 use super::inexact::{Inexact, Transform, magnitudes, product};
@@ -8,12 +9,12 @@ use sinew_trainer::envelope::model::{EnvelopeModel, Reconstruction, SkinModel, V
 use sinew_trainer::envelope::oracle::stack;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 
-/// A skinned vertex, with its bounds.
+/// A skinned vertex with its bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Skinned {
     /// The oracle's position.
     pub position: Vector3<f64>,
-    /// Its bounds, entry by entry.
+    /// Bounds of the position, entry by entry.
     pub position_error: Vector3<f64>,
     /// The normal.
     pub normal: Direction,
@@ -21,9 +22,10 @@ pub struct Skinned {
     pub tangent: Option<(Direction, f64)>,
 }
 
-/// Skin: `M = Σ w_k T_k`, K products; `M x̂`, three products and one term; then the directions.
+/// Bounds a skinned vertex: `M = Σ w_k T_k`, K products; `M x̂`, three products and one term; then
+/// the directions.
 ///
-/// - `number`: which of the skin's vertices it is.
+/// - `number`: index of the vertex in the skin.
 pub fn skin(
     (skin, number): (&Skin<'_>, usize),
     vertex: &Vertex<'_>,
@@ -41,7 +43,7 @@ pub fn skin(
     }
 }
 
-/// M, and the bounds of its entries.
+/// Returns the blended transform M and the bounds of its entries.
 fn blended(vertex: &Vertex<'_>, palette: &Inexact<Transform>) -> (Transform, Transform) {
     let influences = vertex.influences.len();
     let sum = |list: &[Transform]| {
@@ -56,10 +58,11 @@ fn position_error(vertex: &Vertex<'_>, transform: (&Transform, &Transform)) -> V
     product(transform, (&vertex.position, &nalgebra::Vector4::zeros()), 4)
 }
 
-/// Rest to rest: matrices of zeros and ones multiply exactly, so joints, q and d are exact, and of
-/// each sum only P + J terms are not 0; a correction adds 0. Coefficients and weights, exact before
-/// they were rounded for the file, are off by u of themselves each. Returns the bounds of the V
-/// positions.
+/// Bounds the V positions of the rest pose.
+///
+/// Matrices of zeros and ones multiply exactly, so joints, q and d are exact. Each sum has only P +
+/// J terms that are not 0, and a correction adds 0. Coefficients and weights were exact before they
+/// were rounded for the file, so each has a relative error of u.
 pub fn rest(oracle: &EnvelopeModel, own: &SkinModel) -> Vec<Vector3<f64>> {
     let (p, j) = (oracle.proxy_len(), oracle.joint_len());
     let (d, q) = (vec![Matrix3::identity(); p], vec![Transform::identity(); j]);

@@ -1,4 +1,4 @@
-//! From pose to palette, all stages of a predictor.
+//! From pose to palette: all stages of a predictor.
 
 use super::confidence::confidence;
 use super::correction::correction;
@@ -10,8 +10,8 @@ use super::palette::palette;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::regression::arithmetic::Arithmetic;
 
-/// The whole way from a pose to the palette and the confidence, beside a backend's own rotations,
-/// which decide what joints at a half turn do; the kernel predictor has none.
+/// Bounds palette and confidence, from a pose through all stages. `found` are the backend's own
+/// rotations, which decide the branch of joints at a half turn; the kernel predictor has none.
 pub fn whole(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,

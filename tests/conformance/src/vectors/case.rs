@@ -1,25 +1,26 @@
-//! One model with its poses, and what every stage makes of them.
+//! A case of a model with poses, and the outputs of every stage.
 
-use super::tolerances::{Tolerance, numbers_tolerance, transforms_tolerance};
-use super::written::Written;
+use super::written::{Tolerance, Written, numbers_tolerance, transforms_tolerance};
 use super::{Folder, VectorError};
-use crate::backend::{Cpu, Failure, Loaded, floats, part};
+use crate::backend::{Failure, Loaded, floats, part};
+use crate::cpu::Cpu;
 use crate::poses::{Kind, Pose, poses};
 use crate::stages::correction::base_of;
 use crate::stages::exact;
 use crate::stages::features::features_of;
 use crate::stages::gradients::{columns, exact_rotations, gradients_of};
-use crate::stages::skin::{Skinned, plain, whole_of};
+use crate::stages::skin::{Skinned, whole_of};
 use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform};
 use serde::Serialize;
+use sinew_gpu::layout::SkinBatch;
 use sinew_runtime::Matrix3x4;
 use std::f64::consts::PI;
 
-/// What a foreign backend may be as far off as.
+/// Precision that a foreign backend must have.
 const ARITHMETIC: Arithmetic = Arithmetic::VULKAN;
 
-/// A case: its description, and the files that this names.
+/// A case with its subject.
 pub(super) struct Case<'a> {
     subject: &'a Subject<'a>,
     written: Written<Counts>,
@@ -35,8 +36,8 @@ struct Counts {
     influences: usize,
 }
 
-/// Loads a model and draws poses, without those in which a joint is at a half turn within the
-/// tolerance: two rotation vectors stand for that, and gradients depend on which.
+/// Loads a model and draws poses. Poses with a joint at a half turn, within the tolerance, are left
+/// out: two rotation vectors represent a half turn, and gradients depend on the choice.
 pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
     let mut out = Subject::new("vectors", bytes, 0);
     let turned = |pose: &Pose| {
@@ -68,14 +69,15 @@ impl<'a> Case<'a> {
         Self { subject, written: Written::new(name, predictor, counts) }
     }
 
-    /// Evaluates everything, and writes it into a folder of the case's name.
+    /// Evaluates all stages, and writes the case into a folder with its name.
     pub(super) fn write(mut self, model: &[u8], folder: &Folder) -> Result<(), VectorError> {
         self.mesh();
         self.poses()?;
         self.written.write(model, folder)
     }
 
-    /// The mesh, which is in the model as well: a skin can be checked without reading that.
+    /// Adds the mesh. The model has the mesh as well, but this way a skin can be checked without a
+    /// reader of models.
     fn mesh(&mut self) {
         let skin = self.subject.loaded.skin;
         let (v, k) = (skin.vertex_len(), skin.influence_len());
@@ -111,7 +113,7 @@ impl<'a> Case<'a> {
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
             (subject.oracle.predictor().reconstructs(), subject.oracle.predictor().corrects());
-        // What the correction adds to has a name of its own.
+        // The palette before a correction is the array `base`.
         let base_name = if corrects { "base" } else { "palette" };
         let base = base_of(&Cpu, subject)?;
         let mut rotations = Vec::new();
@@ -138,14 +140,14 @@ impl<'a> Case<'a> {
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
             self.written.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
         }
-        let skin = plain(&subject.loaded.skin);
+        let skin = SkinBatch::new(&subject.loaded.skin);
         let skinned = Skinned::gather(&whole.skin, &skin, n);
         self.skin(&whole.palettes, &skinned);
         self.end_to_end(&rotations, &whole.palettes, &whole.confidences, &skinned);
         Ok(())
     }
 
-    /// Gradients and the palette; returns the rotations.
+    /// Adds stages gradients and palette; returns the rotations.
     fn reconstruction(
         &mut self,
         base_name: &'static str,
@@ -296,7 +298,7 @@ impl<'a> Case<'a> {
 }
 
 impl Subject<'_> {
-    /// Bounds of every pose.
+    /// Returns the bounds of a stage for every pose.
     fn transforms_of(
         &self,
         bound: impl Fn(Inexact<Transform>) -> Inexact<Transform>,

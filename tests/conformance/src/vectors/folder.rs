@@ -5,21 +5,21 @@ use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why vectors are not written.
+/// Reasons why vectors cannot be written.
 #[derive(Debug, Error)]
 pub enum VectorError {
-    /// There is something in the folder already.
+    /// The folder is not empty.
     #[error("{0} is not empty")]
     NotEmpty(PathBuf),
-    /// The file system refuses.
+    /// The file system reports an error.
     #[error("{path}: {error}", path = .path.display())]
     Io {
-        /// What was written or read.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         error: io::Error,
     },
-    /// The runtime refuses a model of our own.
+    /// The runtime refuses one of the vectors' models.
     #[error("{0}")]
     Evaluation(#[from] crate::backend::Failure),
     /// The description of a case cannot be written.
@@ -27,8 +27,8 @@ pub enum VectorError {
     Json(#[from] serde_json::Error),
 }
 
-/// A folder under a name of this process's own until it is finished. Dropped unfinished, it leaves
-/// nothing.
+/// A folder that has a temporary name until it is finished. An unfinished folder is removed when
+/// dropped.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -37,14 +37,14 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Begins a folder.
+    /// Makes the folder under its temporary name.
     ///
     /// # Errors
     /// - [`VectorError::NotEmpty`]
     /// - [`VectorError::Io`]
     pub fn create(place: &Path) -> Result<Self, VectorError> {
         let io = |error| VectorError::Io { path: place.to_owned(), error };
-        // A trailing slash would put the part inside.
+        // Removes a trailing slash, which would put the temporary folder inside.
         let place: PathBuf = std::path::absolute(place).map_err(io)?.components().collect();
         match fs::read_dir(&place).map(|mut entries| entries.next().is_some()) {
             Ok(true) => return Err(VectorError::NotEmpty(place)),
@@ -62,7 +62,7 @@ impl Folder {
         Ok(Self { path, place, moved: false })
     }
 
-    /// Writes a file, in a folder of the folder where its name says so.
+    /// Writes a file; a name with slashes makes subfolders.
     ///
     /// # Errors
     /// [`VectorError::Io`]
@@ -76,13 +76,13 @@ impl Folder {
         written.map_err(|error| VectorError::Io { path, error })
     }
 
-    /// Moves the folder to its place.
+    /// Renames the folder to its final name.
     ///
     /// # Errors
     /// [`VectorError::Io`]
     pub fn finish(mut self) -> Result<(), VectorError> {
         let io = |error| VectorError::Io { path: self.place.clone(), error };
-        // An empty folder may be there: not every system moves over it.
+        // Removes an empty folder, because some systems cannot rename over one.
         match fs::remove_dir(&self.place) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(io(error)),
             _ => {}
@@ -96,7 +96,7 @@ impl Folder {
 impl Drop for Folder {
     fn drop(&mut self) {
         if !self.moved {
-            // The error that led here is the one to report.
+            // A second error is ignored: the first one is reported.
             let _ = fs::remove_dir_all(&self.path);
         }
     }

@@ -1,11 +1,8 @@
-//! Inputs, outputs and tolerances of every stage in plain files, for whoever writes a backend.
+//! Inputs, outputs and tolerances of every stage in plain files, for authors of backends.
 
+mod alone;
 mod case;
-mod filter;
 mod folder;
-mod kernel;
-mod shapes;
-mod tolerances;
 mod written;
 
 pub use folder::{Folder, VectorError};
@@ -18,28 +15,29 @@ use case::{Case, subject};
 use sinew_runtime::envelope::Predictor;
 use std::path::Path;
 
-/// What stands at the top of the folder.
+/// The page at the top of the folder.
 const README: &str = include_str!("README.md");
-/// Poses that are drawn of a random model; those that joints at a half turn leave open are left out.
+/// Number of poses drawn for a random model, before those with an undecided half turn are removed.
 const POSES: usize = 41;
-/// Poses that are drawn of a trained character.
+/// Number of poses drawn for a trained character.
 const CHARACTER_POSES: usize = 77;
 
-/// Queries of a kernel.
+/// Number of queries of a kernel.
 const QUERIES: usize = 41;
-/// Lists of weights of a skin's shapes.
+/// Number of faces of a skin with shapes.
 const FACES: usize = 7;
-/// Signals of a filter.
+/// Number of signals of a filter.
 const SIGNALS: usize = 3;
 
-/// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
+/// Writes the vectors into a folder that does not exist or is empty. The folder appears whole or
+/// not at all.
 ///
 /// # Errors
 /// [`VectorError`]
 pub fn write(out: &Path) -> Result<(), VectorError> {
     let folder = Folder::create(out)?;
     folder.write("README.md", README.as_bytes())?;
-    // The trained characters, as they are kept for the format's sake: the same bytes everywhere.
+    // The trained characters come from the golden files, which have equal bytes on every machine.
     for (predictor, bytes) in Predictor::ALL.into_iter().zip(GOLDEN) {
         let case = format!("character-{}", predictor.name());
         Case::new(&case, &subject(bytes, CHARACTER_POSES)).write(bytes, &folder)?;
@@ -53,15 +51,15 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
     for content in KernelContent::goldens().into_iter().chain([KernelContent::servo()]) {
         let name = content.name.replace([' ', '/'], "-").replace('é', "e");
         let bytes = Pieces::kernels(&[content]).bytes();
-        kernel::write(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
+        alone::kernel(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
     }
     for (element, pieces) in ["f32", "f16", "i8", "few"].into_iter().zip(Pieces::shaped()) {
-        shapes::write(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
+        alone::shapes(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
     }
     for (bytes, lanes) in filters::files().iter().zip([1, 3, 8, 5]) {
         let subject = FilterSubject::new(bytes, SIGNALS, lanes);
         let case = format!("filter-{}-{}", subject.filter.factor(), subject.filter.tap_len());
-        filter::write(&case, bytes, &subject, &folder)?;
+        alone::filter(&case, bytes, &subject, &folder)?;
     }
     folder.finish()
 }

@@ -1,9 +1,12 @@
-//! A case as it is written: its description, and the files that this names.
+//! A case to be written: its description, the files that the description names, and the tolerances.
 
 use super::{Folder, VectorError};
+use crate::tolerance::{Inexact, Transform, UNDERFLOW};
+use nalgebra::SMatrix;
 use serde::Serialize;
+use sinew_runtime::Matrix3x4;
 
-/// A case of counts C.
+/// A case with counts of type C.
 pub(super) struct Written<C> {
     pub(super) description: Description<C>,
     files: Vec<(String, Vec<u8>)>,
@@ -43,7 +46,7 @@ struct Output {
 }
 
 impl<C: Serialize> Written<C> {
-    /// Begins a case of a name, of a predictor if it has one.
+    /// Starts a case with a name, and with a predictor if it has one.
     pub(super) fn new(case: &str, predictor: Option<&'static str>, counts: C) -> Self {
         let description = Description {
             version: 1,
@@ -64,7 +67,7 @@ impl<C: Serialize> Written<C> {
         self.description.arrays.push(Array { name, file, r#type: "f32", shape });
     }
 
-    /// Adds an array of numbers that count.
+    /// Adds an array of u32.
     pub(super) fn indices(&mut self, name: &'static str, shape: Vec<usize>, values: &[u32]) {
         let file = format!("{name}.u32");
         let bytes = values.iter().flat_map(|index| index.to_le_bytes()).collect();
@@ -89,7 +92,7 @@ impl<C: Serialize> Written<C> {
         self.description.stages.push(Stage { stage, inputs: inputs.to_vec(), outputs });
     }
 
-    /// Writes it into a folder of the case's name.
+    /// Writes the case into a folder with its name.
     ///
     /// # Errors
     /// [`VectorError`]
@@ -107,4 +110,65 @@ impl<C: Serialize> Written<C> {
 
 fn le(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Tolerances of a backend's values relative to the CPU's values, which the vectors hold. Each
+/// tolerance is the bound of the backend's error plus the CPU's own distance from the oracle,
+/// rounded up.
+pub(super) struct Tolerance(pub(super) Vec<f32>);
+
+impl Tolerance {
+    /// Starts without tolerances.
+    pub(super) const fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Adds the tolerance of a value.
+    pub(super) fn add(&mut self, cpu: f32, oracle: f64, error: f64) {
+        let apart = (f64::from(cpu) - oracle).abs();
+        let most = if error + apart > 0.0 { error + UNDERFLOW + apart } else { 0.0 };
+        let rounded = most as f32;
+        self.0.push(if f64::from(rounded) < most { rounded.next_up() } else { rounded });
+    }
+
+    /// Adds the tolerances of columns.
+    pub(super) fn columns<const C: usize>(
+        &mut self,
+        found: &[[f32; 3]],
+        bounds: &Inexact<SMatrix<f64, 3, C>>,
+    ) {
+        let right = bounds.value.iter().flatten().zip(bounds.error.iter().flatten());
+        for (x, (value, error)) in found.as_flattened().iter().zip(right) {
+            self.add(*x, *value, *error);
+        }
+    }
+
+    /// Adds the tolerances of transforms.
+    pub(super) fn transforms(&mut self, found: &[Matrix3x4], bounds: &Inexact<Transform>) {
+        for (found, (value, error)) in found.iter().zip(bounds.value.iter().zip(&bounds.error)) {
+            for (r, row) in found.iter().enumerate() {
+                for (c, x) in row.iter().enumerate() {
+                    self.add(*x, value[(r, c)], error[(r, c)]);
+                }
+            }
+        }
+    }
+}
+
+/// Lists the tolerances of every pose's transforms.
+pub(super) fn transforms_tolerance(found: &[Matrix3x4], bounds: &[Inexact<Transform>]) -> Vec<f32> {
+    let mut out = Tolerance::new();
+    for (i, bounds) in bounds.iter().enumerate() {
+        out.transforms(&found[i * bounds.value.len()..], bounds);
+    }
+    out.0
+}
+
+/// Lists the tolerances of every pose's number.
+pub(super) fn numbers_tolerance(found: &[f32], bounds: &[Inexact<f64>]) -> Vec<f32> {
+    let mut out = Tolerance::new();
+    for (x, bound) in found.iter().zip(bounds) {
+        out.add(*x, bound.value[0], bound.error[0]);
+    }
+    out.0
 }

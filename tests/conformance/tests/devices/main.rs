@@ -1,12 +1,11 @@
-//! The stages on every device that is here, by both APIs: each alone on the CPU's inputs, and from
-//! end to end. What evaluates a batch on a device is first held against a device that is a program.
+//! The stages on every device of the machine, through both APIs: each alone on the CPU's inputs,
+//! and from pose to skin. The code that evaluates a batch on a device is tested first on a
+//! simulated device.
 
-mod batches;
 mod filter;
 mod gpu;
 mod kernel;
 mod lavapipe;
-mod layer;
 mod matrix;
 mod shapes;
 mod software;

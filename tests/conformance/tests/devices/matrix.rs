@@ -1,4 +1,4 @@
-//! The matrix tells what fails, in every form.
+//! The matrix reports every failure, in every format.
 
 use crate::software::{Fault, Software};
 use ::models::{FilterContent, KernelContent, Pieces, ShapeContent};
@@ -13,7 +13,7 @@ use sinew_gpu::layout::{Resource, Stage};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 
-/// One model of one predictor: the stages of the others have nothing to compare.
+/// Measures one model of one predictor; the stages of the other predictor have nothing to compare.
 fn matrix(fault: Option<Fault>) -> Matrix {
     let random = models::random(shape_of(Predictor::Rotational));
     let mut pieces = Pieces::of(&random).expect("a random model is sound");

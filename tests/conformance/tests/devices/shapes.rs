@@ -1,6 +1,6 @@
 //! Shapes on real devices: lavapipe has the CPU's bits, others are within the tolerances.
 
-use crate::batches;
+use crate::lavapipe::{same_bits, silent, sum, whole_and_cut, within_tolerances};
 use crate::software::{Fault, Software};
 use conformance::backend::Failure;
 use conformance::finding::sound;
@@ -8,30 +8,17 @@ use conformance::gpu::Gpu;
 use conformance::shapes::{FACES, ShapeSubject, files, shapes};
 use conformance::stages::shapes::body;
 use sinew_gpu::headless::Device;
-use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
+use sinew_gpu::layout::{Resource, Stage};
 
-/// Runs every skin; returns the values compared, and how many differ.
+/// Runs every skin; returns the number of values compared, and of those that differ.
 fn evaluate(device: &dyn Device, face_len: usize) -> (usize, usize) {
-    let (mut values, mut differing) = (0, 0);
-    let on = |limits: DeviceLimits, subject: &ShapeSubject<'_>| {
-        let findings = body(&Gpu { device, limits }, subject);
-        let findings = findings.unwrap_or_else(|e| panic!("{}: {e}", subject.described()));
-        assert_eq!(sound(&findings), Ok(()), "{}", subject.described());
-        findings
-    };
-    for subject in shapes(face_len) {
-        // The second cuts batches into chunks of few faces.
+    sum(shapes(face_len).iter().map(|subject| {
         let blob = subject.model.blob().len().next_multiple_of(4) as u64;
         let mesh = 44 * subject.skin.vertex_len() as u64 + 300;
-        let cut = DeviceLimits { storage_binding_bytes: blob.max(2 * mesh), ..device.limits() };
-        for limits in [device.limits(), cut] {
-            for finding in on(limits, &subject) {
-                values += finding.values;
-                differing += finding.differing;
-            }
-        }
-    }
-    (values, differing)
+        // Chunks of few faces.
+        let bytes = blob.max(2 * mesh);
+        whole_and_cut(device, bytes, &subject.described(), |gpu| body(gpu, subject))
+    }))
 }
 
 #[test]
@@ -53,7 +40,7 @@ fn a_device_that_is_wrong_about_shapes_is_caught() {
         assert!(flipped.last().is_some_and(|range| range.differing > 0), "the range's first float");
         let idle = run(Fault::Idle(Stage::Shapes)).unwrap();
         assert!(sound(&idle).is_err(), "left alone");
-        // A weight, or before them; before the first attribute of the range.
+        // A float before the weights, or a weight; before the first attribute of the range.
         for (resource, float) in
             [(Resource::Weights, 3), (Resource::Weights, 7), (Resource::Out, 0)]
         {
@@ -69,15 +56,15 @@ fn a_device_that_is_wrong_about_shapes_is_caught() {
 
 #[test]
 fn lavapipe_has_the_bits_of_the_cpu() {
-    batches::same_bits(evaluate, FACES, 1_000_000);
+    same_bits(evaluate, FACES, 1_000_000);
 }
 
 #[test]
 fn validation_is_silent() {
-    batches::silent(evaluate, 7, 100_000);
+    silent(evaluate, 7, 100_000);
 }
 
 #[test]
 fn every_other_device_is_within_the_tolerances() {
-    batches::within_tolerances(evaluate, FACES, 1_000_000);
+    within_tolerances(evaluate, FACES, 1_000_000);
 }

@@ -1,5 +1,5 @@
-//! A device that is a program: the runtime behind the trait that the headless helpers implement. It
-//! finds everything by a plan's spans and params, as a shader does. It can be made to err.
+//! A simulated device: the runtime behind the trait of the headless devices. It finds all arrays by
+//! a plan's spans and params, as a shader does, and can inject faults.
 
 use conformance::backend::Loaded;
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
@@ -13,14 +13,14 @@ use sinew_runtime::{
 use std::ops::Range;
 use std::time::Duration;
 
-/// What goes wrong, in the stage that it names.
+/// A fault in a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
-    /// The float of this resource with this place has its lowest bit flipped.
+    /// The lowest bit of this float of the resource is flipped.
     Bit(Stage, Resource, usize),
     /// The stage does nothing.
     Idle(Stage),
-    /// A float that is not the stage's own is written to.
+    /// The stage writes a float that it must not write.
     Stray(Stage, Resource, usize),
 }
 
@@ -76,7 +76,7 @@ impl Device for Software<'_> {
     }
 }
 
-/// What is evaluated.
+/// The part to evaluate.
 #[derive(Clone)]
 enum Part<'a> {
     Envelope(Box<Loaded<'a>>),
@@ -136,7 +136,7 @@ impl Uploaded for Batch<'_> {
                 *value = f32::from_bits(value.to_bits() ^ 1);
             }
             Some(Fault::Stray(own, resource, float)) if own == stage => {
-                // Not every batch has the buffer.
+                // Some batches lack the buffer.
                 if let Some(value) = self.buffers[resource as usize].get_mut(float) {
                     *value = 7.0;
                 }
@@ -168,7 +168,7 @@ impl Instance<'_, '_> {
         found.unwrap_or_else(|| panic!("no {name}")).1 as usize
     }
 
-    /// The first float of this instance's part of an array.
+    /// Returns the first float of this instance's part of an array.
     fn place(&self, resource: Resource, name: &str) -> usize {
         let bound = self.chunk.span(resource).expect("it is bound").offset as usize / 4;
         let [offset, stride] =
@@ -191,7 +191,7 @@ impl Instance<'_, '_> {
         let envelope = loaded.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
         let scratch = ScratchLayout::at_once(&envelope);
-        // A kernel model without helpers needs none.
+        // A kernel model without helpers needs no scratch.
         let needed = self.chunk.span(Resource::Scratch);
         let own = needed.map_or(0, |_| self.place(Resource::Scratch, "scratch"));
         let poses: Vec<Matrix3x4> =
@@ -235,7 +235,8 @@ impl Instance<'_, '_> {
                 let least =
                     stages::correction(&envelope, &poses, &phi, &mut own_scratch, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
-                // Each group's own is not known here; the least of all is what they are read for.
+                // The groups' own confidences are unknown here; the stage confidence only uses
+                // their minimum.
                 let confidences = vec![least; envelope.group_len()];
                 self.put(Resource::Scratch, own + scratch.confidences, &confidences);
             }
@@ -298,7 +299,7 @@ impl Instance<'_, '_> {
         Ok(())
     }
 
-    /// Where the attributes of this instance are written, and of which vertices.
+    /// Returns the places of this instance's attributes, and the range of vertices.
     fn outputs(&mut self) -> ([Option<Output<'_>>; 3], Range<usize>) {
         let first = self.param("vertex_first");
         let vertices = first..first + self.param("vertex_len");
@@ -316,7 +317,7 @@ impl Instance<'_, '_> {
     }
 }
 
-/// Cuts floats into wider values.
+/// Groups floats into wider values.
 trait Cut<T> {
     fn cut(&self) -> &[T];
 }

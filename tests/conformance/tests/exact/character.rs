@@ -1,4 +1,4 @@
-//! A small character with everything that a reduction is made of.
+//! A small character with all inputs of a reduction.
 
 use conformance::poses::rigid_motion;
 use faer::Mat;
@@ -21,7 +21,7 @@ use sinew_trainer::progress::Silent;
 const PROXIES: usize = 9;
 const INFLUENCES: usize = 4;
 
-/// Lengths are in units of the rest diagonal.
+/// A fitted character; lengths are in units of the rest diagonal.
 pub(crate) struct Character<'a> {
     pub(crate) joint_len: usize,
     /// The rest mesh and the training frames.
@@ -34,7 +34,7 @@ pub(crate) struct Character<'a> {
     pub(crate) joints: Weights,
     /// The quarter of the vertices with the least LBS error.
     pub(crate) fixed: Vec<bool>,
-    /// D_l of every pose, P.
+    /// D_l for every pose; P lists.
     pub(crate) sequences: Vec<Vec<Matrix3<f64>>>,
 }
 
@@ -93,7 +93,7 @@ impl<'a> Character<'a> {
         self.sequences.iter().map(fit).collect()
     }
 
-    /// Moves every vertex by its blended transforms.
+    /// Moves every vertex by its blended transform.
     pub(crate) fn skin(&self, transforms: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
         let position = |v: usize| {
             let blended: Matrix3x4<f64> =
@@ -104,7 +104,7 @@ impl<'a> Character<'a> {
     }
 }
 
-/// Carries every frame off by a rigid motion of its own, joints and mesh alike.
+/// Moves every frame by its own rigid motion, joints and mesh together.
 pub(crate) fn moved_examples(examples: &Examples) -> (Examples, Vec<Matrix3x4<f64>>) {
     let mut random = ChaCha8Rng::seed_from_u64(4);
     let near = examples.diagonal() / 50.0;

@@ -1,6 +1,6 @@
-//! The reduction's exact properties (METHOD §1.7), in f64: what holds in real arithmetic holds to
-//! rounding. Expected values are the rest mesh, moved meshes, the published formulas written out,
-//! and the full reconstruction; never the reduction itself.
+//! The exact properties of the reduction (METHOD §1.7), in f64: identities of real arithmetic hold
+//! up to rounding. Expected values are the rest mesh, moved meshes, the published formulas written
+//! out, and the full reconstruction; never the reduction itself.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
@@ -37,7 +37,7 @@ use sinew_trainer::progress::Silent;
 
 type Transform = Matrix3x4<f64>;
 
-/// Strong enough for a condition near 1e4, so that solving keeps the digits that are asked for.
+/// Strong enough for a condition near 1e4, so that solving keeps the digits that the tests require.
 const ANCHORS: Anchors = Anchors { near_rigid: 1e3, patch: 1e-2 };
 
 /// Evaluates `t = c1 d + c2 q`: P transforms.
@@ -52,7 +52,7 @@ fn transforms(
     (0..t.nrows() / 4).map(|l| Transform::from_fn(|r, c| t[(4 * l + c, r)])).collect()
 }
 
-/// The largest distance of a character's skin under transforms from expected positions.
+/// Returns the largest distance of a character's skin, under transforms, from expected positions.
 fn largest_distance(character: &Character, transforms: &[Transform], expected: &[[f64; 3]]) -> f64 {
     let skinned = character.skin(transforms);
     assert!(skinned.len() == expected.len() && !expected.is_empty());
@@ -74,7 +74,7 @@ fn the_rest_pose_gives_the_rest_mesh() {
     let (mut d, q) = rest_pose(&character);
     let rest = &character.training.rest;
     assert!(largest_distance(&character, &transforms(&reduced, &d, &q), rest) <= EXACT);
-    // One gradient that is not at rest is seen.
+    // Control: one gradient off rest is detected.
     d[0] *= 1.0 + 1e-9;
     assert!(largest_distance(&character, &transforms(&reduced, &d, &q), rest) > EXACT);
 }
@@ -181,11 +181,12 @@ fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted
         let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
         let none = vec![[0.0; 3]; pose.len()];
         let root = pose[oracle.skeleton.root()];
-        // The file's numbers are off by u each: less than what an evaluation in f32 rounds.
+        // Each of the file's numbers has an error of u, which is less than the rounding of an f32
+        // evaluation.
         let (found, _) = whole(&oracle, &Inexact::exact(pose), &none, Arithmetic::IEEE);
         for (l, (transform, error)) in found.value.iter().zip(&found.error).enumerate() {
             let mut t = Transform::from_fn(|r, c| expected[(3 * frame + r, 4 * l + c)]);
-            // Training sees lengths in its unit, about its centre.
+            // Training uses its own unit and centre.
             let centre = nalgebra::Vector3::from(training.centre);
             let origin = t.column(3) * training.unit + centre - linear(&t) * centre;
             t.set_column(3, &origin);

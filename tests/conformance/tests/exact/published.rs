@@ -1,5 +1,5 @@
 //! S3 §2.3 written out: the 12P x 12P system with Kronecker products, with METHOD's corrections,
-//! against c1 ⊗ I₃ and c2 ⊗ I₃.
+//! compared with c1 ⊗ I₃ and c2 ⊗ I₃.
 
 use conformance::tolerance::SOLVED;
 use faer::Mat;
@@ -14,7 +14,7 @@ const TRIANGLES: usize = 20;
 const PROXIES: usize = 3;
 const JOINTS: usize = 2;
 
-/// A mesh of random corners and random weights.
+/// A mesh with random triangles and random weights.
 struct Mesh {
     rest: Vec<[f64; 3]>,
     triangles: Vec<[usize; 3]>,
@@ -62,12 +62,12 @@ impl Mesh {
         }
     }
 
-    /// Φ_a: 3 x 12P, so that Φ_a t = y_a for t a stack of vec(T_l).
+    /// Returns Φ_a (3 x 12P), with Φ_a t = y_a for the stack t of vec(T_l).
     fn phi(&self, vertex: usize) -> DMatrix<f64> {
         embed(self.proxies.of(vertex), &self.rest[vertex], PROXIES)
     }
 
-    /// Ψ_a: 3 x 12J.
+    /// Returns Ψ_a (3 x 12J).
     fn psi(&self, vertex: usize) -> DMatrix<f64> {
         embed(self.joints.of(vertex), &self.rest[vertex], JOINTS)
     }
@@ -89,7 +89,7 @@ impl System {
             for j in [1, 2] {
                 let (first, last) = (triangle[0], triangle[j]);
                 let (phi_1, phi_j) = (mesh.phi(first), mesh.phi(last));
-                // What t is multiplied by, and what is known of the edge.
+                // The factor of t; the known part of the edge goes to B2.
                 let free = match (mesh.fixed[first], mesh.fixed[last]) {
                     (true, true) => continue,
                     (false, false) => &phi_j - &phi_1,
@@ -115,8 +115,8 @@ impl System {
         Self { a, b1, b2 }
     }
 
-    /// METHOD's anchors: F at its LBS positions, then every patch at its LBS transform, through the
-    /// corners of a tetrahedron about its centroid.
+    /// Adds METHOD's anchors: F at its LBS positions, then every patch at its LBS transform,
+    /// through the corners of a tetrahedron about its centroid.
     fn anchor(&mut self, mesh: &Mesh, anchors: Anchors) {
         let edge = |a: usize, b: usize| {
             (Vector3::from(mesh.rest[a]) - Vector3::from(mesh.rest[b])).norm_squared()
@@ -167,7 +167,7 @@ impl System {
         }
     }
 
-    /// C1 and C2, of the least norm where A is singular.
+    /// Returns C1 and C2, with the least norm if A is singular.
     fn solve(&self) -> [DMatrix<f64>; 2] {
         let eigen = self.a.clone().symmetric_eigen();
         let most = eigen.eigenvalues.amax();
@@ -190,7 +190,7 @@ fn weights(items: usize, transforms: usize, random: &mut ChaCha8Rng) -> Weights 
     Weights::from_lists(transforms, (0..items).map(list).collect::<Vec<_>>().into_iter())
 }
 
-/// `weights ⊗ [x 1] ⊗ I₃`: 3 x 12 transforms.
+/// Returns `weights ⊗ [x 1] ⊗ I₃`: 3 rows, 12 columns a transform.
 fn embed(
     weights: impl Iterator<Item = (usize, f64)>,
     x: &[f64; 3],
@@ -205,7 +205,7 @@ fn embed(
     out
 }
 
-/// c ⊗ I₃.
+/// Returns c ⊗ I₃.
 fn expand(c: &Mat<f64>) -> DMatrix<f64> {
     let c = DMatrix::from_fn(c.nrows(), c.ncols(), |row, column| c[(row, column)]);
     c.kronecker(&DMatrix::<f64>::identity(3, 3))
@@ -246,7 +246,7 @@ fn with_anchors() {
 }
 
 #[test]
-fn a_wrong_block_or_a_wrong_set_is_told_apart() {
+fn a_wrong_block_or_a_wrong_set_is_detected() {
     let mesh = Mesh::new(3, 5, None);
     let mut system = System::published(&mesh);
     system.b1.columns_mut(0, 9).neg_mut();

@@ -1,5 +1,5 @@
-//! With one proxy a vertex and one key a triangle nothing is reduced: the reduction is then the full
-//! Poisson reconstruction.
+//! With one proxy for each vertex and one key for each triangle, nothing is reduced: the reduction
+//! equals the full Poisson reconstruction.
 
 use conformance::tolerance::PSEUDO_SOLVED;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -14,7 +14,7 @@ const COLUMNS: usize = 5;
 const ROWS: usize = 6;
 const JOINTS: usize = 3;
 
-/// A hilly grid.
+/// Returns a hilly grid: vertices and triangles.
 fn grid() -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let at = |x: usize, y: usize| {
         let (x, y) = (x as f64, y as f64);
@@ -29,7 +29,7 @@ fn grid() -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     (rest, quads.flat_map(|(x, y)| quad(x, y)).collect())
 }
 
-/// One transform each.
+/// Returns weights with a separate transform for each item.
 fn own(items: usize) -> Weights {
     Weights::from_lists(1, (0..items).map(|item| vec![(item, 1.0)]))
 }
@@ -49,7 +49,7 @@ fn the_reduction_of_nothing_is_the_full_reconstruction() {
             proxies: &own(rest.len()),
             keys: &own(triangles.len()),
             joints: &joints,
-            // As many as the more numerous of the two; what nothing follows stays 0.
+            // The larger of the two counts; transforms that nothing follows stay 0.
             proxy_len: rest.len().max(triangles.len()),
             joint_len: JOINTS,
             fixed: &fixed,

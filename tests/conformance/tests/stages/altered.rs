@@ -1,6 +1,7 @@
-//! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
+//! Faulty backends: the runtime with altered outputs, and one that does nothing.
 
-use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::backend::{Backend, Failure, Gradients, Loaded, Whole};
+use conformance::cpu::Cpu;
 use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
 use conformance::shapes::ShapeSubject;
@@ -8,7 +9,7 @@ use conformance::tolerance::Arithmetic;
 use sinew_gpu::layout::{ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 
-/// What a stage was given, and what it gives.
+/// Inputs and outputs of a stage.
 pub(crate) enum Step<'a> {
     Gradients {
         poses: &'a [Matrix3x4],
@@ -53,12 +54,27 @@ pub(crate) enum Step<'a> {
     },
 }
 
-/// Hands every step to a closure, and says how exactly it computes.
-pub(crate) struct Altered<F>(pub(crate) F, pub(crate) Arithmetic);
+/// The runtime with altered outputs, or a backend that does nothing.
+pub(crate) struct Altered<F> {
+    /// Alters the outputs of each step; `None` leaves all outputs as they come.
+    alter: Option<F>,
+    /// The precision that the backend claims.
+    arithmetic: Arithmetic,
+}
+
+/// Returns the runtime with outputs that a closure alters.
+pub(crate) fn altered<F: Fn(Step<'_>)>(alter: F, arithmetic: Arithmetic) -> Altered<F> {
+    Altered { alter: Some(alter), arithmetic }
+}
+
+/// Returns a backend that writes nothing, and reports success.
+pub(crate) fn idle() -> Altered<fn(Step<'_>)> {
+    Altered { alter: None, arithmetic: Arithmetic::IEEE }
+}
 
 impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn arithmetic(&self) -> Arithmetic {
-        self.1
+        self.arithmetic
     }
 
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
@@ -71,8 +87,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         poses: &[Matrix3x4],
         out: &mut Gradients,
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.gradients(loaded, poses, out)?;
-        (self.0)(Step::Gradients { poses, out });
+        alter(Step::Gradients { poses, out });
         Ok(())
     }
 
@@ -83,8 +100,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         input: &Gradients,
         out: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.palette(loaded, poses, input, out)?;
-        (self.0)(Step::Palette { poses, input, out });
+        alter(Step::Palette { poses, input, out });
         Ok(())
     }
 
@@ -94,6 +112,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         poses: &[Matrix3x4],
         out: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
+        if self.alter.is_none() {
+            return Ok(());
+        }
         Cpu.joints(loaded, poses, out)
     }
 
@@ -103,8 +124,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         poses: &[Matrix3x4],
         out: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.features(loaded, poses, out)?;
-        (self.0)(Step::Features { poses, out });
+        alter(Step::Features { poses, out });
         Ok(())
     }
 
@@ -116,9 +138,10 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         out: &mut [Matrix3x4],
         confidences: &mut [f32],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         let base = out.to_vec();
         Cpu.correction(loaded, poses, features, out, confidences)?;
-        (self.0)(Step::Correction { poses, features, base, out, confidences });
+        alter(Step::Correction { poses, features, base, out, confidences });
         Ok(())
     }
 
@@ -128,8 +151,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         rotations: &[[f32; 3]],
         out: &mut [f32],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.confidence(loaded, rotations, out)?;
-        (self.0)(Step::Confidence { rotations, out });
+        alter(Step::Confidence { rotations, out });
         Ok(())
     }
 
@@ -140,8 +164,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         skin: &SkinBatch,
         out: &mut [f32],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.skin(loaded, palettes, skin, out)?;
-        (self.0)(Step::Skin { palettes, skin, out });
+        alter(Step::Skin { palettes, skin, out });
         Ok(())
     }
 
@@ -152,8 +177,9 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         out: &mut [f32],
         confidences: &mut [f32],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.kernel(subject, queries, out, confidences)?;
-        (self.0)(Step::Kernel { queries, out, confidences });
+        alter(Step::Kernel { queries, out, confidences });
         Ok(())
     }
 
@@ -163,14 +189,16 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         batch: &ShapesBatch,
         out: &mut [f32],
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.shapes(subject, batch, out)?;
-        (self.0)(Step::Shapes { batch, out });
+        alter(Step::Shapes { batch, out });
         Ok(())
     }
 
     fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.filter(subject, out)?;
-        (self.0)(Step::Filter { out });
+        alter(Step::Filter { out });
         Ok(())
     }
 
@@ -181,102 +209,10 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
         Cpu.whole(loaded, poses, skin, out)?;
         let Whole { palettes, skin: out, .. } = out;
-        (self.0)(Step::Skin { palettes, skin, out });
-        Ok(())
-    }
-}
-
-/// Says that it has worked.
-pub(crate) struct Idle;
-
-impl Backend for Idle {
-    fn arithmetic(&self) -> Arithmetic {
-        Cpu.arithmetic()
-    }
-
-    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
-        Cpu.has(loaded, stage)
-    }
-
-    fn gradients(&self, _: &Loaded<'_>, _: &[Matrix3x4], _: &mut Gradients) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn palette(
-        &self,
-        _: &Loaded<'_>,
-        _: &[Matrix3x4],
-        _: &Gradients,
-        _: &mut [Matrix3x4],
-    ) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn joints(&self, _: &Loaded<'_>, _: &[Matrix3x4], _: &mut [Matrix3x4]) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn features(
-        &self,
-        _: &Loaded<'_>,
-        _: &[Matrix3x4],
-        _: &mut [Matrix3x4],
-    ) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn correction(
-        &self,
-        _: &Loaded<'_>,
-        _: &[Matrix3x4],
-        _: &[Matrix3x4],
-        _: &mut [Matrix3x4],
-        _: &mut [f32],
-    ) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn confidence(&self, _: &Loaded<'_>, _: &[[f32; 3]], _: &mut [f32]) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn skin(
-        &self,
-        _: &Loaded<'_>,
-        _: &[Matrix3x4],
-        _: &SkinBatch,
-        _: &mut [f32],
-    ) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn kernel(
-        &self,
-        _: &KernelSubject<'_>,
-        _: &[f32],
-        _: &mut [f32],
-        _: &mut [f32],
-    ) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn shapes(&self, _: &ShapeSubject<'_>, _: &ShapesBatch, _: &mut [f32]) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn filter(&self, _: &FilterSubject<'_>, _: &mut [f32]) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    fn whole(
-        &self,
-        _: &Loaded<'_>,
-        _: &[Matrix3x4],
-        _: &SkinBatch,
-        _: &mut Whole,
-    ) -> Result<(), Failure> {
+        alter(Step::Skin { palettes, skin, out });
         Ok(())
     }
 }

@@ -1,10 +1,11 @@
-//! Negative controls: a backend that is wrong once, by twice the tolerance, is caught, and so is one
-//! that writes nothing.
+//! Negative controls: a backend with one value off by twice the tolerance is caught, and so is a
+//! backend that writes nothing.
 
-use crate::altered::{Altered, Idle, Step};
+use crate::altered::{Step, altered, idle};
 use ::models::Pieces;
-use conformance::backend::{Backend, Cpu, Failure, Loaded, part};
+use conformance::backend::{Backend, Failure, Loaded, part};
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::models::{self, SHAPES, shape_of};
 use conformance::poses::widened;
@@ -27,9 +28,9 @@ enum Output {
     Palette,
     Features,
     Correction,
-    /// Of the correction.
+    /// The confidence of the correction.
     CorrectionConfidence,
-    /// Of a rotational model.
+    /// The confidence of a rotational model.
     Confidence,
     Positions,
     Normals,
@@ -51,7 +52,7 @@ const OUTPUTS: [Output; 11] = [
 ];
 
 impl Output {
-    /// The predictor of a model to look at it on.
+    /// Returns the predictor of a model that has the output.
     fn predictor(self) -> Predictor {
         match self {
             Self::Features | Self::Correction | Self::CorrectionConfidence => Predictor::Kernel,
@@ -71,17 +72,17 @@ impl Output {
     }
 }
 
-/// Puts one value of one output `factor` tolerances off, once.
+/// Changes one value of one output, once, to an error of `factor` tolerances.
 struct Spoil<'a> {
     subject: &'a Subject<'a>,
     output: Output,
     factor: f64,
-    /// Values seen that may be off at all.
+    /// Number of values so far that have a tolerance above 0.
     seen: Cell<usize>,
 }
 
 impl Spoil<'_> {
-    /// Counts a value that may be off at all, and spoils the tenth.
+    /// Counts a value if its tolerance is above 0, and changes the tenth.
     fn off(&self, value: &mut f32, expected: f64, tolerance: f64) {
         if tolerance > 0.0 {
             self.seen.set(self.seen.get() + 1);
@@ -198,7 +199,7 @@ impl Spoil<'_> {
     }
 }
 
-/// Runs a body on a backend that is once `factor` tolerances off.
+/// Compares a backend with one error of `factor` tolerances.
 fn off_by(
     subject: &Subject<'_>,
     output: Output,
@@ -206,7 +207,7 @@ fn off_by(
     body: stages::Body,
 ) -> Result<(), Mismatch> {
     let spoil = Spoil { subject, output, factor, seen: Cell::new(0) };
-    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step), IEEE), subject)
+    let findings = body(&altered(|step: Step<'_>| spoil.alter(step), IEEE), subject)
         .expect("the backend gives something");
     assert!(spoil.seen.get() >= 10, "{output:?} was reached");
     sound(&findings)
@@ -230,7 +231,7 @@ fn a_value_within_its_tolerance_still_counts_as_one_that_differs() {
     let subject = Subject::new("random", &bytes, FEWER_POSES);
     let spoil =
         Spoil { subject: &subject, output: Output::Palette, factor: 0.9, seen: Cell::new(0) };
-    let backend = Altered(|step: Step<'_>| spoil.alter(step), IEEE);
+    let backend = altered(|step: Step<'_>| spoil.alter(step), IEEE);
     let [Finding { differing, worst, .. }] = stages::palette::body(&backend, &subject).unwrap()[..]
     else {
         panic!("one output");
@@ -240,7 +241,7 @@ fn a_value_within_its_tolerance_still_counts_as_one_that_differs() {
 }
 
 #[test]
-fn a_vertex_astray_is_caught_from_end_to_end_and_by_the_bounds() {
+fn a_misplaced_vertex_is_caught_from_pose_to_skin_and_by_the_bounds() {
     for predictor in Predictor::ALL {
         let bytes = models::random(shape_of(predictor));
         let subject = Subject::new("random", &bytes, 28);
@@ -248,7 +249,7 @@ fn a_vertex_astray_is_caught_from_end_to_end_and_by_the_bounds() {
         assert!(off_by(1e6, whole::body).is_err());
         assert!(off_by(1e6, whole::equivariance).is_err());
         assert!(off_by(1e9, bounds::body).is_err());
-        // Layouts are compared with each other, so a value that is wrong once is one that differs.
+        // Layouts are compared bit by bit, so a single changed value is detected.
         assert!(off_by(2.0, layout::body).is_err());
     }
 }
@@ -261,18 +262,18 @@ fn an_output_left_alone_is_caught() {
     for output in OUTPUTS {
         let bytes = models::random(shape_of(output.predictor()));
         let subject = Subject::new("random", &bytes, 2);
-        assert!(caught(&Idle, stages::body(output.stage()), &subject), "{output:?}");
+        assert!(caught(&idle(), stages::body(output.stage()), &subject), "{output:?}");
     }
     for predictor in Predictor::ALL {
         let bytes = models::random(shape_of(predictor));
         let subject = Subject::new("random", &bytes, 28);
         let bodies: [stages::Body; 4] = [whole::body, whole::rest, layout::body, bounds::body];
         for (number, body) in bodies.into_iter().enumerate() {
-            assert!(caught(&Idle, body, &subject), "{predictor:?}, body {number}");
+            assert!(caught(&idle(), body, &subject), "{predictor:?}, body {number}");
         }
         if predictor.corrects() {
-            // Only says how certain it is.
-            let uncorrected = Altered(
+            // Returns the confidence, but adds no correction.
+            let uncorrected = altered(
                 |step: Step<'_>| {
                     if let Step::Correction { base, out, .. } = step {
                         out.copy_from_slice(&base);
@@ -285,10 +286,10 @@ fn an_output_left_alone_is_caught() {
         }
     }
     let bytes = models::random(shape_of(Predictor::Kernel));
-    assert!(caught(&Idle, joints::body, &Subject::new("random", &bytes, 1)));
+    assert!(caught(&idle(), joints::body, &Subject::new("random", &bytes, 1)));
 }
 
-/// Runs the stage skin by a file whose tangent coefficients, two halves each, are other ones.
+/// Compares stage skin of a backend whose file has other tangent coefficients (pairs of halves).
 fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismatch> {
     let subject = Subject::new("random", bytes, FEWER_POSES);
     let mut pieces = Pieces::of(bytes).expect("a sound file");
@@ -296,7 +297,7 @@ fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismat
     edit(coefficients.as_chunks_mut().0.as_chunks_mut().0);
     let other = pieces.bytes();
     let other = Loaded::new(&other);
-    let backend = Altered(
+    let backend = altered(
         |step: Step<'_>| {
             if let Step::Skin { palettes, skin, out } = step {
                 let skin = SkinBatch { skin: other.skin.layout(), ..skin.clone() };
@@ -327,10 +328,10 @@ fn other_tangent_coefficients_are_caught() {
 }
 
 #[test]
-fn a_float_between_attributes_is_watched() {
+fn a_write_between_attributes_is_caught() {
     let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 14);
-    let careless = Altered(
+    let careless = altered(
         |step: Step<'_>| {
             if let Step::Skin { out, .. } = step {
                 let last = out.len() - 1;
@@ -349,9 +350,9 @@ fn vulkan_may_divide_and_take_roots_less_exactly_and_the_cpu_may_not() {
         let bytes = models::random(shape_of(output.predictor()));
         let subject = Subject::new("random", &bytes, FEWER_POSES);
         let run = |arithmetic| {
-            // A tenth beyond what one rounding an operation explains.
+            // A tenth more than one rounding for each operation explains.
             let spoil = Spoil { subject: &subject, output, factor: 1.1, seen: Cell::new(0) };
-            let backend = Altered(|step: Step<'_>| spoil.alter(step), arithmetic);
+            let backend = altered(|step: Step<'_>| spoil.alter(step), arithmetic);
             sound(&stages::body(output.stage())(&backend, &subject).unwrap())
         };
         assert_eq!(run(Arithmetic::VULKAN), Ok(()), "{output:?}");

@@ -1,7 +1,8 @@
-//! The kernel maps over very many poses.
+//! The kernel maps, over very many poses.
 
-use conformance::backend::{Cpu, part};
+use conformance::backend::part;
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::models::{self, shape_of};
 use conformance::stages::correction::on;
 use conformance::stages::features::features_of;
@@ -11,13 +12,13 @@ use sinew_runtime::envelope::Predictor;
 
 const IDENTITY: Matrix3x4 = [[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]];
 
-/// Confidence below which a pose is doubted, and above which it is known.
-const DOUBTED: f32 = 0.1;
-const KNOWN: f32 = 0.5;
+/// Confidence of a pose that is outside the trained range (below), and inside (above).
+const LOW: f32 = 0.1;
+const HIGH: f32 = 0.5;
 
-/// What the maps alone give, without a base and a turn that would cover their errors: of the first
-/// group each latent value by itself. At most 0.34 of the maps' bounds is reached, and 0.09 of the confidence's: a
-/// sum of squares, whose errors seldom are all on one side.
+/// Compares the maps alone, without a base and a rotation, which would hide their errors; the first
+/// group's outputs are its latent values. The errors reach at most 0.34 of the maps' bounds, and
+/// 0.09 of the confidence's bound: a sum of squares, whose errors seldom have equal signs.
 #[test]
 fn a_hundred_thousand_poses_are_within_the_bound() {
     let bytes = models::random(shape_of(Predictor::Kernel));
@@ -32,7 +33,7 @@ fn a_hundred_thousand_poses_are_within_the_bound() {
         let (findings, confidences) = on(&Cpu, &subject, &still, features, &nothing).unwrap();
         let mut counts = [0; 3];
         for confidence in confidences {
-            counts[if confidence < DOUBTED { 0 } else { 1 + usize::from(confidence > KNOWN) }] += 1;
+            counts[if confidence < LOW { 0 } else { 1 + usize::from(confidence > HIGH) }] += 1;
         }
         (findings, counts)
     };

@@ -1,8 +1,9 @@
-//! Filters against their f64 oracle, and what is wrong with one is caught.
+//! Filters compared with their f64 oracle, and controls that catch a wrong filter.
 
-use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Cpu};
+use crate::altered::{Step, altered, idle};
+use conformance::backend::Backend;
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::filters::{FilterSubject, SIGNALS, filters};
 use conformance::finding::sound;
 use conformance::stages::filter::body;
@@ -23,14 +24,14 @@ fn filters_of_every_shape() {
     assert!(most > 0.05, "a bound without use: {most}");
 }
 
-/// Puts one number a factor of its tolerance off.
+/// Compares a backend with one error of `factor` tolerances.
 fn off_by(subject: &FilterSubject<'_>, factor: f64) -> Result<(), Mismatch> {
     let spoil = |step: Step<'_>| {
         let Step::Filter { out } = step else { return };
         let (value, error) = tolerance::filter(subject, 7);
         out[7] = (value + factor * error) as f32;
     };
-    sound(&body(&Altered(spoil, IEEE), subject).expect("the backend gives something"))
+    sound(&body(&altered(spoil, IEEE), subject).expect("the backend gives something"))
 }
 
 #[test]
@@ -39,11 +40,11 @@ fn one_number_off_by_two_tolerances_is_caught() {
     let subject = FilterSubject::new(&bytes, 2, 3);
     assert!(matches!(off_by(&subject, 2.0), Err(Mismatch::Beyond { .. })));
     assert_eq!(off_by(&subject, 0.5), Ok(()));
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
-/// What a backend finds that takes a filter for another: whether it is sound.
-fn taken_for(edit: impl FnOnce(&mut FilterContent)) -> bool {
+/// Whether a backend that uses another filter passes the comparison.
+fn passes_with(edit: impl FnOnce(&mut FilterContent)) -> bool {
     let content = FilterContent::sample(2, 9);
     let mut other = content.clone();
     edit(&mut other);
@@ -51,7 +52,7 @@ fn taken_for(edit: impl FnOnce(&mut FilterContent)) -> bool {
     let subject = FilterSubject::new(&bytes, 2, 3);
     let mut other = FilterSubject::new(&other, 2, 3);
     other.samples.clone_from(&subject.samples);
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Filter { out } = step else { return };
             Cpu.filter(&other, out).expect("it is as large");
@@ -63,9 +64,9 @@ fn taken_for(edit: impl FnOnce(&mut FilterContent)) -> bool {
 
 #[test]
 fn another_tap_phase_or_border_is_caught() {
-    assert!(taken_for(|_| {}));
-    assert!(!taken_for(|own| own.taps[40] += 1e-3), "a tap");
-    assert!(!taken_for(|own| own.taps.rotate_left(9)), "a phase");
-    assert!(!taken_for(|own| own.taps.swap(0, 1)), "at the start");
-    assert!(!taken_for(|own| own.taps.swap(160, 161)), "at the end");
+    assert!(passes_with(|_| {}));
+    assert!(!passes_with(|own| own.taps[40] += 1e-3), "a tap");
+    assert!(!passes_with(|own| own.taps.rotate_left(9)), "a phase");
+    assert!(!passes_with(|own| own.taps.swap(0, 1)), "at the start");
+    assert!(!passes_with(|own| own.taps.swap(160, 161)), "at the end");
 }

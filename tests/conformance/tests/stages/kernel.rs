@@ -1,8 +1,9 @@
-//! Kernels against their f64 oracle, and what is wrong with one is caught.
+//! Kernels compared with their f64 oracle, and controls that catch a wrong kernel.
 
-use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Cpu, part};
+use crate::altered::{Step, altered, idle};
+use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::kernels::{KernelSubject, QUERIES, kernels};
 use conformance::stages::kernel::body;
@@ -27,14 +28,14 @@ fn kernel() {
     assert!(most.iter().all(|most| *most > 0.1), "a bound without use: {most:?}");
 }
 
-/// A kernel that has everything, and its oracle.
+/// Returns a file of a kernel with every kind of input and output, edited.
 fn file(edit: impl Fn(&mut KernelContent)) -> Vec<u8> {
     let mut content = KernelContent::every(Kernel::Matern52);
     edit(&mut content);
     Pieces::kernels(&[content]).bytes()
 }
 
-/// Puts one output, or one confidence, a factor of its tolerance off, once.
+/// Compares a backend with one error of `factor` tolerances, in an output or in a confidence.
 fn off_by(subject: &KernelSubject<'_>, of_confidence: bool, factor: f64) -> Result<(), Mismatch> {
     let seen = Cell::new(0);
     let spoil = |step: Step<'_>| {
@@ -57,7 +58,7 @@ fn off_by(subject: &KernelSubject<'_>, of_confidence: bool, factor: f64) -> Resu
             }
         }
     };
-    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
+    let findings = body(&altered(spoil, IEEE), subject).expect("the backend gives something");
     assert!(seen.get() >= 10, "it was reached");
     sound(&findings)
 }
@@ -71,16 +72,16 @@ fn one_value_off_by_two_tolerances_is_caught() {
         assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{caught:?}");
         assert_eq!(off_by(&subject, of_confidence, 0.5), Ok(()));
     }
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
-/// What a backend finds that takes a file for another: whether it is sound, and how many values differ.
-fn taken_for(other: &[u8]) -> (bool, usize) {
+/// Whether a backend that uses another file passes the comparison, and how many values differ.
+fn passes_with(other: &[u8]) -> (bool, usize) {
     let bytes = file(|_| {});
     let subject = KernelSubject::new(&bytes, QUERIES);
     let model = Model::from_bytes(other).expect("a kernel loads");
     let kernel = model.kernel().expect("it holds a kernel");
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Kernel { queries, out, confidences } = step else { return };
             let other = KernelSubject { kernel, ..KernelSubject::new(&bytes, 1) };
@@ -94,15 +95,15 @@ fn taken_for(other: &[u8]) -> (bool, usize) {
 
 #[test]
 fn another_kernel_or_coefficient_is_caught_and_another_order_counted() {
-    assert_eq!(taken_for(&file(|_| {})), (true, 0));
-    let (number, _) = taken_for(&file(|own| own.rule.kernel = Kernel::Matern32));
-    let (coefficient, _) = taken_for(&file(|own| own.coefficients[4][3] *= 1.001));
-    let (centre, _) = taken_for(&file(|own| own.centres[2][1] += 1e-3));
-    let (term, _) = taken_for(&file(|own| own.terms[26] = [3, 3]));
-    let (rule, _) = taken_for(&file(|own| own.rule.fade.1 *= 1.001));
+    assert_eq!(passes_with(&file(|_| {})), (true, 0));
+    let (number, _) = passes_with(&file(|own| own.rule.kernel = Kernel::Matern32));
+    let (coefficient, _) = passes_with(&file(|own| own.coefficients[4][3] *= 1.001));
+    let (centre, _) = passes_with(&file(|own| own.centres[2][1] += 1e-3));
+    let (term, _) = passes_with(&file(|own| own.terms[26] = [3, 3]));
+    let (rule, _) = passes_with(&file(|own| own.rule.fade.1 *= 1.001));
     assert_eq!([number, coefficient, centre, term, rule], [false; 5]);
-    // Centres from the last to the first: the same sums in another order.
-    let (is_sound, differing) = taken_for(&file(|own| {
+    // Reversed centres: equal sums in another order.
+    let (is_sound, differing) = passes_with(&file(|own| {
         own.centres.reverse();
         let n = own.centres.len();
         own.coefficients.iter_mut().for_each(|row| row[..n].reverse());

@@ -1,22 +1,25 @@
-//! The runtime's stages against the f64 oracle: one body a stage, run on the oracle's tolerances over
-//! models of every shape and over more than a thousand poses.
+//! The runtime's stages compared with the f64 oracle: one comparison for each stage, within the
+//! oracle's tolerances, on models of every shape and more than a thousand poses.
 
 mod altered;
 mod controls;
 mod correction;
-mod empty;
 mod filter;
 mod kernel;
 mod shapes;
 
-use conformance::backend::Cpu;
+use conformance::backend::Loaded;
+use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
+use conformance::models::{self, SHAPES};
+use conformance::stages::skin::{skinned_by, whole_of};
 use conformance::stages::{Body, applies, body, bounds, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject, characters, random};
-use sinew_gpu::layout::Stage;
+use sinew_gpu::layout::{SkinBatch, Stage};
 
-/// Runs a body on every model that has vertices and that it is of, and prints the largest ratios of
-/// an error to its tolerance.
+/// Runs a comparison on every model that has vertices and for which `of` is true, and prints the
+/// largest ratios of an error to its tolerance.
 fn on_models_of(of: impl Fn(&Subject<'_>) -> bool, pose_len: usize, body: Body) {
     let mut count = 0;
     for subject in characters().into_iter().chain(random()).filter(of) {
@@ -101,4 +104,25 @@ fn layouts_and_ranges() {
 #[test]
 fn bounds() {
     on_every_model(bounds::body);
+}
+
+#[test]
+fn a_mesh_without_vertices_has_a_palette_and_nothing_to_skin() {
+    for shape in SHAPES.into_iter().filter(|shape| shape.vertices == 0) {
+        let bytes = models::random(shape);
+        let subject = Subject::new("nothing", &bytes, 14);
+        let Loaded { envelope, skin: own, .. } = &subject.loaded;
+        if shape.predictor.reconstructs() {
+            assert_eq!(sound(&body(Stage::Palette)(&Cpu, &subject).unwrap()), Ok(()));
+        }
+        if shape.predictor.corrects() {
+            assert_eq!(sound(&body(Stage::Correction)(&Cpu, &subject).unwrap()), Ok(()));
+        }
+        let palettes = whole_of(&Cpu, &subject).unwrap().palettes;
+        assert!(SkinBatch::new(own).vertices.is_empty());
+        assert!(skinned_by(&Cpu, &subject, &palettes).unwrap().positions.is_empty());
+        assert_eq!(own.bounds(&palettes[..envelope.palette_len()], 0.0).unwrap(), None);
+        let findings = body(Stage::Skin)(&Cpu, &subject).unwrap();
+        assert_eq!(sound(&findings), Err(Mismatch::Empty), "it proves nothing");
+    }
 }

@@ -1,8 +1,9 @@
-//! Shapes against their f64 oracle, and what is wrong with one is caught.
+//! Shapes compared with their f64 oracle, and controls that catch wrong shapes.
 
-use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Cpu, part};
+use crate::altered::{Step, altered, idle};
+use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
+use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
 use conformance::shapes::{FACES, ShapeSubject, shapes};
 use conformance::stages::shapes::body;
@@ -28,7 +29,7 @@ fn shapes_of_every_skin() {
     assert!(most.iter().all(|most| *most > 0.05), "a bound without use: {most:?}");
 }
 
-/// A skin whose shapes are of whole numbers, with tangents.
+/// Returns a file of a skin with tangents and with shapes in whole numbers, edited.
 fn file(edit: impl Fn(&mut ShapeContent)) -> Vec<u8> {
     let shape = Shape { vertices: VERTICES, tangents: true, ..SMALL };
     let mut content = ShapeContent::sample(Element::I8, 7, VERTICES);
@@ -38,12 +39,12 @@ fn file(edit: impl Fn(&mut ShapeContent)) -> Vec<u8> {
     pieces.bytes()
 }
 
-/// Puts one float of an attribute a factor of its tolerance off, once.
+/// Compares a backend with one error of `factor` tolerances, in a float of an attribute.
 fn off_by(subject: &ShapeSubject<'_>, attribute: usize, factor: f64) -> Result<(), Mismatch> {
     let seen = Cell::new(0);
     let spoil = |step: Step<'_>| {
         let Step::Shapes { batch, out } = step else { return };
-        // Of the whole mesh, not of the range.
+        // Only in the whole mesh, not in the range.
         if batch.vertices.len() != VERTICES {
             return;
         }
@@ -62,7 +63,7 @@ fn off_by(subject: &ShapeSubject<'_>, attribute: usize, factor: f64) -> Result<(
             }
         }
     };
-    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
+    let findings = body(&altered(spoil, IEEE), subject).expect("the backend gives something");
     assert!(seen.get() >= 10, "it was reached");
     sound(&findings)
 }
@@ -76,15 +77,15 @@ fn one_value_off_by_two_tolerances_is_caught() {
         assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{attribute}: {caught:?}");
         assert_eq!(off_by(&subject, attribute, 0.5), Ok(()));
     }
-    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+    assert!(sound(&body(&idle(), &subject).unwrap()).is_err(), "an output left alone");
 }
 
-/// What a backend finds that takes a file for another: whether it is sound.
-fn taken_for(other: &[u8]) -> bool {
+/// Whether a backend that uses another file passes the comparison.
+fn passes_with(other: &[u8]) -> bool {
     let bytes = file(|_| {});
     let subject = ShapeSubject::new(&bytes, 12);
     let other = ShapeSubject { weights: subject.weights.clone(), ..ShapeSubject::new(other, 12) };
-    let wrong = Altered(
+    let wrong = altered(
         |step: Step<'_>| {
             let Step::Shapes { batch, out } = step else { return };
             Cpu.shapes(&other, batch, out).expect("it is no larger");
@@ -96,11 +97,11 @@ fn taken_for(other: &[u8]) -> bool {
 
 #[test]
 fn another_step_mask_number_or_slope_is_caught() {
-    assert!(taken_for(&file(|_| {})));
-    assert!(!taken_for(&file(|own| own.steps[2][0] *= 1.001)), "a step");
-    assert!(!taken_for(&file(|own| own.steps[2][1] *= 1.001)), "a slope's");
-    assert!(!taken_for(&file(|own| own.moved[3][90] = None)), "a bit of a mask");
-    assert!(!taken_for(&file(|own| own.moved[0][64].as_mut().unwrap()[2] += 1.0)), "a number");
-    assert!(!taken_for(&file(|own| own.moved[0][129].as_mut().unwrap()[4] += 1.0)), "a slope");
-    assert!(!taken_for(&file(|own| own.moved[0].swap(63, 64))), "another block's");
+    assert!(passes_with(&file(|_| {})));
+    assert!(!passes_with(&file(|own| own.steps[2][0] *= 1.001)), "a step");
+    assert!(!passes_with(&file(|own| own.steps[2][1] *= 1.001)), "a slope's");
+    assert!(!passes_with(&file(|own| own.moved[3][90] = None)), "a bit of a mask");
+    assert!(!passes_with(&file(|own| own.moved[0][64].as_mut().unwrap()[2] += 1.0)), "a number");
+    assert!(!passes_with(&file(|own| own.moved[0][129].as_mut().unwrap()[4] += 1.0)), "a slope");
+    assert!(!passes_with(&file(|own| own.moved[0].swap(63, 64))), "another block's");
 }

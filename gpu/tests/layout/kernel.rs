@@ -1,4 +1,4 @@
-//! Batches of a kernel: what a plan refuses, where it cuts, and that what is cut lies where the whole would.
+//! Batches of a kernel: refusals, cuts, and the places of arrays in chunks.
 
 use crate::common::kernels::odd_batch;
 use crate::common::load;
@@ -12,7 +12,7 @@ use sinew_runtime::kernel::Kernel;
 
 const LIMITS: DeviceLimits = DeviceLimits::DOWNLEVEL;
 
-/// A file of a servo and, behind it, a kernel that has everything.
+/// A file of a servo and, behind it, a kernel with every kind of input and output.
 fn file() -> Vec<u8> {
     let contents = [KernelContent::servo(), KernelContent::every(Kernel::Gaussian)];
     Pieces::kernels(&contents).bytes()
@@ -40,9 +40,9 @@ fn one_stage_has_a_workgroup_a_query() {
     }
 }
 
-/// Each float of each query lies in its chunk's binding where it would lie in the whole buffer.
+/// In a chunk's binding, each float of each query is at its place in the whole buffer.
 #[test]
-fn what_is_cut_lies_where_the_whole_would() {
+fn chunks_keep_the_places_of_the_whole_batch() {
     let bytes = file();
     let model = load(&bytes);
     let kernel = model.kernel_named("every").unwrap();
@@ -56,7 +56,7 @@ fn what_is_cut_lies_where_the_whole_would() {
     for resource in Resource::ALL.into_iter().filter(|own| *own != Resource::Params) {
         assert_eq!(plan.bytes(resource), whole.bytes(resource), "{resource:?}");
     }
-    // Features, what the metric makes of them, terms and values.
+    // Features, metric features, terms and values.
     let scratch = 25 + 5 + 28 + 9;
     let arrays = [
         (Resource::Scratch, "scratch", Array { offset: 0, stride: scratch }, scratch),
@@ -114,7 +114,7 @@ fn counts_and_sections_are_those_of_the_kernel() {
 }
 
 #[test]
-fn what_is_no_batch_of_the_kernel_is_refused() {
+fn a_batch_that_does_not_fit_the_kernel_is_refused() {
     let bytes = file();
     let model = load(&bytes);
     let kernel = model.kernel_named("every").unwrap();

@@ -1,4 +1,4 @@
-//! What a backend gives, and what it is asked.
+//! The interface of a backend: every stage for a batch of poses.
 
 use crate::compare::{POISON, poisoned};
 use crate::filters::FilterSubject;
@@ -11,14 +11,14 @@ use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_trainer::regression::arithmetic::Arithmetic;
 use thiserror::Error;
 
-/// A file, and the envelope and the skin in it.
+/// A file with its envelope and its skin.
 #[derive(Clone, Copy, Debug)]
 pub struct Loaded<'a> {
     /// The file.
     pub model: Model<&'a [u8]>,
     /// Its envelope.
     pub envelope: Envelope<'a>,
-    /// The skin that follows it.
+    /// The skin that follows the envelope.
     pub skin: Skin<'a>,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Loaded<'a> {
     /// Loads a model.
     ///
     /// # Panics
-    /// If the bytes are no model with an envelope and a skin.
+    /// If the bytes are not a model with an envelope and a skin.
     pub fn new(bytes: &'a [u8]) -> Self {
         let model = Model::from_bytes(bytes).expect("a baked model loads");
         let envelope = model.envelope().and_then(|envelope| envelope.layout().open(bytes));
@@ -36,19 +36,19 @@ impl<'a> Loaded<'a> {
         Self { model, envelope, skin }
     }
 
-    /// Widens what the file holds.
+    /// Converts envelope and skin to f64: the oracles.
     pub fn widened(&self) -> (EnvelopeModel, SkinModel) {
         (EnvelopeModel::from_file(&self.envelope), SkinModel::from_file(&self.skin))
     }
 }
 
-/// An implementation of the stages. `poses` are n J matrices, one instance after the other, as are
-/// all inputs and outputs; outputs come poisoned, and every float of them is to be written.
+/// An implementation of the stages. `poses` are n J matrices, instance after instance; so are all
+/// other inputs and outputs. Outputs come poisoned, and a backend must write every float.
 pub trait Backend {
-    /// Returns how exactly it computes.
+    /// Returns the precision of the backend's arithmetic.
     fn arithmetic(&self) -> Arithmetic;
 
-    /// Whether it evaluates a stage of an envelope and its skin alone.
+    /// Whether the backend evaluates a stage of an envelope and its skin alone.
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
 
     /// Evaluates the joints' relative transforms, their rotations and the keys' gradients.
@@ -74,7 +74,7 @@ pub trait Backend {
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure>;
 
-    /// Copies the joints, and gives each helper the transform of its dominant joint.
+    /// Copies the joints' transforms, and gives each helper the transform of its dominant joint.
     ///
     /// # Errors
     /// [`Failure`]
@@ -96,7 +96,7 @@ pub trait Backend {
         out_features: &mut [Matrix3x4],
     ) -> Result<(), Failure>;
 
-    /// Adds what the kernel maps give to the palettes, which hold their base.
+    /// Adds the results of the kernel maps to the palettes, which hold the base.
     ///
     /// # Errors
     /// [`Failure`]
@@ -109,7 +109,7 @@ pub trait Backend {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
-    /// Evaluates the confidences of a rotational model, of n J rotations.
+    /// Evaluates the confidences of a rotational model from n J rotations.
     ///
     /// # Errors
     /// [`Failure`]
@@ -120,7 +120,7 @@ pub trait Backend {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
-    /// Skins vertices by n palettes; leaves every float between and beyond the attributes alone.
+    /// Skins vertices by n palettes; leaves all floats outside the attributes unchanged.
     ///
     /// # Errors
     /// [`Failure`]
@@ -132,7 +132,7 @@ pub trait Backend {
         out: &mut [f32],
     ) -> Result<(), Failure>;
 
-    /// Goes from n queries of a kernel to outputs and confidences.
+    /// Evaluates n queries of a kernel: outputs and confidences.
     ///
     /// # Errors
     /// [`Failure`]
@@ -144,7 +144,8 @@ pub trait Backend {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
-    /// Goes from the weights of n faces to rest meshes; leaves every float between and beyond the attributes alone.
+    /// Evaluates the rest meshes of n faces from their weights; leaves all floats outside the
+    /// attributes unchanged.
     ///
     /// # Errors
     /// [`Failure`]
@@ -161,7 +162,7 @@ pub trait Backend {
     /// [`Failure`]
     fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure>;
 
-    /// Goes from poses to palettes, confidences and the skin.
+    /// Evaluates palettes, confidences and skins from poses.
     ///
     /// # Errors
     /// [`Failure`]
@@ -174,31 +175,31 @@ pub trait Backend {
     ) -> Result<(), Failure>;
 }
 
-/// Why a backend gives nothing.
+/// Reasons why a backend has no result.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Failure {
-    /// The runtime refuses.
+    /// The runtime refuses the call.
     #[error(transparent)]
     Call(#[from] CallError),
-    /// The device refuses.
+    /// The device reports an error.
     #[error(transparent)]
     Device(#[from] HeadlessError),
     /// The batch cannot be evaluated on the device.
     #[error(transparent)]
     Layout(#[from] LayoutError),
-    /// A float that is not the stage's to write has changed.
+    /// A float that the stage must not write has changed.
     #[error("{stage} has written to float {float} of {resource}, which is not its own")]
     Touched {
-        /// What ran.
+        /// The stage.
         stage: &'static str,
         /// The buffer.
         resource: &'static str,
-        /// The float's place in it.
+        /// Index of the float in the buffer.
         float: usize,
     },
 }
 
-/// What the first stage writes and the second reads.
+/// Outputs of stage gradients, which stage palette reads.
 #[derive(Clone, Debug)]
 pub struct Gradients {
     /// The stack q, 4J columns an instance.
@@ -210,7 +211,7 @@ pub struct Gradients {
 }
 
 impl Gradients {
-    /// Makes outputs for n instances.
+    /// Returns poisoned outputs for n instances.
     pub fn poisoned(envelope: &Envelope<'_>, n: usize) -> Self {
         Self {
             relative: poisoned(4 * n * envelope.joint_len()),
@@ -220,13 +221,14 @@ impl Gradients {
     }
 }
 
-/// Makes floats for the skins of n instances to be written to, with room to spare that nobody may
-/// touch.
+/// Returns poisoned floats for the skins of n instances, with some floats behind that nothing may
+/// change.
 pub fn poisoned_out(skin: &SkinBatch, n: usize) -> Vec<f32> {
     poisoned_attributes(&attributes(skin), skin.vertices.len(), n)
 }
 
-/// Makes floats likewise for attributes of so many vertices, with the floats of each.
+/// Returns poisoned floats for attributes of `vertex_len` vertices and n instances, with some
+/// floats behind. Each attribute comes with its floats a vertex.
 pub fn poisoned_attributes(
     attributes: &[(Option<Attribute>, usize)],
     vertex_len: usize,
@@ -240,12 +242,12 @@ pub fn poisoned_attributes(
     vec![POISON; ends.max().unwrap_or(0) + 5]
 }
 
-/// Lists the attributes of a skin with the floats of each.
+/// Lists the attributes of a skin, each with its floats a vertex.
 pub fn attributes(skin: &SkinBatch) -> [(Option<Attribute>, usize); 3] {
     [(skin.positions, 3), (skin.normals, 3), (skin.tangents, 4)]
 }
 
-/// What comes out at the far end.
+/// Final outputs of an envelope and its skin.
 #[derive(Clone, Debug)]
 pub struct Whole {
     /// Palettes.
@@ -257,7 +259,7 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// Makes outputs for n instances.
+    /// Returns poisoned outputs for n instances.
     pub fn poisoned(envelope: &Envelope<'_>, skin: &SkinBatch, n: usize) -> Self {
         Self {
             palettes: poisoned_transforms(n * envelope.palette_len()),
@@ -267,12 +269,12 @@ impl Whole {
     }
 }
 
-/// Makes transforms that a backend must write.
+/// Returns poisoned transforms, which a backend must write.
 pub fn poisoned_transforms(len: usize) -> Vec<Matrix3x4> {
     vec![[[POISON; 4]; 3]; len]
 }
 
-/// Returns instance i's part of a list that holds as much for each of n.
+/// Returns instance i's part of a list that holds equally many elements for each of n instances.
 pub fn part<T>(list: &[T], n: usize, i: usize) -> &[T] {
     let len = list.len() / n;
     &list[i * len..][..len]

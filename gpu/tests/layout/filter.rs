@@ -1,4 +1,4 @@
-//! Batches of filters: what a plan refuses, its workgroups, and that what is cut lies where the whole would.
+//! Batches of filters: refusals, workgroups, and the places of arrays in chunks.
 
 use crate::common::load;
 use models::{FilterContent, Pieces};
@@ -49,9 +49,9 @@ fn counts_and_sections_are_those_of_the_filter() {
     assert_eq!(4 * param("filter_taps"), taps.offset);
 }
 
-/// Each number of each signal lies in its chunk's binding where it would lie in the whole buffer.
+/// In a chunk's binding, each number of each signal is at its place in the whole buffer.
 #[test]
-fn what_is_cut_lies_where_the_whole_would() {
+fn chunks_keep_the_places_of_the_whole_batch() {
     let bytes = file();
     let model = load(&bytes);
     let filter = model.filter().unwrap();
@@ -80,7 +80,7 @@ fn what_is_cut_lies_where_the_whole_would() {
 }
 
 #[test]
-fn what_cannot_be_evaluated_is_refused() {
+fn a_batch_that_does_not_fit_the_filter_is_refused() {
     let bytes = file();
     let model = load(&bytes);
     let filter = model.filter().unwrap();

@@ -1,6 +1,6 @@
 //! The runtime as a backend.
 
-use super::{Backend, Failure, Gradients, Loaded, Whole, part};
+use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
 use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
@@ -8,9 +8,10 @@ use crate::shapes::ShapeSubject;
 use sinew_gpu::layout::{Attribute, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, ShapesJob, SkinJob, stages};
-use sinew_trainer::regression::arithmetic::Arithmetic;
+use sinew_trainer::kernel::arithmetic::Arithmetic;
+use std::cell::Cell;
 
-/// The runtime itself, one pose after the other.
+/// The runtime itself, one pose after another.
 pub struct Cpu;
 
 impl Backend for Cpu {
@@ -142,16 +143,11 @@ impl Backend for Cpu {
         if skin.vertices.is_empty() {
             return Ok(());
         }
-        // A kernel model without helpers still has its joints: there is a transform in every palette.
+        // A kernel model without helpers still has joints, so every palette has a transform.
         let n = palettes.len() / loaded.envelope.palette_len();
         let out = cells(out);
         for i in 0..n {
-            let at = |attribute: Option<Attribute>| {
-                attribute.map(|own| Output {
-                    floats: &out[own.offset + i * own.instance_stride..],
-                    stride: own.stride,
-                })
-            };
+            let at = |attribute| output(out, attribute, i);
             let job = SkinJob {
                 skin: loaded.skin,
                 palette: part(palettes, n, i),
@@ -192,12 +188,7 @@ impl Backend for Cpu {
     ) -> Result<(), Failure> {
         let out = cells(out);
         for face in 0..subject.face_len {
-            let at = |attribute: Option<Attribute>| {
-                attribute.map(|own| Output {
-                    floats: &out[own.offset + face * own.instance_stride..],
-                    stride: own.stride,
-                })
-            };
+            let at = |attribute| output(out, attribute, face);
             let job = ShapesJob {
                 skin: subject.skin,
                 weights: part(&subject.weights, subject.face_len, face),
@@ -232,4 +223,14 @@ impl Backend for Cpu {
 fn part_mut<T>(list: &mut [T], n: usize, i: usize) -> &mut [T] {
     let len = list.len() / n;
     &mut list[i * len..][..len]
+}
+
+/// Returns the place of an attribute of one instance.
+fn output<'o>(
+    out: &'o [Cell<f32>],
+    attribute: Option<Attribute>,
+    instance: usize,
+) -> Option<Output<'o>> {
+    let Attribute { offset, stride, instance_stride } = attribute?;
+    Some(Output { floats: &out[offset + instance * instance_stride..], stride })
 }

@@ -1,51 +1,54 @@
-//! A device that has been opened, its queue and its pipelines.
+//! A device without a window or an engine: opens it, allocates, submits and waits.
 
-use super::super::error::{Error, scoped};
-use super::super::pipelines::Pipelines;
-use crate::headless::{DeviceInfo, HeadlessError};
-use crate::layout::Stage;
+use super::bound::{Bound, Buffers};
+use super::error::{Error, scoped};
+use super::pipelines::{Pipelines, limits, usage};
+use crate::headless::{self, DeviceInfo, HeadlessError};
+use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use ::wgpu::{
     Adapter, Backends, Buffer, BufferDescriptor, BufferUsages, CommandEncoder,
     CommandEncoderDescriptor, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor,
     InstanceFlags, Limits, MapMode, PollType, Queue,
 };
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::time::{Duration, Instant};
 
-/// Vulkan where there is Vulkan, so that both APIs can be compared on one driver.
+/// Vulkan if the build has it, so that both APIs can be compared on one driver.
 const BACKENDS: Backends = if Instance::enabled_backend_features().contains(Backends::VULKAN) {
     Backends::VULKAN
 } else {
     Backends::PRIMARY
 };
 
-/// What has the layer's messages go to `log`: without DEBUG wgpu does not listen to it. DEBUG also has
-/// shaders say that they were WGSL, to which layers of 1.3.239 and older object; labels, to which some
-/// versions object as well, are left out.
+/// Flags that send the layer's messages to `log`. wgpu subscribes to the layer only with DEBUG.
+/// DEBUG also marks shaders as compiled from WGSL, and layers of 1.3.239 and older reject that
+/// mark. Labels are discarded, because some versions reject labels as well.
 const VALIDATING: InstanceFlags =
     InstanceFlags::VALIDATION.union(InstanceFlags::DEBUG).union(InstanceFlags::DISCARD_HAL_LABELS);
 
 /// An open device, at exactly [`Limits::downlevel_defaults`].
 #[derive(Debug)]
 pub struct Device {
-    pub(super) info: DeviceInfo,
+    info: DeviceInfo,
     device: ::wgpu::Device,
-    pub(super) queue: Queue,
+    queue: Queue,
     lost: Arc<Mutex<Option<String>>>,
     pipelines: OnceLock<Pipelines>,
 }
 
-/// Lists the devices that there are.
+/// Lists the devices of the machine.
 pub fn devices() -> Vec<DeviceInfo> {
     adapters(InstanceFlags::empty()).into_iter().map(|(_, info)| info).collect()
 }
 
 impl Device {
-    /// Opens the first device that is wanted; `name` says in words what that is. With `validation`,
-    /// through the API's validation layer where it is installed, whose messages go to `log`.
+    /// Opens the first device that `wanted` accepts; `name` describes the request in words.
+    /// `validation` turns on the API's validation layer if it is installed; the layer's messages go
+    /// to `log`.
     ///
     /// # Errors
     /// - [`HeadlessError::NoDevice`]
-    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    /// - [`HeadlessError::Refused`]: the device cannot be opened.
     pub fn open(
         wanted: impl Fn(&DeviceInfo) -> bool,
         name: &str,
@@ -68,15 +71,16 @@ impl Device {
             detail: error.to_string(),
         })?;
         let lost = Arc::new(Mutex::new(None));
-        let told = Arc::clone(&lost);
+        let reported = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            *told.lock().unwrap_or_else(PoisonError::into_inner) =
+            *reported.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(format!("{reason:?} {message}").trim_end().to_owned());
         });
         Ok(Self { info, device, queue, lost, pipelines: OnceLock::new() })
     }
 
-    /// Opens the device of a driver: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`, ...
+    /// Opens the first device of a driver: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`,
+    /// ...
     ///
     /// # Errors
     /// As [`Device::open`].
@@ -89,16 +93,16 @@ impl Device {
         &self.device
     }
 
-    /// Returns its queue.
+    /// Returns wgpu's queue.
     pub fn queue(&self) -> &Queue {
         &self.queue
     }
 
-    /// Submits what a closure records, and waits until it is done.
+    /// Submits the commands that a closure records, and waits for completion.
     ///
     /// # Errors
     /// - [`HeadlessError::Lost`]
-    /// - What the closure returns.
+    /// - The closure's own error.
     pub fn submit(
         &self,
         record: impl FnOnce(&mut CommandEncoder) -> Result<(), HeadlessError>,
@@ -110,7 +114,7 @@ impl Device {
         self.wait()
     }
 
-    /// Reads a buffer's floats through a copy of it; the buffer must have `COPY_SRC`.
+    /// Reads a buffer's floats through a mapped copy; the buffer must have `COPY_SRC`.
     ///
     /// # Errors
     /// - [`HeadlessError::Lost`]
@@ -120,7 +124,7 @@ impl Device {
         Ok(bytes.as_chunks::<4>().0.iter().map(|le| f32::from_le_bytes(*le)).collect())
     }
 
-    /// Reads a buffer's bytes likewise.
+    /// Reads a buffer's bytes through a mapped copy; the buffer must have `COPY_SRC`.
     ///
     /// # Errors
     /// As [`Device::read`].
@@ -132,7 +136,7 @@ impl Device {
         })?;
         let refused = |detail: String| HeadlessError::Refused { doing: "mapping a buffer", detail };
         let (send, receive) = mpsc::channel();
-        // Nobody listens any more only if this function has returned.
+        // Sending fails only if this function has returned.
         copy.map_async(MapMode::Read, .., move |mapped| drop(send.send(mapped)));
         self.wait()?;
         let mapped = receive.recv().map_err(|error| refused(error.to_string()))?;
@@ -150,25 +154,138 @@ impl Device {
         })
     }
 
-    pub(super) fn check_alive(&self) -> Result<(), HeadlessError> {
+    fn check_alive(&self) -> Result<(), HeadlessError> {
         let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
         lost.clone().map_or(Ok(()), |why| Err(HeadlessError::Lost(why)))
     }
 
-    pub(super) fn buffer(&self, size: u64, usage: BufferUsages) -> Result<Buffer, HeadlessError> {
+    fn buffer(&self, size: u64, usage: BufferUsages) -> Result<Buffer, HeadlessError> {
         self.check_alive()?;
         let label = None;
         let descriptor = BufferDescriptor { label, size, usage, mapped_at_creation: false };
         Ok(scoped(&self.device, "a buffer", || self.device.create_buffer(&descriptor))?)
     }
 
-    pub(super) fn pipelines(&self) -> Result<&Pipelines, HeadlessError> {
+    fn pipelines(&self) -> Result<&Pipelines, HeadlessError> {
         self.check_alive()?;
         if let Some(own) = self.pipelines.get() {
             return Ok(own);
         }
         let made = Pipelines::new(&self.device, Stage::ALL)?;
         Ok(self.pipelines.get_or_init(|| made))
+    }
+}
+
+impl headless::Device for Device {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        limits(&self.device().limits())
+    }
+
+    fn upload(
+        &self,
+        blob: &[u8],
+        plan: &Plan,
+    ) -> Result<Box<dyn headless::Uploaded + '_>, HeadlessError> {
+        let mut own: [Option<Buffer>; Resource::ALL.len()] = Default::default();
+        for resource in Resource::ALL {
+            let usage = usage(resource) | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+            if plan.bytes(resource) > 0 {
+                own[resource as usize] = Some(self.buffer(plan.bytes(resource), usage)?);
+            }
+        }
+        let mut buffers = Buffers::new();
+        for (resource, buffer) in Resource::ALL.into_iter().zip(&own) {
+            if let Some(buffer) = buffer {
+                buffers = buffers.with(resource, buffer, 0);
+            }
+        }
+        let bound = Bound::new(self.pipelines()?, plan, &buffers)?;
+        let uploaded = Uploaded { device: self, bound, buffers: own };
+        uploaded.write_bytes(Resource::Params, 0, &plan.params())?;
+        let mut blob = blob.to_vec();
+        // Copies have whole words.
+        blob.resize(plan.bytes(Resource::Blob) as usize, 0);
+        uploaded.write_bytes(Resource::Blob, 0, &blob)?;
+        Ok(Box::new(uploaded))
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        // The messages go to `log`, whose only logger belongs to the program.
+        None
+    }
+}
+
+/// The buffers of a batch.
+struct Uploaded<'a> {
+    device: &'a Device,
+    bound: Bound,
+    buffers: [Option<Buffer>; Resource::ALL.len()],
+}
+
+impl Uploaded<'_> {
+    fn buffer(&self, resource: Resource) -> Result<&Buffer, HeadlessError> {
+        let own = self.buffers[resource as usize].as_ref();
+        own.ok_or(LayoutError::Missing { resource }.into())
+    }
+
+    fn write_bytes(
+        &self,
+        resource: Resource,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<(), HeadlessError> {
+        self.device.check_alive()?;
+        let buffer = self.buffer(resource)?;
+        let (least, found) = (offset.saturating_add(bytes.len() as u64), buffer.size());
+        if least > found {
+            return Err(LayoutError::TooShort { resource, least, found }.into());
+        }
+        self.device.queue.write_buffer(buffer, offset, bytes);
+        Ok(())
+    }
+}
+
+impl headless::Uploaded for Uploaded<'_> {
+    fn write(
+        &mut self,
+        resource: Resource,
+        first: usize,
+        floats: &[f32],
+    ) -> Result<(), HeadlessError> {
+        let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+        self.write_bytes(resource, 4 * first as u64, &bytes)
+    }
+
+    fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError> {
+        self.device.submit(|encoder| Ok(self.bound.encode(encoder, instance_len)?))
+    }
+
+    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
+        self.device.submit(|encoder| Ok(self.bound.encode_stage(encoder, stage, instance_len)?))
+    }
+
+    fn time_stage(
+        &mut self,
+        stage: Stage,
+        instance_len: usize,
+        repeat_len: usize,
+    ) -> Result<Duration, HeadlessError> {
+        let start = Instant::now();
+        self.device.submit(|encoder| {
+            for _ in 0..repeat_len {
+                self.bound.encode_stage(encoder, stage, instance_len)?;
+            }
+            Ok(())
+        })?;
+        Ok(start.elapsed())
+    }
+
+    fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {
+        self.device.read(self.buffer(resource)?)
     }
 }
 
