@@ -8,7 +8,7 @@ use crate::shapes::ShapeSubject;
 use sinew_gpu::layout::{Attribute, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, ShapesJob, SkinJob, stages};
-use sinew_trainer::kernel::arithmetic::Arithmetic;
+use sinew_trainer::regression::arithmetic::Arithmetic;
 use std::cell::Cell;
 
 /// The runtime itself, one pose after another.
