@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::validate::{is_weight, same};
 use super::{Examples, ExamplesError, LoadError};
-use crate::formats::numbers;
+use crate::formats::npz::read_numbers;
 
 /// How much each item counts: all alike, or by numbers whose mean is 1.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +69,7 @@ impl Examples {
 /// # Errors
 /// [`LoadError`] for a file that cannot be read or holds anything else.
 pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
-    let numbers = numbers::read(path, "importance");
+    let numbers = read_numbers(path, "importance");
     numbers.map_err(|error| LoadError { file: path.to_owned(), error: error.into() })
 }
 

@@ -1,7 +1,8 @@
 //! What a face is made of: a neutral mesh and its shapes.
 
 use super::error::FaceError;
-use crate::formats::{ShapedMesh, numbers};
+use crate::formats::ShapedMesh;
+use crate::formats::npz::read_numbers;
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
@@ -77,7 +78,7 @@ impl Basis {
                 Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len })
             }
         };
-        let numbers = numbers::read(path, "landmarks")?;
+        let numbers = read_numbers(path, "landmarks")?;
         self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;
         Ok(())
     }

@@ -29,7 +29,7 @@ pub fn read(path: &Path) -> Result<Source, FaceError> {
     let mesh = match extension(path).as_str() {
         "npz" if npz::has_shapes(path)? => return npz::read(path)?.check().map(Source::Shapes),
         "npz" => return meshes::read(path).map(Source::Meshes),
-        "glb" | "gltf" => gltf::shaped::read_shapes(path)?,
+        "glb" | "gltf" => gltf::read_shapes(path)?,
         "fbx" => fbx::read_shapes(path)?,
         _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder").into()),
     };

@@ -1,6 +1,6 @@
 //! JSON that people write, with errors in their words: the keys of the value, the expected kind, the value found.
 
-use super::mark::unmarked;
+use super::extension::unmarked;
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess,

@@ -17,7 +17,6 @@
 
 pub(crate) mod abc;
 pub mod appearance;
-pub(crate) mod content;
 pub(crate) mod csv;
 mod error;
 pub(crate) mod extension;
@@ -25,32 +24,24 @@ pub(crate) mod fbx;
 pub(crate) mod gltf;
 pub(crate) mod json;
 pub(crate) mod layered;
-mod mark;
 mod mesh;
-mod mesh_file;
 pub(crate) mod npz;
-pub(crate) mod numbers;
 pub mod obj;
 pub(crate) mod pixels;
 mod polygons;
 pub(crate) mod posed_meshes;
 pub(crate) mod scene;
-mod shaped;
 #[cfg(test)]
 pub(crate) mod testing;
-mod warning;
 
 pub use abc::AlembicError;
-pub use content::Content;
 pub use csv::CsvError;
-pub use error::{FileError, FormatError};
+pub use error::{FileError, FormatError, FormatWarning};
+pub use extension::Content;
 pub use gltf::write::GlbError;
 pub use json::JsonError;
 pub use layered::LayeredError;
-pub use mesh::{Mesh, MeshFile};
+pub use mesh::{Mesh, MeshFile, NamedShape, ShapedMesh};
 pub use npz::ArrayError;
-pub use posed_meshes::pc2::save_pc2;
-pub use posed_meshes::{PointCacheError, SequenceError};
+pub use posed_meshes::{PointCacheError, SequenceError, save_pc2};
 pub use scene::SceneError;
-pub use shaped::{NamedShape, ShapedMesh};
-pub use warning::FormatWarning;

@@ -4,7 +4,7 @@ use crate::cli::counted;
 use crate::cli::files::{OutputFile, write};
 use anyhow::{Context, bail};
 use sinew_trainer::files;
-use sinew_trainer::page::gif::Gif;
+use sinew_trainer::page::picture::Gif;
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::player::straight;
 use std::path::{Path, PathBuf};

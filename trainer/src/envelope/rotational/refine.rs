@@ -9,7 +9,7 @@
 use super::reduce::Reduced;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::in_poses;
-use crate::numeric::ridge::solve_ridge;
+use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 
 /// The regression of a palette's residual on the deviations of its inputs from rest.

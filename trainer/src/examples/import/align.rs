@@ -11,10 +11,10 @@ use crate::examples::sample::spread;
 use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
+use crate::numeric::affine::apart_unordered;
 use crate::numeric::affine::{joined, parts, to_rows};
-use crate::numeric::points::apart_unordered;
-use crate::space::axes::{self, axis, direction};
 use crate::space::{SCALES, UNITS};
+use crate::space::{axis, axis_names, direction, rotations};
 
 /// A change of axes or units must leave less than this share of the distance that there is without.
 const BETTER: f64 = 0.5;
@@ -105,7 +105,7 @@ pub(super) fn similarities(
 fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<> {
     let scale = nearest_unit(to.radius / from.radius);
     let (from, to) = (from.centre, to.centre);
-    axes::rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
+    rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
 }
 
 /// Finds how posed meshes, frame-major, must be turned and scaled to lie on the joints that carry
@@ -162,7 +162,7 @@ pub(super) fn poses(
 /// Lists the turns by right angles with every change of units.
 pub(super) fn scaled_turns() -> impl Iterator<Item = Similarity> {
     let shift = Vector3::zeros();
-    axes::rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
+    rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
 }
 
 impl Similarity {
@@ -232,7 +232,7 @@ impl Similarity {
 impl fmt::Display for Similarity {
     /// Writes where the axes come from, as in `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&axes::names(&self.turn))?;
+        f.write_str(&axis_names(&self.turn))?;
         if self.scale != 1.0 {
             write!(f, " x {}", self.scale)?;
         }

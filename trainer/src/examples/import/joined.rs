@@ -2,7 +2,7 @@
 
 use super::error::ImportError;
 use crate::examples::{Clip, Examples, LoadError, Skeleton};
-use crate::numeric::points::{apart, apart_unordered};
+use crate::numeric::affine::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
 
 /// Share of the diagonal within which rest meshes, and the origins of joints, are the same: what single precision and

@@ -10,7 +10,7 @@ use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warni
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
 use crate::formats::{FormatError, fbx, gltf};
-use crate::numeric::points::apart;
+use crate::numeric::affine::apart;
 use crate::space::Conversion;
 use nalgebra::Matrix4;
 use std::path::Path;

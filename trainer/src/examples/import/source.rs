@@ -7,9 +7,9 @@ use super::loaded::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{Examples, ExamplesError, LoadError};
-use crate::formats::extension::{extension, unknown_format};
+use crate::formats::extension::{check_content, extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
-use crate::formats::{FormatError, content, fbx, gltf};
+use crate::formats::{FormatError, fbx, gltf};
 
 /// The files that examples are read from, and how.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,7 @@ impl<'a> Source<'a> {
     /// Checks that each file holds what its ending says.
     fn check_content(&self) -> Result<(), LoadError> {
         for file in [Some(self.file), self.targets].into_iter().flatten() {
-            content::check(file)
+            check_content(file)
                 .map_err(|error| LoadError { file: file.to_owned(), error: error.into() })?;
         }
         Ok(())

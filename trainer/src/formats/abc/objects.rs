@@ -2,11 +2,14 @@
 //!
 //! An object's group holds its properties, then its children, then their headers (`lib/Alembic/AbcCoreOgawa/OrData.cpp`
 //! of the Alembic library).
+//! Properties of an Alembic object: typed values, sampled over time, and compounds of them.
+//!
+//! Their headers stand in the last child of a compound's group, those of arrays and scalars with type, extent and which
+//! samples are stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A
+//! sample is a key of 16 bytes and the numbers.
 
-use super::error::{AlembicError, damaged};
-use super::header::{Cursor, Metadata};
-use super::ogawa::{Archive, Group};
-use super::property::Compound;
+use super::ogawa::{Archive, Cursor, Group, Metadata};
+use super::{AlembicError, damaged};
 
 /// Version of the way in which objects are laid out.
 const LAYOUT: [u8; 4] = [0; 4];
@@ -114,5 +117,210 @@ impl Schema {
         } else {
             Self::Other
         }
+    }
+}
+
+/// Bytes of the key before a sample's numbers.
+const KEY_BYTES: usize = 16;
+
+/// The properties of a compound.
+pub(super) struct Compound<'a> {
+    group: Group<'a>,
+    headers: Vec<Header>,
+}
+
+/// A sampled property.
+pub(super) struct Sampled<'a> {
+    group: Group<'a>,
+    /// The samples there are, of which not all are stored.
+    pub(super) len: usize,
+    /// The first sample that differs from the first of all, and the last that differs from the one before it; 0 and 0
+    /// of what never changes.
+    changed: [usize; 2],
+    is_array: bool,
+}
+
+/// The numbers that a property may be asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Numbers {
+    /// A truth value, one byte.
+    Bool = 0,
+    /// One byte.
+    U8 = 1,
+    /// Four bytes.
+    I32 = 6,
+    /// Four bytes.
+    F32 = 10,
+    /// Eight bytes.
+    F64 = 11,
+}
+
+struct Header {
+    name: String,
+    kind: Kind,
+}
+
+enum Kind {
+    Compound,
+    Sampled { numbers: u32, extent: usize, len: usize, changed: [usize; 2], is_array: bool },
+}
+
+impl<'a> Compound<'a> {
+    /// Reads the headers of a compound's properties.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+    pub(super) fn read(group: Group<'a>, metadata: &Metadata) -> Result<Self, AlembicError> {
+        let bytes = group.last_data()?;
+        group.archive().spend(bytes.len())?;
+        let mut cursor = Cursor(bytes);
+        let mut headers = Vec::new();
+        while !cursor.is_empty() {
+            group.archive().spend(size_of::<Header>())?;
+            headers.push(Header::read(&mut cursor, metadata)?);
+        }
+        Ok(Self { group, headers })
+    }
+
+    /// Gives the compound of a name; none where there is none.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+    pub(super) fn compound(
+        &self,
+        name: &str,
+        metadata: &Metadata,
+    ) -> Result<Option<Self>, AlembicError> {
+        match self.find(name) {
+            Some((place, Kind::Compound)) => {
+                Self::read(self.group.group(place)?, metadata).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Gives the sampled property of a name with numbers of a kind, `extent` at each element or, with 0, as many as it
+    /// has; none where there is none, or it has no sample.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn sampled(
+        &self,
+        name: &str,
+        numbers: Numbers,
+        extent: usize,
+    ) -> Result<Option<Sampled<'a>>, AlembicError> {
+        let Some((
+            place,
+            Kind::Sampled { numbers: found, extent: found_extent, len, changed, is_array },
+        )) = self.find(name)
+        else {
+            return Ok(None);
+        };
+        if *found != numbers as u32 || (extent != 0 && *found_extent != extent) {
+            return Ok(None);
+        }
+        let group = self.group.group(place)?;
+        let sampled = Sampled { group, len: *len, changed: *changed, is_array: *is_array };
+        Ok((*len > 0).then_some(sampled))
+    }
+
+    /// Takes bytes from what the archive may unfold to.
+    ///
+    /// # Errors
+    /// [`AlembicError::TooLarge`]
+    pub(super) fn spend(&self, bytes: usize) -> Result<(), AlembicError> {
+        self.group.archive().spend(bytes)
+    }
+
+    fn find(&self, name: &str) -> Option<(usize, &Kind)> {
+        let place = self.headers.iter().position(|header| header.name == name)?;
+        Some((place, &self.headers[place].kind))
+    }
+}
+
+impl<'a> Sampled<'a> {
+    /// Gives the bytes of the numbers of sample `index`, of which that of a property that has one is every one.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn sample(&self, index: usize) -> Result<&'a [u8], AlembicError> {
+        self.stored(self.place(index))
+    }
+
+    /// Gives the bytes of a stored sample.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], AlembicError> {
+        // Arrays have their dimensions beside each sample.
+        let bytes = self.group.data(if self.is_array { 2 * place } else { place })?;
+        match bytes.split_at_checked(KEY_BYTES) {
+            Some((_, numbers)) => Ok(numbers),
+            None if bytes.is_empty() => Ok(&[]),
+            None => Err(damaged("a sample is shorter than its key")),
+        }
+    }
+
+    /// Tells where sample `index` is stored.
+    pub(super) fn place(&self, index: usize) -> usize {
+        let [first, last] = self.changed;
+        match index {
+            _ if last == 0 || index < first => 0,
+            _ => index.min(last) - first + 1,
+        }
+    }
+
+    /// Tells which is the first sample that is stored at a place.
+    pub(super) fn frame(&self, place: usize) -> usize {
+        if place == 0 { 0 } else { self.changed[0] + place - 1 }
+    }
+
+    /// Counts the samples that are stored.
+    pub(super) fn stored_len(&self) -> usize {
+        self.place(self.len - 1) + 1
+    }
+
+    /// Tells whether all samples are one.
+    pub(super) fn is_constant(&self) -> bool {
+        self.stored_len() == 1
+    }
+}
+
+impl Header {
+    fn read(cursor: &mut Cursor<'_>, metadata: &Metadata) -> Result<Self, AlembicError> {
+        let info = cursor.number(4)? as u32;
+        let bytes = match info >> 2 & 3 {
+            0 => 1,
+            1 => 2,
+            2 => 4,
+            _ => return Err(damaged("a property has counts of no size")),
+        };
+        let kind = match info & 3 {
+            0 => Kind::Compound,
+            kind => {
+                let len = cursor.number(bytes)?;
+                let changed = if info & 0x200 != 0 {
+                    [cursor.number(bytes)?, cursor.number(bytes)?]
+                } else if info & 0x800 != 0 {
+                    [0, 0]
+                } else {
+                    [1, len.saturating_sub(1)]
+                };
+                if info & 0x100 != 0 {
+                    // Which times it is sampled at.
+                    cursor.number(bytes)?;
+                }
+                let [first, last] = changed;
+                if last != 0 && (first == 0 || first > last || last >= len) {
+                    return Err(damaged("a property changes before or behind its samples"));
+                }
+                let (numbers, extent) = (info >> 4 & 0xf, (info >> 12 & 0xff) as usize);
+                Kind::Sampled { numbers, extent, len, changed, is_array: kind != 1 }
+            }
+        };
+        let name = cursor.text(bytes)?;
+        metadata.of((info >> 20 & 0xff) as usize, cursor, bytes)?;
+        Ok(Self { name, kind })
     }
 }

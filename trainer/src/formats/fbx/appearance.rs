@@ -6,12 +6,12 @@ use serde_json::{Map, Value, json};
 use ufbx::{Material, Mesh, Node, Texture};
 
 use super::meshes;
-use super::read::open;
-use crate::formats::appearance::data::{Appearance, Image};
-use crate::formats::appearance::image;
+use super::open;
+use crate::formats::appearance;
+use crate::formats::appearance::{Appearance, Image};
 use crate::formats::error::FormatError;
 
-/// Reads what the meshes look like that [`read`](super::read()) reads.
+/// Reads what the meshes look like that [`read`](crate::formats::fbx()) reads.
 ///
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::Scene`].
@@ -33,8 +33,8 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
         ..Appearance::default()
     };
     let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
-    let missing =
-        missing.map(|(texture, _)| image::missing(&name(texture), &places(texture, path)));
+    let missing = missing
+        .map(|(texture, _)| appearance::missing_image(&name(texture), &places(texture, path)));
     appearance.missing = missing.collect();
     appearance.set_images(images);
     Ok(appearance)
@@ -78,7 +78,7 @@ fn stated(material: &Material, images: &[Option<Image>]) -> Value {
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
     let bytes = places(texture, scene).into_iter().find_map(|place| {
         let bytes = std::fs::read(place).ok()?;
-        image::kind(&bytes).map(|_| bytes)
+        appearance::image_kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
     members.insert("name".to_owned(), json!(name(texture)));

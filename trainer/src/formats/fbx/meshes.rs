@@ -1,13 +1,18 @@
 //! The meshes of a scene, joined into one.
+//! The blendshapes of an FBX file by name.
+//! Blendshapes of meshes, as the scene has them and as a clip plays them.
+//! The faces of meshes and what is authored of their corners.
 
-use std::ops::Range;
-use ufbx::{Matrix, Mesh, Node, Scene, SkinDeformer};
-
-use super::blends::rest_vertices;
-use super::corners::{CornerLists, polygons};
+use super::{open, space};
+use crate::formats::error::{FormatError, FormatWarning};
+use crate::formats::mesh::ShapedMesh;
+use crate::formats::polygons::Polygons;
 use crate::formats::scene::SceneError;
-use crate::formats::warning::FormatWarning;
-use crate::mesh::EngineMesh;
+use crate::mesh::{Corners, EngineMesh};
+use nalgebra::Vector3;
+use std::ops::Range;
+use std::path::Path;
+use ufbx::{BlendChannel, Matrix, Mesh, Node, Scene, SkinDeformer, Vec3, VertexVec3};
 
 /// A mesh as a node shows it.
 pub(super) struct MeshPart {
@@ -171,4 +176,220 @@ fn bound(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
     };
     let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
     Ok(part(node, mesh, rest))
+}
+
+/// Reads the meshes that have blendshapes, as one; channels of one name on several meshes are one shape, and of a
+/// channel with shapes between it is the last.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    Ok(parse_shapes(&bytes)?)
+}
+
+pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
+    let scene = open(bytes)?;
+    let mut out = ShapedMesh { space: space(&scene.settings), ..ShapedMesh::default() };
+    let mut left_out = Vec::new();
+    let (mut has_uv, mut between) = (true, Vec::new());
+    for part in parts(&scene, &mut out.warnings)? {
+        let mesh = &scene.meshes[part.mesh];
+        if mesh.blend_deformers.is_empty() {
+            left_out.push(scene.nodes[part.node].element.name.to_string());
+            continue;
+        }
+        let first = out.positions.len();
+        let place = |v: &ufbx::Vec3| {
+            let v = ufbx::transform_position(&part.rest, *v);
+            [v.x, v.y, v.z]
+        };
+        out.positions.extend(mesh.vertices.iter().map(place));
+        let mut corner = 0;
+        let first_uv = out.uv.len();
+        out.uv.extend(mesh.vertex_uv.values.iter().map(|uv| [uv.x, uv.y]));
+        let mirrored = ufbx::matrix_determinant(&part.rest) < 0.0;
+        for face in polygons(mesh).iter() {
+            let corners = corner..corner + face.len();
+            corner = corners.end;
+            let uv = corners.map(|corner| mesh.vertex_uv.indices.get(corner));
+            let mut uv: Vec<Option<usize>> =
+                uv.map(|place| place.map(|&place| first_uv + place as usize)).collect();
+            let mut face: Vec<usize> = face.iter().map(|vertex| first + vertex).collect();
+            if mirrored {
+                face.reverse();
+                uv.reverse();
+            }
+            has_uv &= uv.iter().all(Option::is_some);
+            out.faces.push(face);
+            out.uv_faces.push(uv.into_iter().flatten().collect());
+        }
+        let channels = mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter());
+        for channel in channels {
+            let Some(shape) = channel.keyframes.iter().last().map(|key| &key.shape) else {
+                continue;
+            };
+            let name = channel.element.name.to_string();
+            if channel.keyframes.len() > 1 {
+                between.push(name.clone());
+            }
+            let len = mesh.num_vertices;
+            let moved = shape.offset_vertices.iter().zip(shape.position_offsets.iter());
+            let moved = moved.filter(|(vertex, _)| (**vertex as usize) < len);
+            let moved: Vec<_> = moved
+                .map(|(&vertex, &by)| {
+                    let by = ufbx::transform_direction(&part.rest, by);
+                    (first + vertex as usize, [by.x, by.y, by.z])
+                })
+                .collect();
+            out.add(&name, moved.into_iter());
+        }
+    }
+    if out.shapes.is_empty() {
+        return Err(SceneError::NoShapes);
+    }
+    out.shapes.iter_mut().for_each(|shape| shape.deltas.resize(out.positions.len(), [0.0; 3]));
+    if !has_uv || out.uv.is_empty() {
+        (out.uv, out.uv_faces) = Default::default();
+    }
+    if !left_out.is_empty() {
+        out.warnings.push(FormatWarning::UnshapedMeshes { meshes: left_out });
+    }
+    if !between.is_empty() {
+        out.warnings.push(FormatWarning::ShapesBetween { channels: between });
+    }
+    Ok(out)
+}
+
+/// The property of a blendshape channel that weighs it.
+pub(super) const WEIGHING: &str = "DeformPercent";
+
+/// Gives the vertices of a mesh at rest: moved by the channels that no clip weighs, which are on in all of them. A channel
+/// that a clip weighs is off at rest, for its own weight is that of the frame in which the scene was saved.
+pub(super) fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
+    let mut vertices = mesh.vertices.to_vec();
+    for channel in channels(mesh).filter(|channel| !is_keyed(scene, channel)) {
+        for keyframe in &channel.keyframes {
+            let weight = keyframe.effective_weight;
+            ufbx::add_blend_shape_vertex_offsets(&keyframe.shape, &mut vertices, weight);
+        }
+    }
+    vertices
+}
+
+/// Tells whether channels that a clip weighs move a mesh of a posed scene.
+pub(super) fn is_shaped(scene: &Scene, posed: &Mesh) -> bool {
+    let mut keyed = channels(posed).filter(|channel| is_keyed(scene, channel));
+    keyed.any(|channel| channel.keyframes.iter().any(|key| key.effective_weight != 0.0))
+}
+
+/// Lists the channels of a mesh.
+pub(super) fn channels(mesh: &Mesh) -> impl Iterator<Item = &BlendChannel> {
+    mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter()).map(|channel| &**channel)
+}
+
+fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
+    let layers = scene.anim_stacks.iter().flat_map(|stack| stack.layers.iter());
+    let mut properties = layers.flat_map(|layer| layer.anim_props.iter());
+    properties.any(|property| {
+        let own = property.element.element_id == channel.element.element_id;
+        let curves = &property.anim_value.curves;
+        let has_keys = curves.iter().flatten().any(|curve| !curve.keyframes.is_empty());
+        own && *property.prop_name == *WEIGHING && has_keys
+    })
+}
+
+/// Gives the faces of a mesh.
+pub(super) fn polygons(mesh: &Mesh) -> Polygons {
+    let mut polygons = Polygons::default();
+    for face in &mesh.faces {
+        let corners = mesh.vertex_indices.iter().skip(face.index_begin as usize);
+        polygons.push(corners.take(face.num_indices as usize).map(|&vertex| vertex as usize));
+    }
+    polygons
+}
+
+/// The corners of several meshes, one after another.
+#[derive(Default)]
+pub(super) struct CornerLists {
+    all: Corners,
+}
+
+impl CornerLists {
+    /// Counts the corners so far.
+    pub(super) fn len(&self) -> usize {
+        self.all.vertices.len()
+    }
+
+    /// Adds the corners of a mesh's faces.
+    ///
+    /// - `first`: number of the mesh's first vertex among all.
+    /// - `rest`: from the mesh to where it is bound.
+    pub(super) fn add(&mut self, mesh: &Mesh, first: usize, rest: &Matrix) {
+        let begin = self.len();
+        let corners: Vec<usize> = mesh
+            .faces
+            .iter()
+            .flat_map(|face| face.index_begin..face.index_begin + face.num_indices)
+            .map(|corner| corner as usize)
+            .collect();
+        let vertices = corners.iter().map(|&corner| first + mesh.vertex_indices[corner] as usize);
+        self.all.vertices.extend(vertices);
+        let turn = ufbx::matrix_for_normals(rest);
+        let normal = |corner| {
+            at(&mesh.vertex_normal, corner).map(|n| array(ufbx::transform_direction(&turn, n)))
+        };
+        let tangent = |corner| {
+            let tangent = at(&mesh.vertex_tangent, corner)?;
+            let [x, y, z] = array(ufbx::transform_direction(rest, tangent));
+            Some([x, y, z, handedness(mesh, corner, tangent)])
+        };
+        let uv = |corner: usize| {
+            let uv = &mesh.vertex_uv;
+            let place = *uv.indices.get(corner)? as usize;
+            uv.values.get(place).map(|uv| [uv.x, uv.y])
+        };
+        let corners = corners.as_slice();
+        extend(&mut self.all.normals, begin, corners, normal);
+        extend(&mut self.all.tangents, begin, corners, tangent);
+        extend(&mut self.all.uv, begin, corners, uv);
+    }
+
+    /// Gives them all.
+    pub(super) fn finish(self) -> Corners {
+        self.all
+    }
+}
+
+/// Adds what a mesh has of its corners, and 0 where it, or one before it, has nothing.
+fn extend<T: Copy + Default>(
+    all: &mut Option<Vec<T>>,
+    begin: usize,
+    corners: &[usize],
+    of: impl Fn(usize) -> Option<T>,
+) {
+    let found: Vec<Option<T>> = corners.iter().map(|&corner| of(corner)).collect();
+    if all.is_none() && found.iter().all(Option::is_none) {
+        return;
+    }
+    let all = all.get_or_insert_with(|| vec![T::default(); begin]);
+    all.extend(found.into_iter().map(Option::unwrap_or_default));
+}
+
+/// On which side of normal and tangent v grows: -1 or 1.
+fn handedness(mesh: &Mesh, corner: usize, tangent: Vec3) -> f64 {
+    let [normal, across] = [&mesh.vertex_normal, &mesh.vertex_bitangent]
+        .map(|attribute| at(attribute, corner).map(|v| Vector3::from(array(v))));
+    let tangent = Vector3::from(array(tangent));
+    let side = normal.zip(across).map(|(normal, across)| normal.cross(&tangent).dot(&across));
+    if side.is_some_and(|side| side < 0.0) { -1.0 } else { 1.0 }
+}
+
+fn at(attribute: &VertexVec3, corner: usize) -> Option<Vec3> {
+    let place = *attribute.indices.get(corner)? as usize;
+    attribute.values.get(place).copied()
+}
+
+fn array(v: Vec3) -> [f64; 3] {
+    [v.x, v.y, v.z]
 }

@@ -1,9 +1,11 @@
 //! The nodes of a glTF file: a forest of local transforms.
+//! The animations of a glTF file: channels of keys, and their values at any time.
 
-use gltf::Document;
-use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
-
+use super::file::{Buffers, numbers, unnamed_clip};
 use crate::formats::scene::SceneError;
+use gltf::animation::{Interpolation, Property};
+use gltf::{Animation, Document};
+use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// A node's transform relative to its parent.
 #[derive(Clone, Debug)]
@@ -133,4 +135,160 @@ fn local(transform: &gltf::scene::Transform) -> Local {
             }
         }
     }
+}
+
+/// One animation.
+#[derive(Default)]
+pub(super) struct ClipKeys {
+    /// Its name, made up where the file has none.
+    pub(super) name: String,
+    channels: Vec<Channel>,
+}
+
+/// The keys of one property of one node.
+struct Channel {
+    node: usize,
+    property: Property,
+    times: Vec<f64>,
+    /// Numbers of a value: 3, 4, or the morph targets of the node's mesh.
+    width: usize,
+    /// Values; with cubic splines in-tangent, value and out-tangent of each key.
+    values: Vec<f64>,
+    interpolation: Interpolation,
+}
+
+impl ClipKeys {
+    /// Reads every animation.
+    ///
+    /// # Errors
+    /// [`SceneError::Accessor`] and [`SceneError::Count`].
+    pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<Vec<Self>, SceneError> {
+        document.animations().map(|animation| Self::read_one(&animation, buffers)).collect()
+    }
+
+    fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
+        let name = match animation.name() {
+            Some(name) => name.to_owned(),
+            None => unnamed_clip(animation.index()),
+        };
+        let mut channels = Vec::new();
+        for channel in animation.channels() {
+            let (target, sampler) = (channel.target(), channel.sampler());
+            let (node, property) = (target.node(), target.property());
+            let (width, components) = match property {
+                Property::Translation | Property::Scale => (3, 3),
+                Property::Rotation => (4, 4),
+                // Weights stand one by one.
+                Property::MorphTargetWeights => {
+                    let primitives = node.mesh().and_then(|mesh| mesh.primitives().next());
+                    (primitives.map_or(0, |primitive| primitive.morph_targets().len()), 1)
+                }
+            };
+            let times = numbers(&sampler.input(), buffers, 1)?;
+            let values = numbers(&sampler.output(), buffers, components)?;
+            let interpolation = sampler.interpolation();
+            let per_key =
+                if interpolation == Interpolation::CubicSpline { 3 * width } else { width };
+            let (expected, found) = (per_key * times.len(), values.len());
+            if expected != found || times.is_empty() {
+                let place = format!("clip {name}, channel {}", channel.index());
+                return Err(SceneError::Count { place, what: "numbers", expected, found });
+            }
+            if !times.is_sorted_by(|a, b| a < b) {
+                return Err(SceneError::KeyTimes { clip: name });
+            }
+            let node = node.index();
+            channels.push(Channel { node, property, times, width, values, interpolation });
+        }
+        Ok(Self { name, channels })
+    }
+
+    /// Lists the key times of the channels that move one of some nodes, or shape one of others.
+    pub(super) fn times(
+        &self,
+        moves: impl Fn(usize) -> bool,
+        shapes: impl Fn(usize) -> bool,
+    ) -> Vec<f64> {
+        let matters = |channel: &&Channel| match channel.property {
+            Property::MorphTargetWeights => shapes(channel.node),
+            _ => moves(channel.node),
+        };
+        let channels = self.channels.iter().filter(matters);
+        channels.flat_map(|channel| channel.times.iter().copied()).collect()
+    }
+
+    /// Tells whether it animates the shape of one of some nodes.
+    pub(super) fn shapes(&self, nodes: impl Fn(usize) -> bool) -> bool {
+        let weights = |c: &Channel| c.property == Property::MorphTargetWeights && nodes(c.node);
+        self.channels.iter().any(weights)
+    }
+
+    /// Puts the nodes' transforms and the weights of their morph targets where they are at a time.
+    pub(super) fn apply(&self, time: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
+        for channel in &self.channels {
+            let value = channel.at(time);
+            if channel.property == Property::MorphTargetWeights {
+                weights[channel.node] = value;
+                continue;
+            }
+            let Local::Parts { translation, rotation, scale } = &mut locals[channel.node] else {
+                continue;
+            };
+            match channel.property {
+                Property::Translation => *translation = Vector3::from_column_slice(&value),
+                Property::Scale => *scale = Vector3::from_column_slice(&value),
+                _ => *rotation = quaternion(&value),
+            }
+        }
+    }
+}
+
+impl Channel {
+    /// Interpolates as the format's specification says (glTF 2.0, appendix C).
+    fn at(&self, time: f64) -> Vec<f64> {
+        let after = self.times.partition_point(|&key| key <= time);
+        let Some(before) = after.checked_sub(1) else { return self.key(0).to_vec() };
+        if after == self.times.len() {
+            return self.key(before).to_vec();
+        }
+        let step = self.times[after] - self.times[before];
+        let t = (time - self.times[before]) / step;
+        let (a, b) = (self.key(before), self.key(after));
+        match self.interpolation {
+            Interpolation::Step => a.to_vec(),
+            Interpolation::Linear if self.property == Property::Rotation => {
+                let [a, b] = [a, b].map(|key| UnitQuaternion::from_quaternion(quaternion(key)));
+                a.try_slerp(&b, t, 1e-12).unwrap_or(a).coords.as_slice().to_vec()
+            }
+            Interpolation::Linear => a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect(),
+            Interpolation::CubicSpline => {
+                let (out, into) = (self.tangents(before).1, self.tangents(after).0);
+                let (t2, t3) = (t * t, t * t * t);
+                let value = |i: usize| {
+                    (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
+                        + step * (t3 - 2.0 * t2 + t) * out[i]
+                        + (3.0 * t2 - 2.0 * t3) * b[i]
+                        + step * (t3 - t2) * into[i]
+                };
+                (0..self.width).map(value).collect()
+            }
+        }
+    }
+
+    fn key(&self, key: usize) -> &[f64] {
+        match self.interpolation {
+            Interpolation::CubicSpline => &self.values[(3 * key + 1) * self.width..][..self.width],
+            _ => &self.values[key * self.width..][..self.width],
+        }
+    }
+
+    /// The tangents into a key and out of it.
+    fn tangents(&self, key: usize) -> (&[f64], &[f64]) {
+        let key = &self.values[3 * key * self.width..][..3 * self.width];
+        (&key[..self.width], &key[2 * self.width..])
+    }
+}
+
+fn quaternion(xyzw: &[f64]) -> Quaternion<f64> {
+    Quaternion::new(xyzw[3], xyzw[0], xyzw[1], xyzw[2])
 }

@@ -1,20 +1,20 @@
 //! A glTF file as it stands, to be added to: its tree and its bytes whole, and where its meshes and
 //! joints are.
+//! Materials and images of a glTF file, member by member.
 
-use std::path::Path;
-
-use ::gltf::Document;
-use nalgebra::Matrix4;
-use serde_json::{Map, Value, json};
-
-use super::file::{self, Buffers, Parsed};
+use super::file;
+use super::file::{Buffers, Parsed, is_surface, triangles};
 use super::meshes::{Attribute, default_weights, has_surface, shaped};
 use super::nodes::Nodes;
 use super::skins::Skins;
-use super::triangles::is_surface;
-use crate::formats::appearance::image;
+use crate::formats::appearance;
+use crate::formats::appearance::{Appearance, Image};
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
+use ::gltf::{Document, Semantic};
+use nalgebra::Matrix4;
+use serde_json::{Map, Value, json};
+use std::path::Path;
 
 /// A glTF file as it stands.
 #[derive(Clone, Debug)]
@@ -152,7 +152,7 @@ impl RiggedFile {
             let Some(uri) = uri else { continue };
             let damaged = |reason| SceneError::Image { image, reason };
             let bytes = file::resource(&uri, path).map_err(damaged)?;
-            let kind = image::kind(&bytes)
+            let kind = appearance::image_kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
             self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
             let view =
@@ -228,4 +228,79 @@ fn meshes(
         meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });
     }
     Ok((meshes, skins))
+}
+
+/// Reads what the meshes look like that [`read_appearance`](super::read) reads.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::Scene`].
+pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, FormatError> {
+    let bytes = file::read(path)?;
+    let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
+    let mut tree = file::tree(&bytes)?;
+    let meshes = shown_meshes(&document, &Nodes::read(&document)?);
+    let primitives = meshes.iter().flat_map(|(mesh, _)| mesh.primitives());
+    let mut of_triangles = Vec::new();
+    for primitive in primitives.filter(is_surface) {
+        let positions = primitive.get(&Semantic::Positions);
+        let vertex_len = positions.map_or(0, |positions| positions.count());
+        let place = || "the meshes".to_owned();
+        let count = triangles(&primitive, &buffers, vertex_len, place)?.len();
+        of_triangles.extend(std::iter::repeat_n(primitive.material().index(), count));
+    }
+    let mut list = |name: &str| match tree.remove(name) {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    };
+    let mut appearance = Appearance {
+        mesh: match meshes.as_slice() {
+            [(mesh, node)] => node.name().or(mesh.name()).map(str::to_owned),
+            _ => None,
+        },
+        of_triangles,
+        materials: list("materials"),
+        textures: list("textures"),
+        samplers: list("samplers"),
+        ..Appearance::default()
+    };
+    let mut images = Vec::new();
+    for (number, members) in list("images").into_iter().enumerate() {
+        let Value::Object(members) = members else { continue };
+        let name = ["name", "uri"].iter().find_map(|name| members.get(*name)?.as_str());
+        let name = name.filter(|name| !name.starts_with("data:")).map(str::to_owned);
+        let uri = members.get("uri").and_then(Value::as_str);
+        let looked_for = uri.and_then(|uri| file::beside(uri, path).ok());
+        let found = picture(members, &document, &buffers, path);
+        if found.is_none() {
+            let name = name.unwrap_or_else(|| format!("image {number}"));
+            appearance.missing.push(appearance::missing_image(&name, looked_for.as_slice()));
+        }
+        images.push(found);
+    }
+    appearance.set_images(images);
+    let required = list("extensionsRequired");
+    let used = appearance.extensions();
+    let required = required.into_iter().filter_map(|name| name.as_str().map(str::to_owned));
+    appearance.required = required.filter(|name| used.contains(name)).collect();
+    Ok(appearance)
+}
+
+fn picture(
+    mut members: Map<String, Value>,
+    document: &Document,
+    buffers: &Buffers,
+    path: &Path,
+) -> Option<Image> {
+    members.remove("mimeType");
+    let bytes = match (members.remove("bufferView"), members.remove("uri")) {
+        (Some(view), _) => {
+            let view = document.views().nth(view.as_u64()? as usize)?;
+            let buffer = buffers.get(view.buffer().index())?;
+            let end = view.offset().checked_add(view.length())?;
+            buffer.get(view.offset()..end)?.to_vec()
+        }
+        (None, uri) => file::resource(uri?.as_str()?, path).ok()?,
+    };
+    appearance::image_kind(&bytes)?;
+    Some(Image { members, bytes })
 }

@@ -1,6 +1,6 @@
 //! OpenRaster: a zip archive of a `stack.xml` and a PNG a layer.
 
-use super::error::LayeredError;
+use super::LayeredError;
 use super::tree::{DEPTH, Node};
 use crate::formats::pixels::{Pixels, check_size, read_png};
 use roxmltree::Document;

@@ -1,6 +1,6 @@
 //! Layers in groups, and the list of layers that they make.
 
-use super::error::LayeredError;
+use super::LayeredError;
 
 /// Most groups within each other.
 pub(super) const DEPTH: usize = 64;

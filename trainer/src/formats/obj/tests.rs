@@ -1,9 +1,7 @@
 //! Meshes that are read, and lines that are refused.
 
-use super::read::{load, parse};
+use super::*;
 use crate::formats::testing::{Folder, spoil};
-use crate::formats::{FileError, FormatError, Mesh};
-use std::path::Path;
 
 const SQUARE: &str = "\
 # a comment
@@ -190,4 +188,69 @@ fn a_real_head_is_as_another_reader_sees_it() {
         corners.extend((2..face.num_indices).map(|last| [0, last - 1, last].map(corner)));
     }
     assert_eq!(mesh.triangles, corners);
+}
+
+const NEUTRAL_TEXT: &str =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/1\n";
+const SMILE: &str = "v 0 0 0\nv 1 0 0.5\nv 1 1 0\nv -1 1 0\n";
+
+fn said(folder: &Folder) -> String {
+    read_folder(&folder.0).unwrap_err().to_string()
+}
+
+#[test]
+fn files_beside_the_neutral_one_are_shapes_by_name() {
+    let folder = Folder::new("obj-shapes");
+    folder.write("neutral.obj", NEUTRAL_TEXT);
+    folder.write("smile.obj", SMILE);
+    folder.write("blink.obj", NEUTRAL_TEXT);
+    folder.write("notes.txt", "no mesh");
+    let mesh = read_folder(&folder.0).unwrap();
+    let names: Vec<_> = mesh.shapes.iter().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["blink", "smile"]);
+    assert_eq!(mesh.shapes[0].deltas, [[0.0; 3]; 4]);
+    let expected = [[0.0; 3], [0.0, 0.0, 0.5], [0.0; 3], [-1.0, 0.0, 0.0]];
+    assert_eq!(mesh.shapes[1].deltas, expected);
+    assert_eq!((mesh.faces, mesh.uv_faces), (vec![vec![0, 1, 2, 3]], vec![vec![0, 1, 2, 0]]));
+    assert_eq!(mesh.uv, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+}
+
+#[test]
+fn what_is_no_face_is_told() {
+    let folder = Folder::new("obj-none");
+    assert!(said(&folder).contains("has no neutral.obj"), "{}", said(&folder));
+    folder.write("neutral.obj", NEUTRAL_TEXT);
+    assert!(said(&folder).contains("has no shape beside neutral.obj"), "{}", said(&folder));
+    folder.write("smile.obj", "v 0 0 0\nf 1 1 1\n");
+    let error = said(&folder);
+    assert!(
+        error.ends_with("smile.obj: expected 4 vertices, as neutral.obj has, found 1"),
+        "{error}"
+    );
+    folder.write("smile.obj", "v 0 0\n");
+    assert!(said(&folder).contains("smile.obj: line 1 is no vertex"), "{}", said(&folder));
+    folder.write("neutral.obj", "v 0 0 0\n");
+    assert!(said(&folder).contains("neutral.obj: has no face"), "{}", said(&folder));
+}
+
+#[test]
+fn what_is_written_is_read_again_and_moved_alone() {
+    let positions = [[0.0, 0.5, 0.0], [1.0, 0.0, -2.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let (uv, faces) = ([[0.0, 0.25], [1.0, 0.0]], vec![vec![0, 1, 2, 3], vec![2, 1, 0]]);
+    let uv_faces = vec![vec![0, 1, 1, 0], vec![1, 1, 1]];
+    let text = text(&positions, &uv, &faces, &uv_faces);
+    assert!(text.ends_with("f 1/1 2/2 3/2 4/1\nf 3/2 2/2 1/2\n"), "{text}");
+    let parsed = parse(text.as_bytes()).unwrap();
+    assert_eq!((parsed.positions, parsed.texture), (positions.to_vec(), uv.to_vec()));
+    assert!(parsed.polygons.iter().eq(faces.iter().map(Vec::as_slice)));
+    let other = positions.map(|position| position.map(|x| x + 0.125));
+    let moved = with_positions(&text, &other);
+    assert_eq!(parse(moved.as_bytes()).unwrap().positions, other);
+    assert_eq!(moved.lines().skip(4).collect::<Vec<_>>(), text.lines().skip(4).collect::<Vec<_>>());
+}
+
+#[test]
+fn faces_without_texture_are_numbers_alone() {
+    let text = text(&[[0.0; 3]; 3], &[], &[vec![0, 1, 2]], &[]);
+    assert_eq!(text, "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
 }

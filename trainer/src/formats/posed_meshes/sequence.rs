@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::data::PosedMeshes;
-use super::error::SequenceError;
+use super::PosedMeshes;
+use super::SequenceError;
 use crate::formats::error::{FileError, FormatError};
 use crate::formats::extension::extension;
 use crate::formats::obj;

@@ -1,8 +1,8 @@
 //! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
-use super::error::SceneError;
-use super::sampling::Sampling;
-use super::times::{SAME, sample_times};
+use super::SceneError;
+use super::clip::Sampling;
+use super::clip::{SAME_TIME, sample_times};
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
@@ -107,7 +107,7 @@ fn moments(keys: Vec<f64>, wanted: Option<&[f64]>) -> Vec<Moment> {
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut moments: Vec<Moment> = Vec::new();
     for (time, is_sample) in all {
-        match moments.last_mut().filter(|moment| time - moment.first < SAME) {
+        match moments.last_mut().filter(|moment| time - moment.first < SAME_TIME) {
             Some(moment) => {
                 moment.last = time;
                 moment.is_sample |= is_sample;

@@ -5,7 +5,7 @@ use super::least_squares::solve;
 use super::options::{Entries, Options};
 use crate::kernel::function::Exact;
 use crate::kernel::sum::{monomials, powers};
-use crate::numeric::dot::dot;
+use crate::numeric::columns::dot;
 use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 

@@ -4,7 +4,7 @@
 //! runs over contiguous memory. Each distance is summed in the order of [`crate::kernel::sum`].
 
 use crate::kernel::function::Exact;
-use crate::numeric::registers;
+use crate::numeric::columns;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
@@ -62,7 +62,7 @@ fn add_squared(
     centre: usize,
     out: &mut [f64],
 ) {
-    registers::narrow();
+    columns::narrow_registers();
     for c in 0..points.ncols() {
         let t = centres[(centre, c)];
         for (s, x) in out.iter_mut().zip(&points.col_as_slice(c)[first..]) {

@@ -3,7 +3,7 @@
 use super::series::{legend, length, names};
 use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::joints::by_joint;
-use crate::page::bars::bars;
+use crate::page::chart::bars;
 use crate::page::html::{grouped, paragraph, table, text};
 
 /// A row for each joint: vertices, errors, the model's worst frame, bars.

@@ -1,6 +1,5 @@
 //! Scenes written for a test, and what is read of them.
 
-use super::read::{open, parse};
 use super::*;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
 use crate::formats::testing::{Folder, spoil};
@@ -10,9 +9,7 @@ use sinew_runtime::format::{Axis, Handedness, Space};
 use std::path::Path;
 
 mod faults;
-mod real;
 mod scene;
-mod shaped;
 
 use scene::{Scene, translation};
 

@@ -1,8 +1,9 @@
+//! Tables as CSV: a line of names, then a row a line.
 //! Reads tables.
+//! What can be wrong with a table.
 
-use super::error::CsvError;
-use crate::formats::error::FormatError;
-use crate::formats::mark::unmarked;
+use super::error::FormatError;
+use super::extension::unmarked;
 use std::path::Path;
 
 /// Characters that may stand between cells, the usual first.
@@ -216,6 +217,78 @@ fn line(text: &[u8], position: &csv::Position) -> u64 {
     position.line() + empty.filter(|byte| **byte == b'\n').count() as u64
 }
 
+/// A table that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CsvError {
+    /// It is no text in UTF-8.
+    #[error("line {line}: {reason}")]
+    Text {
+        /// The line, the first being 1.
+        line: u64,
+        /// What the reader says.
+        reason: String,
+    },
+    /// The first line is of numbers, all or most of it.
+    #[error(
+        "line {line}: expected the names of the columns, found numbers ({found}): write a line of names above \
+         them"
+    )]
+    NoNames {
+        /// The line, the first being 1.
+        line: u64,
+        /// The numbers, or the first.
+        found: String,
+    },
+    /// Two columns have one name.
+    #[error("line 1: two columns are named {name:?}")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// A line stands before that of the names.
+    #[error(
+        "line 1: expected the names of {expected} columns, as the next line has, found {found:?}: \
+         remove the lines before the names"
+    )]
+    Title {
+        /// Columns of the next line.
+        expected: usize,
+        /// The text of the line.
+        found: String,
+    },
+    /// A column that is needed is absent.
+    #[error("line 1: there is no column {name:?}; there are {found}")]
+    Missing {
+        /// Its name.
+        name: String,
+        /// Those that there are.
+        found: String,
+    },
+    /// A row is shorter or longer than the line of names.
+    #[error("line {line}: expected {expected} columns, found {found}")]
+    Row {
+        /// The line, the first being 1.
+        line: u64,
+        /// Columns that have names.
+        expected: usize,
+        /// Columns of the line.
+        found: usize,
+    },
+    /// A cell is no number.
+    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
+    Number {
+        /// The line, the first being 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+        /// What is there.
+        found: String,
+    },
+    /// There is no row.
+    #[error("has no row below its line of names")]
+    Empty,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,7 +333,7 @@ mod tests {
         let title = |found: &str| {
             format!(
                 "line 1: expected the names of 3 columns, as the next line has, found {found:?}: \
-                 remove the lines before the names"
+             remove the lines before the names"
             )
         };
         for (text, expected) in [
@@ -311,7 +384,7 @@ mod tests {
         ] {
             let expected = format!(
                 "line {line}: expected the names of the columns, found numbers ({found}): write a line of \
-                 names above them"
+             names above them"
             );
             assert_eq!(said(text), expected, "{text:?}");
         }

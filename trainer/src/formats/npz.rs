@@ -1,15 +1,21 @@
+//! Arrays of NumPy: `.npz` archives of them, read and written, and `.npy` files of one.
 //! Reads arrays of any number type out of an npz archive, one pass, without a second copy.
+//! Writes arrays into an npz archive. The same arrays give the same bytes.
+//! What can be wrong with arrays.
 
-use std::fs::File;
-use std::io::{self, BufReader, ErrorKind, Read};
-use std::path::Path;
-
+use super::error::FormatError;
+use super::extension::{extension, unknown_format};
 use npyz::npz::file_name_from_array_name;
-use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
-use zip::ZipArchive;
-
-use super::error::ArrayError;
-use crate::formats::error::FormatError;
+use npyz::{
+    AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriteOptions,
+    WriterBuilder,
+};
+use std::fs::File;
+use std::io;
+use std::io::{BufReader, BufWriter, ErrorKind, Read, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{System, ZipArchive, ZipWriter};
 
 /// An open npz archive.
 pub(crate) struct Archive {
@@ -52,6 +58,26 @@ pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError
     let read = f64::each(NpyFile::with_header(header, left), |number| numbers.push(number));
     read.ok_or(wrong)?.map_err(|error| damaged(fault_of_data(&error)))?;
     Ok(numbers)
+}
+
+/// Reads the numbers of a `.npy`, `.txt` or `.csv` file, called `array` where something is wrong.
+pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
+    match extension(path).as_str() {
+        "npy" => read_npy(path, array),
+        "txt" | "csv" => {
+            let text = std::fs::read_to_string(path).map_err(FormatError::Read)?;
+            let numbers = text.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
+            let numbers = numbers.filter(|word| !word.is_empty());
+            let parse = |(place, word): (usize, &str)| {
+                word.parse().map_err(|_| {
+                    let (array, word) = (array.to_owned(), word.to_owned());
+                    ArrayError::NoNumber { array, place, word }.into()
+                })
+            };
+            numbers.enumerate().map(parse).collect()
+        }
+        _ => Err(unknown_format(path, ".npy, .txt or .csv")),
+    }
 }
 
 impl Archive {
@@ -314,4 +340,110 @@ impl Places {
         }
         place
     }
+}
+
+/// Compressed, able to pass 4 GB, and the same everywhere: dated 1980, and from one system.
+const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
+
+/// An npz archive that is being written.
+pub(crate) struct Writer<'a> {
+    zip: ZipWriter<BufWriter<&'a mut File>>,
+}
+
+impl<'a> Writer<'a> {
+    /// Begins an archive in an empty file.
+    pub(crate) fn new(file: &'a mut File) -> Self {
+        Self { zip: ZipWriter::new(BufWriter::new(file)) }
+    }
+
+    /// Adds an array of numbers in C order, as many as fill `shape`.
+    pub(crate) fn numbers<T: AutoSerialize>(
+        &mut self,
+        array: &str,
+        shape: &[u64],
+        numbers: impl Iterator<Item = T>,
+    ) -> io::Result<()> {
+        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        let options = WriteOptions::new().default_dtype().shape(shape);
+        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        file.extend(numbers)?;
+        file.finish()
+    }
+
+    /// Adds a list of texts.
+    pub(crate) fn texts(&mut self, array: &str, texts: &[String]) -> io::Result<()> {
+        let longest = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+        let invalid = |_| io::Error::from(io::ErrorKind::InvalidInput);
+        let dtype = DType::Plain(format!("<U{longest}").parse().map_err(invalid)?);
+        let shape = [texts.len() as u64];
+        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        let options = WriteOptions::<str>::new().dtype(dtype).shape(&shape);
+        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        for text in texts {
+            file.push(text)?;
+        }
+        file.finish()
+    }
+
+    /// Ends the archive.
+    pub(crate) fn finish(self) -> io::Result<()> {
+        self.zip.finish()?.flush()
+    }
+}
+
+/// Arrays, of an archive or alone, that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ArrayError {
+    /// The archive is truncated or is no npz at all.
+    #[error(
+        "is no whole .npz archive: its {found} bytes do not end with the archive's directory; write it, or copy it, again"
+    )]
+    Archive {
+        /// Bytes of the file.
+        found: u64,
+    },
+    /// An array is damaged or is no npy data.
+    #[error("array {array} is damaged: {reason}; write the file, or copy it, again")]
+    Damaged {
+        /// The array.
+        array: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A word of a text is not a number.
+    #[error("array {array} has {word:?} as number {place}, expected a number")]
+    NoNumber {
+        /// The array.
+        array: String,
+        /// Where the word stands, from 0.
+        place: usize,
+        /// The word.
+        word: String,
+    },
+    /// An array that is needed is absent.
+    #[error("array {array} is missing")]
+    Missing {
+        /// The array, or the arrays of which one must be present.
+        array: &'static str,
+    },
+    /// An array holds another kind of number.
+    #[error("array {array} must hold {expected}, found dtype {found}")]
+    WrongType {
+        /// The array.
+        array: String,
+        /// The kind of number expected.
+        expected: &'static str,
+        /// The dtype found.
+        found: String,
+    },
+    /// An array has another shape.
+    #[error("array {array} must have shape {expected}, found {found:?}")]
+    WrongShape {
+        /// The array.
+        array: String,
+        /// The shape expected; letters stand for any count.
+        expected: String,
+        /// The shape found.
+        found: Vec<u64>,
+    },
 }

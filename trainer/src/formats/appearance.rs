@@ -1,6 +1,28 @@
+//! What the meshes of a scene look like: beside what moves them, for who writes them again.
+//! The appearance of a file's meshes, by its format.
 //! Names, materials and images, as glTF states them.
+//! The kinds of images that glTF knows, and what is said of those that are not there.
 
+use super::error::FileError;
+use super::extension::extension;
+use super::{fbx, gltf};
 use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// Reads what the meshes of a scene look like (`.glb`, `.gltf`, `.fbx`), for the triangles in the order in
+/// which its reader gives them; nothing is known of other files.
+///
+/// # Errors
+/// A [`FileError`] that names the file, which cannot be read or is damaged. An image that cannot be read
+/// is no error, but listed.
+pub fn load(path: &Path) -> Result<Appearance, FileError> {
+    let read = match extension(path).as_str() {
+        "glb" | "gltf" => gltf::rigged::read_appearance(path),
+        "fbx" => fbx::appearance::read(path),
+        _ => Ok(Appearance::default()),
+    };
+    read.map_err(|error| FileError { file: path.to_owned(), error })
+}
 
 /// What the meshes of a scene look like.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -120,5 +142,28 @@ fn extensions(value: &Value, found: &mut Vec<String>) {
         }
         Value::Array(items) => items.iter().for_each(|value| extensions(value, found)),
         _ => {}
+    }
+}
+
+/// Tells the media type of an image by its first bytes.
+pub(crate) fn image_kind(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |with: &[u8]| bytes.starts_with(with);
+    match () {
+        () if begins(b"\x89PNG\r\n\x1a\n") => Some("image/png"),
+        () if begins(b"\xff\xd8\xff") => Some("image/jpeg"),
+        () if begins(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
+        () if begins(b"\xabKTX 20\xbb") => Some("image/ktx2"),
+        () => None,
+    }
+}
+
+/// Names an image that cannot be read, with the files that it was looked for in.
+pub(crate) fn missing_image(name: &str, looked_for: &[PathBuf]) -> String {
+    match looked_for {
+        [] => name.to_owned(),
+        all => {
+            let all: Vec<String> = all.iter().map(|file| file.display().to_string()).collect();
+            format!("{name} (looked for as {})", all.join(" and "))
+        }
     }
 }
