@@ -1,5 +1,4 @@
-//! What can be wrong with a file, whatever its format.
-//! What a file holds and a reader leaves out.
+//! Errors of files of any format, and warnings about data that a reader leaves out.
 
 use super::abc::AlembicError;
 use super::csv::CsvError;
@@ -15,13 +14,13 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {error}", file.display())]
 pub struct FileError {
-    /// The file at fault.
+    /// The faulty file.
     pub file: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub error: FormatError,
 }
 
-/// What is wrong with a file.
+/// Faults of a file.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// The file cannot be opened or read.
@@ -30,79 +29,79 @@ pub enum FormatError {
     /// The file cannot be written.
     #[error("cannot be written: {0}")]
     Write(std::io::Error),
-    /// The file's name does not end as any format that is read here.
+    /// No reader exists for the file's ending.
     #[error("expected a file that ends in {expected}, found {found}")]
     UnknownFormat {
-        /// The endings that are read.
+        /// The supported endings.
         expected: &'static str,
-        /// The ending found.
+        /// The ending of the file.
         found: String,
     },
-    /// The file is of a format that is not read.
+    /// The format is known but not supported.
     #[error("is {format}, which is not read: {remedy}")]
     Unread {
         /// The format.
         format: &'static str,
-        /// What to do.
+        /// The way to a supported format.
         remedy: &'static str,
     },
-    /// There is nothing in the file.
+    /// The file is empty.
     #[error("is empty")]
     Empty,
-    /// The file is a baked model, where examples are read.
+    /// The file is a baked model instead of examples.
     #[error("is a baked model, expected examples: commands take the model first")]
     Model,
-    /// The file holds what another ending stands for.
+    /// The content belongs to another ending.
     #[error("holds what a .{ending} file holds: give it that ending")]
     OtherContent {
-        /// The ending of what it holds.
+        /// The ending that fits the content.
         ending: &'static str,
     },
-    /// A scene is damaged, or lacks what a rigged character has.
+    /// A scene is damaged, or lacks a part of a rigged character.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Arrays are missing, damaged or others than expected.
+    /// Arrays are missing, damaged or of another kind than expected.
     #[error(transparent)]
     Array(#[from] ArrayError),
-    /// A point cache is damaged or none.
+    /// A point cache is damaged, or the file is no point cache.
     #[error(transparent)]
     PointCache(#[from] PointCacheError),
-    /// An Alembic archive is damaged, or its meshes are not of one mesh.
+    /// An Alembic archive is damaged, or its meshes change over time.
     #[error(transparent)]
     Alembic(#[from] AlembicError),
-    /// Meshes do not follow one another.
+    /// Meshes do not form a sequence.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// The file is no OBJ, or a folder of them is not a face.
+    /// The file is not OBJ, or a folder of OBJ files is not a face.
     #[error(transparent)]
     Obj(#[from] ObjError),
-    /// The file is no picture in layers, or lacks a layer.
+    /// The file is not a layered picture, or lacks a layer.
     #[error(transparent)]
     Layered(#[from] LayeredError),
-    /// The file is no table of numbers.
+    /// The file is not a table of numbers.
     #[error(transparent)]
     Csv(#[from] CsvError),
 }
 
-/// Something that a file holds and that is left out, which the user should know.
+/// Data of a file that the reader changes or leaves out, and that the user should know about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FormatWarning {
-    /// Authored normals without a direction, in place of which the trainer's own stand.
+    /// Authored normals had no direction; computed normals replace them.
     NormalsRepaired {
-        /// Of how many corners or vertices.
+        /// Number of corners or vertices.
         count: usize,
     },
-    /// Meshes without a skin stand beside meshes that have one, and are left out.
+    /// Meshes without a skin are left out, because other meshes have a skin.
     UnskinnedMeshes {
         /// The meshes.
         meshes: Vec<String>,
     },
-    /// Meshes without shapes stand beside meshes that have some, and are left out.
+    /// Meshes without shapes are left out, because other meshes have shapes.
     UnshapedMeshes {
         /// The meshes.
         meshes: Vec<String>,
     },
-    /// Channels with shapes between, of which only the last is taken.
+    /// Channels have in-between shapes; only the last shape of each is read.
     ShapesBetween {
         /// The channels.
         channels: Vec<String>,
@@ -114,7 +113,7 @@ pub enum FormatWarning {
     },
     /// Animation channels that name no node are left out.
     UntargetedChannels {
-        /// The clips that have any.
+        /// The clips with untargeted channels.
         clips: Vec<String>,
     },
     /// Points and lines of meshes are left out.
@@ -122,26 +121,26 @@ pub enum FormatWarning {
         /// The meshes.
         meshes: Vec<String>,
     },
-    /// Joints of equal names, which were told apart.
+    /// Joints had equal names and were renamed.
     EqualNames {
-        /// The names that they have now.
+        /// The new names.
         joints: Vec<String>,
     },
-    /// Vertices that no joint moves.
+    /// Some vertices have no joint weights.
     Unweighted {
-        /// How many.
+        /// Number of vertices.
         count: usize,
-        /// What they follow.
+        /// What these vertices follow, in words.
         follow: &'static str,
     },
-    /// A joint that Blender's exporter adds for vertices that no joint moves.
+    /// A joint that Blender's exporter adds for vertices without joint weights.
     NeutralBone {
         /// The joint.
         joint: String,
-        /// How many vertices follow it.
+        /// Number of vertices that follow the joint.
         count: usize,
     },
-    /// Meshes that a point cache outside the scene deforms, which is not read with it.
+    /// Point caches outside the scene deform some meshes; they are not read with the scene.
     CacheIgnored {
         /// The meshes.
         meshes: Vec<String>,
@@ -197,7 +196,7 @@ impl fmt::Display for FormatWarning {
             FormatWarning::NeutralBone { joint, count } => {
                 write!(
                     f,
-                    "joint {joint} is none of the rig's: Blender adds it for vertices without a joint's weight, which \
+                    "joint {joint} is not part of the rig: Blender adds it for vertices without a joint's weight, which \
                      stay where they are: {count}; give them weights where the character should take them along"
                 )
             }

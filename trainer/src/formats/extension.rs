@@ -1,18 +1,16 @@
-//! Formats by the endings of their files.
-//! What a file holds, whatever its name says.
-//! What some programs write before text.
+//! Formats of files: by their ending, and by their first bytes.
 
 use super::error::FormatError;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The end of a file's name, in lower case, without the dot.
+/// Returns the ending of a file's name, in lower case, without the dot.
 pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// Says which formats are read instead of this file's.
+/// Makes the error for a file whose ending is not supported; `expected` lists the supported endings.
 pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError {
     let found = match extension(path) {
         none if none.is_empty() => "none".to_owned(),
@@ -21,7 +19,7 @@ pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError
     FormatError::UnknownFormat { expected, found }
 }
 
-/// Says what to do with a file of a format that is known and not read; none of any other.
+/// Returns an error with a remedy for a known format that is not supported; `None` for any other format.
 pub(crate) fn unread(path: &Path) -> Option<FormatError> {
     let (format, remedy) = match extension(path).as_str() {
         "blend" => (
@@ -37,7 +35,7 @@ pub(crate) fn unread(path: &Path) -> Option<FormatError> {
     Some(FormatError::Unread { format, remedy })
 }
 
-/// A kind of file, told by its first bytes.
+/// Content of a file, recognised by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// A baked model.
@@ -46,7 +44,7 @@ pub enum Content {
     Examples(&'static str),
 }
 
-/// How files begin.
+/// First bytes of the known formats.
 const BEGINNINGS: [(&[u8], Content); 8] = [
     (b"SNEW", Content::Model),
     (b"glTF", Content::Examples("glb")),
@@ -55,20 +53,24 @@ const BEGINNINGS: [(&[u8], Content); 8] = [
     (b"PK\x03\x04", Content::Examples("npz")),
     (b"POINTCACHE2\0", Content::Examples("pc2")),
     (b"Ogawa", Content::Examples("abc")),
-    // Alembic in its older container, which its reader names.
+    // Alembic in its older container; the Alembic reader reports it.
     (b"\x89HDF\r\n\x1a\n", Content::Examples("abc")),
 ];
 
 impl Content {
-    /// Tells what begins so; `None` of what is not known by its beginning.
+    /// Returns the content that begins with these bytes; `None` if the beginning is not known.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         let found = BEGINNINGS.into_iter().find(|(beginning, _)| bytes.starts_with(beginning));
         found.map(|(_, content)| content)
     }
 }
 
-/// Checks that a file that is to be read by its ending has one that may be, holds something, and nothing else. What
-/// cannot be opened is left to whoever reads it.
+/// Checks that a file is not empty, and that its content fits its ending.
+///
+/// Does not report a file that cannot be opened; the reader of the file reports that.
+///
+/// # Errors
+/// [`FormatError::Unread`], [`FormatError::Empty`], [`FormatError::Model`] and [`FormatError::OtherContent`].
 pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
     if let Some(error) = unread(path) {
         return Err(error);
@@ -81,7 +83,7 @@ pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
     }
     match Content::of(&beginning[..len]) {
         Some(Content::Model) => Err(FormatError::Model),
-        // A reader of glTF takes both forms by either name.
+        // The glTF reader accepts both forms under either ending.
         Some(Content::Examples("glb")) if extension(path) == "gltf" => Ok(()),
         Some(Content::Examples(ending)) if extension(path) != ending => {
             Err(FormatError::OtherContent { ending })
@@ -90,7 +92,7 @@ pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
     }
 }
 
-/// The byte order mark of UTF-8.
+/// The byte order mark of UTF-8, which some programs write before text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Returns a text without its byte order mark.

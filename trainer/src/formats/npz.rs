@@ -1,7 +1,6 @@
-//! Arrays of NumPy: `.npz` archives of them, read and written, and `.npy` files of one.
-//! Reads arrays of any number type out of an npz archive, one pass, without a second copy.
-//! Writes arrays into an npz archive. The same arrays give the same bytes.
-//! What can be wrong with arrays.
+//! Arrays of NumPy: reads and writes `.npz` archives, and reads `.npy` files.
+//!
+//! Arrays of any number type are read in one pass, without a second copy. Writing equal arrays gives equal bytes.
 
 use super::error::FormatError;
 use super::extension::{extension, unknown_format};
@@ -24,22 +23,22 @@ pub(crate) struct Archive {
 
 /// An array as rows of K numbers in C order.
 pub(crate) struct Rows<T, const K: usize> {
-    /// Counts of the dimensions before those that make a row.
+    /// Sizes of the dimensions before those that form a row.
     pub(crate) lead: Vec<usize>,
     /// The rows.
     pub(crate) data: Vec<[T; K]>,
 }
 
-/// A number that arrays are read into.
+/// A number type that arrays are read into.
 pub(crate) trait Number: Copy + Default {
-    /// The numbers of an array that can be read into it, in words.
+    /// The numbers that can be converted to this type, in words.
     const EXPECTED: &'static str;
 
-    /// Hands every number of the file to `store`, or gives `None` for another type.
+    /// Passes every number of the file to `store`; returns `None` if the file has another type.
     fn each(file: NpyFile<impl Read>, store: impl FnMut(Self)) -> Option<io::Result<()>>;
 }
 
-/// Reads a `.npy` file of one row of numbers, called `array` where something is wrong with it.
+/// Reads a `.npy` file of one dimension; errors call it `array`.
 pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
     let array = || array.to_owned();
     let damaged = |reason: &str| ArrayError::Damaged { array: array(), reason: reason.to_owned() };
@@ -60,7 +59,7 @@ pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError
     Ok(numbers)
 }
 
-/// Reads the numbers of a `.npy`, `.txt` or `.csv` file, called `array` where something is wrong.
+/// Reads the numbers of a `.npy`, `.txt` or `.csv` file; errors call them `array`.
 pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
     match extension(path).as_str() {
         "npy" => read_npy(path, array),
@@ -90,12 +89,12 @@ impl Archive {
         Ok(Self { zip })
     }
 
-    /// Returns whether there is such an array.
+    /// Tells whether the archive has the array.
     pub(crate) fn has(&self, array: &str) -> bool {
         self.zip.index_for_name(&file_name_from_array_name(array)).is_some()
     }
 
-    /// Reads an array as [`Archive::rows`] does, and insists on it.
+    /// Reads an array as [`Archive::rows`] does; a missing array is an error.
     pub(crate) fn required<T: Number, const K: usize>(
         &mut self,
         array: &'static str,
@@ -104,8 +103,9 @@ impl Archive {
         Ok(self.rows(array, tail)?.ok_or(ArrayError::Missing { array })?)
     }
 
-    /// Reads an array of shape `[any, tail..]`, where 0 in `tail` is any count too and the counts
-    /// after the last 0 multiply to K. `None` if there is no such array.
+    /// Reads an array of shape `[any, tail..]`; `None` if the archive has no such array.
+    ///
+    /// A 0 in `tail` stands for any count; the counts after the last 0 multiply to K.
     pub(crate) fn rows<T: Number, const K: usize>(
         &mut self,
         array: &str,
@@ -128,7 +128,7 @@ impl Archive {
         let lead: Vec<usize> = shape[..lead_len].iter().map(|&count| count as usize).collect();
 
         let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
-        // `find` has compared the count with the bytes that are there.
+        // `find` has checked that the file has enough bytes for this count.
         let row_len: usize = lead.iter().product();
         let mut data = Vec::new();
         data.try_reserve_exact(row_len).map_err(|error| damaged(error.to_string()))?;
@@ -147,7 +147,7 @@ impl Archive {
         Ok(Some(Rows { lead, data }))
     }
 
-    /// Reads one number, with or without a dimension of one. `None` if there is no such array.
+    /// Reads one number, stored as a scalar or as an array of one; `None` if the archive has no such array.
     pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, FormatError> {
         let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
@@ -166,7 +166,7 @@ impl Archive {
         Ok(Some(only))
     }
 
-    /// Reads a list of texts. `None` if there is no such array.
+    /// Reads a list of texts; `None` if the archive has no such array.
     pub(crate) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, FormatError> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         if header.shape().len() != 1 {
@@ -177,14 +177,14 @@ impl Archive {
         texts(array, header, file).map(Some)
     }
 
-    /// Reads one text, with or without a dimension of one. `None` if there is no such array.
+    /// Reads one text, stored as a scalar or as an array of one; `None` if the archive has no such array.
     pub(crate) fn text(&mut self, array: &str) -> Result<Option<String>, FormatError> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
         Ok(texts(array, header, file)?.pop())
     }
 
-    /// Finds an array and checks that its header asks for no more bytes than there are.
+    /// Finds an array and checks that the file has enough bytes for the header's shape.
     fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, FormatError> {
         let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
         let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
@@ -209,7 +209,7 @@ impl Archive {
     }
 }
 
-/// Checks that an array holds one thing, with or without a dimension.
+/// Checks that an array holds a single item, as a scalar or as an array of one.
 fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
     match header.shape() {
         [] | [1] => Ok(()),
@@ -235,7 +235,7 @@ fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<Stri
     Ok(texts.map_err(damaged)?)
 }
 
-/// Names the fault of an array's header.
+/// Describes the fault of an array's header.
 fn fault_of_header(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::UnexpectedEof => "it ends in its header",
@@ -243,7 +243,7 @@ fn fault_of_header(error: &io::Error) -> &'static str {
     }
 }
 
-/// Names the fault of an array's numbers or texts.
+/// Describes the fault of an array's data.
 fn fault_of_data(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::UnexpectedEof => "it ends early",
@@ -251,7 +251,7 @@ fn fault_of_data(error: &io::Error) -> &'static str {
     }
 }
 
-/// Reads on to the end of an array's file, where zip compares its checksum.
+/// Reads to the end of an array's file, where the zip reader compares the checksum.
 fn finish(mut file: impl Read) -> io::Result<()> {
     io::copy(&mut file, &mut io::sink()).map(drop)
 }
@@ -281,7 +281,7 @@ impl Number for i64 {
             (TypeChar::Uint, 1) => each(file, |number: u8| store(number.into())),
             (TypeChar::Uint, 2) => each(file, |number: u16| store(number.into())),
             (TypeChar::Uint, 4) => each(file, |number: u32| store(number.into())),
-            // A count beyond i64 is out of any range: the largest i64 says so as well.
+            // A count above i64 is out of any range, and so is the largest i64.
             (TypeChar::Uint, 8) => {
                 each(file, |number: u64| store(number.try_into().unwrap_or(i64::MAX)))
             }
@@ -290,6 +290,7 @@ impl Number for i64 {
     }
 }
 
+/// Returns the type and size of plain numbers; `None` for other types.
 fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
     match file.dtype() {
         DType::Plain(kind) => Some((kind.type_char(), kind.size_field())),
@@ -297,6 +298,7 @@ fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
     }
 }
 
+/// Passes every number of a file of type T to `store`; `None` if the file has another type.
 fn each<T: Deserialize>(
     file: NpyFile<impl Read>,
     mut store: impl FnMut(T),
@@ -305,7 +307,7 @@ fn each<T: Deserialize>(
     Some(numbers.try_for_each(|number| number.map(&mut store)))
 }
 
-/// Where the next number of a file stands in C order.
+/// Position in C order of each successive number of a file.
 struct Places {
     /// (count, stride in C order) of each dimension, fastest in the file first.
     dimensions: Vec<(usize, usize)>,
@@ -342,10 +344,10 @@ impl Places {
     }
 }
 
-/// Compressed, able to pass 4 GB, and the same everywhere: dated 1980, and from one system.
+/// Compressed, larger than 4 GB if needed, and equal everywhere: with a fixed date and system.
 const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
-/// An npz archive that is being written.
+/// An npz archive under construction.
 pub(crate) struct Writer<'a> {
     zip: ZipWriter<BufWriter<&'a mut File>>,
 }
@@ -356,7 +358,7 @@ impl<'a> Writer<'a> {
         Self { zip: ZipWriter::new(BufWriter::new(file)) }
     }
 
-    /// Adds an array of numbers in C order, as many as fill `shape`.
+    /// Adds an array of numbers in C order; their count must fill `shape`.
     pub(crate) fn numbers<T: AutoSerialize>(
         &mut self,
         array: &str,
@@ -391,23 +393,23 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Arrays, of an archive or alone, that cannot be read.
+/// Reasons why an array, or an archive of arrays, cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ArrayError {
-    /// The archive is truncated or is no npz at all.
+    /// The archive is truncated, or the file is not npz.
     #[error(
         "is no whole .npz archive: its {found} bytes do not end with the archive's directory; write it, or copy it, again"
     )]
     Archive {
-        /// Bytes of the file.
+        /// Size of the file, in bytes.
         found: u64,
     },
-    /// An array is damaged or is no npy data.
+    /// An array is damaged, or is not npy data.
     #[error("array {array} is damaged: {reason}; write the file, or copy it, again")]
     Damaged {
         /// The array.
         array: String,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// A word of a text is not a number.
@@ -415,18 +417,18 @@ pub enum ArrayError {
     NoNumber {
         /// The array.
         array: String,
-        /// Where the word stands, from 0.
+        /// Index of the word, from 0.
         place: usize,
         /// The word.
         word: String,
     },
-    /// An array that is needed is absent.
+    /// A required array is missing.
     #[error("array {array} is missing")]
     Missing {
-        /// The array, or the arrays of which one must be present.
+        /// The array, or the arrays of which one is required.
         array: &'static str,
     },
-    /// An array holds another kind of number.
+    /// An array has another kind of numbers.
     #[error("array {array} must hold {expected}, found dtype {found}")]
     WrongType {
         /// The array.
@@ -441,7 +443,7 @@ pub enum ArrayError {
     WrongShape {
         /// The array.
         array: String,
-        /// The shape expected; letters stand for any count.
+        /// The expected shape; a letter stands for any count.
         expected: String,
         /// The shape found.
         found: Vec<u64>,

@@ -1,9 +1,7 @@
-//! Alembic, `.abc`: the polygon meshes of an Ogawa archive, posed frame by frame where its transforms put them.
+//! Alembic, `.abc`: reads the polygon meshes of an Ogawa archive, frame by frame, placed by its transforms.
 //!
-//! Axes and unit stay as they are in the file, which says nothing of them. Vertices are the meshes', in their order;
-//! several meshes follow one another in the order of the file.
-//! Reads an archive: its meshes as one, frame by frame.
-//! What can be wrong with an Alembic archive.
+//! Axes and unit stay as they are in the file, which does not state them. Vertices keep their order; several meshes
+//! follow one another in the order of the file.
 
 mod objects;
 mod ogawa;
@@ -19,10 +17,10 @@ use ogawa::Archive;
 use schemas::{Mesh, Transform};
 use std::path::Path;
 
-/// Reads the polygon meshes of a file, each frame a sample of them, where the transforms above put them.
+/// Reads the polygon meshes of a file. Each sample is a frame, placed by the transforms above the mesh.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Alembic`] with what is damaged or changes that may not.
+/// [`FormatError::Read`], and [`FormatError::Alembic`] for damage or for meshes that change over time.
 pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
     Ok(parse(&std::fs::read(path).map_err(FormatError::Read)?)?)
 }
@@ -33,52 +31,53 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
 /// An [`AlembicError`].
 fn parse(bytes: &[u8]) -> Result<PosedMeshes, AlembicError> {
     let archive = Archive::new(bytes)?;
-    let Scene { transforms, shown } = Scene::read(&archive)?;
-    let frame_len = frame_len(&transforms, &shown)?;
-    let vertex_len = shown.iter().map(|shown| shown.mesh.vertex_len).sum::<usize>();
+    let Scene { transforms, meshes } = Scene::read(&archive)?;
+    let frame_len = frame_len(&transforms, &meshes)?;
+    let vertex_len = meshes.iter().map(|placed| placed.mesh.vertex_len).sum::<usize>();
     let position_len = frame_len.saturating_mul(vertex_len);
     archive.spend(position_len.saturating_mul(size_of::<[f64; 3]>()))?;
-    let worlds: Vec<_> = shown.iter().map(|shown| World::new(&transforms, &shown.above)).collect();
+    let worlds: Vec<_> =
+        meshes.iter().map(|placed| World::new(&transforms, &placed.above)).collect();
     let moved: usize = worlds.iter().map(World::factor_len).sum();
     archive.spend(frame_len.saturating_mul(moved).saturating_mul(size_of::<Matrix4<f64>>()))?;
 
     let mut vertices = Vec::with_capacity(position_len);
     for frame in 0..frame_len {
-        for (Shown { mesh, .. }, world) in shown.iter().zip(&worlds) {
+        for (PlacedMesh { mesh, .. }, world) in meshes.iter().zip(&worlds) {
             let world = world.at(frame);
-            vertices.extend(mesh.at(frame)?.map(|x| carried(&world, x)));
+            vertices.extend(mesh.at(frame)?.map(|x| transform_point(&world, x)));
         }
     }
     let first = vertices.get(..vertex_len).unwrap_or_default();
-    let triangles = triangles(&shown, first);
+    let triangles = triangles(&meshes, first);
     Ok(PosedMeshes {
         triangles: (!triangles.is_empty()).then_some(triangles),
-        reference: reference(&shown),
-        parts: parts(shown),
+        reference: reference(&meshes),
+        parts: parts(meshes),
         ..PosedMeshes::bare(vertex_len, vertices)
     })
 }
 
-/// The meshes of an archive and what moves them.
+/// The meshes of an archive, and the transforms that move them.
 struct Scene<'a> {
-    /// The transform of each object; of none but transforms.
+    /// Transform of each object; `None` for objects of another kind.
     transforms: Vec<Option<Transform<'a>>>,
-    shown: Vec<Shown<'a>>,
+    meshes: Vec<PlacedMesh<'a>>,
 }
 
-/// A mesh.
-struct Shown<'a> {
+/// A mesh and its place in the hierarchy.
+struct PlacedMesh<'a> {
     mesh: Mesh<'a>,
-    /// What it and the transform above it are called.
+    /// Names of the nearest transform above the mesh and of the mesh.
     names: Vec<String>,
-    /// The transforms above it by object, the nearest first.
+    /// Objects of the transforms above the mesh, the nearest first.
     above: Vec<usize>,
 }
 
 /// The product of the transforms above a mesh.
 enum World<'t, 'a> {
     Constant(Matrix4<f64>),
-    /// The farthest first.
+    /// The transforms, the root first.
     Moving(Vec<&'t Transform<'a>>),
 }
 
@@ -86,7 +85,7 @@ impl<'a> Scene<'a> {
     fn read(archive: &'a Archive<'a>) -> Result<Self, AlembicError> {
         let (objects, metadata) = list(archive)?;
         let mut transforms = Vec::with_capacity(objects.len());
-        let mut shown = Vec::new();
+        let mut meshes = Vec::new();
         for (number, object) in objects.iter().enumerate() {
             let is_transform = object.schema == Schema::Transform;
             let transform = is_transform.then(|| Transform::read(object, &metadata)).transpose()?;
@@ -95,13 +94,13 @@ impl<'a> Scene<'a> {
                 let above = above(&objects, &transforms, number);
                 let nearest = above.first().map(|&transform| &objects[transform].name);
                 let names = nearest.into_iter().chain([&object.name]).cloned().collect();
-                shown.push(Shown { mesh: Mesh::read(object, &metadata)?, names, above });
+                meshes.push(PlacedMesh { mesh: Mesh::read(object, &metadata)?, names, above });
             }
         }
-        if shown.is_empty() {
+        if meshes.is_empty() {
             return Err(AlembicError::NoMesh);
         }
-        Ok(Self { transforms, shown })
+        Ok(Self { transforms, meshes })
     }
 }
 
@@ -124,14 +123,14 @@ fn above(
     above
 }
 
-/// Counts the frames: the samples of what changes, which must be as many of all.
+/// Counts the frames: the number of samples, which all changing meshes and transforms must share.
 fn frame_len(
     transforms: &[Option<Transform<'_>>],
-    shown: &[Shown<'_>],
+    meshes: &[PlacedMesh<'_>],
 ) -> Result<usize, AlembicError> {
-    // Whether it changes, its samples, and what it is.
+    // For each mesh and transform: whether it changes, its number of samples, and its description.
     let mut sampled = Vec::new();
-    for Shown { mesh, above, names } in shown {
+    for PlacedMesh { mesh, above, names } in meshes {
         sampled.push((!mesh.is_constant(), mesh.sample_len(), format!("mesh {}", mesh.name)));
         for transform in above.iter().filter_map(|&above| transforms[above].as_ref()) {
             let moves = !transform.is_constant();
@@ -170,7 +169,7 @@ impl<'t, 'a> World<'t, 'a> {
         }
     }
 
-    /// Counts the matrices that are multiplied for a frame.
+    /// Counts the matrices to multiply for each frame.
     fn factor_len(&self) -> usize {
         match self {
             Self::Constant(_) => 0,
@@ -179,15 +178,15 @@ impl<'t, 'a> World<'t, 'a> {
     }
 }
 
-fn carried(world: &Matrix4<f64>, x: [f64; 3]) -> [f64; 3] {
+fn transform_point(world: &Matrix4<f64>, x: [f64; 3]) -> [f64; 3] {
     world.transform_point(&Point3::from(x)).into()
 }
 
-/// Splits the faces of all meshes into triangles, with vertices by their numbers among all.
-fn triangles(shown: &[Shown<'_>], positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
+/// Splits the faces of all meshes into triangles, with vertices numbered across all meshes.
+fn triangles(meshes: &[PlacedMesh<'_>], positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
     let mut triangles = Vec::new();
     let mut first = 0;
-    for Shown { mesh, .. } in shown {
+    for PlacedMesh { mesh, .. } in meshes {
         let own = mesh.polygons.triangles(&positions[first..][..mesh.vertex_len]);
         triangles.extend(own.into_iter().map(|corners| corners.map(|corner| corner + first)));
         first += mesh.vertex_len;
@@ -195,56 +194,56 @@ fn triangles(shown: &[Shown<'_>], positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// Joins the reference positions of all meshes, where all have some.
-fn reference(shown: &[Shown<'_>]) -> Option<Vec<[f64; 3]>> {
-    let all = shown.iter().map(|Shown { mesh, .. }| mesh.reference.as_deref());
+/// Joins the reference positions of all meshes; `None` if a mesh has none.
+fn reference(meshes: &[PlacedMesh<'_>]) -> Option<Vec<[f64; 3]>> {
+    let all = meshes.iter().map(|PlacedMesh { mesh, .. }| mesh.reference.as_deref());
     all.collect::<Option<Vec<_>>>().map(|all| all.concat())
 }
 
-/// Names the meshes and tells which vertices they have.
-fn parts(shown: Vec<Shown<'_>>) -> Vec<Part> {
+/// Lists the names and vertex ranges of the meshes.
+fn parts(meshes: Vec<PlacedMesh<'_>>) -> Vec<Part> {
     let mut first = 0;
-    let part = |Shown { mesh, names, .. }: Shown<'_>| {
+    let part = |PlacedMesh { mesh, names, .. }: PlacedMesh<'_>| {
         let range = first..first + mesh.vertex_len;
         first = range.end;
         Part { names, range }
     };
-    shown.into_iter().map(part).collect()
+    meshes.into_iter().map(part).collect()
 }
 
-/// An Alembic archive that cannot be read, or is not of one mesh.
+/// Reasons why an Alembic archive cannot be read as posed meshes.
 #[derive(Debug, thiserror::Error)]
 pub enum AlembicError {
-    /// The archive is in a container that is not read.
+    /// The archive uses the HDF5 container, which is not supported.
     #[error(
         "is Alembic in an HDF5 container, which is not read; export it again with Ogawa as its data format"
     )]
     Hdf5,
-    /// The file does not begin as an archive that is read.
+    /// The file does not begin as a supported archive.
     #[error("is no Alembic archive of Ogawa's version 1: {reason}; export it as .abc again")]
     NotAlembic {
-        /// What is different.
+        /// The difference.
         reason: String,
     },
-    /// What wrote the file did not come to its end.
+    /// The program that wrote the file did not finish it.
     #[error("was not closed by what wrote it; export it again, to the end")]
     Unfinished,
-    /// The file says of itself what cannot be.
+    /// The file contradicts itself.
     #[error("is damaged: {what}; export it again")]
     Damaged {
-        /// What cannot be.
+        /// The contradiction.
         what: String,
     },
-    /// The file names more than it can be meant to hold.
+    /// The file refers to the same bytes so often that reading it would take too much memory.
     #[error(
         "unfolds to more than {most} bytes, the most for a file of its size, by naming the same bytes again and \
          again; export the frames that are wanted alone"
     )]
     TooLarge {
-        /// The most.
+        /// Most bytes allowed.
         most: usize,
     },
-    /// There is no mesh.
+    /// The archive has no mesh.
     #[error("holds no polygon mesh: export the character's mesh, as polygons")]
     NoMesh,
     /// A mesh has no positions.
@@ -253,7 +252,7 @@ pub enum AlembicError {
         /// The mesh.
         mesh: String,
     },
-    /// A mesh has other vertices in one frame than in the first.
+    /// The number of vertices of a mesh changes over time.
     #[error(
         "mesh {mesh} has {found} vertices in frame {frame}, expected {expected} as in the first; export it \
          without what changes its vertices over time"
@@ -261,14 +260,14 @@ pub enum AlembicError {
     OtherVertices {
         /// The mesh.
         mesh: String,
-        /// The frame.
+        /// First frame with another number.
         frame: usize,
-        /// Vertices in it.
+        /// Vertices in that frame.
         found: usize,
-        /// Vertices in the first.
+        /// Vertices in the first frame.
         expected: usize,
     },
-    /// A mesh has other faces in one frame than in the first.
+    /// The faces of a mesh change over time.
     #[error(
         "mesh {mesh} has other faces in frame {frame} than in the first; export it without what changes its \
          faces over time"
@@ -276,10 +275,10 @@ pub enum AlembicError {
     OtherFaces {
         /// The mesh.
         mesh: String,
-        /// The frame.
+        /// First frame with other faces.
         frame: usize,
     },
-    /// Two things are sampled differently often.
+    /// The numbers of samples differ.
     #[error(
         "{object} has {found} samples, expected 1 or {expected} as others have; export all over the same frames \
          and at one rate"
@@ -287,14 +286,14 @@ pub enum AlembicError {
     OtherSamples {
         /// The mesh or transform.
         object: String,
-        /// Its samples.
+        /// Its number of samples.
         found: usize,
-        /// The most that there are of one.
+        /// Largest number of samples in the archive.
         expected: usize,
     },
 }
 
-/// Says what cannot be.
+/// Makes the error of a contradiction.
 fn damaged(what: impl Into<String>) -> AlembicError {
     AlembicError::Damaged { what: what.into() }
 }

@@ -1,45 +1,45 @@
-//! The objects of an Alembic archive: transforms, and meshes under them.
+//! The objects of an Alembic archive and their properties.
 //!
-//! An object's group holds its properties, then its children, then their headers (`lib/Alembic/AbcCoreOgawa/OrData.cpp`
-//! of the Alembic library).
-//! Properties of an Alembic object: typed values, sampled over time, and compounds of them.
+//! An object's group holds its properties, then its children, then the headers of the children
+//! (`lib/Alembic/AbcCoreOgawa/OrData.cpp` of the Alembic library).
 //!
-//! Their headers stand in the last child of a compound's group, those of arrays and scalars with type, extent and which
-//! samples are stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A
-//! sample is a key of 16 bytes and the numbers.
+//! A property is a typed value, sampled over time, or a compound of properties. The headers of a compound's properties
+//! are the last child of its group. The header of an array or scalar states its type, its extent and which samples are
+//! stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A sample is a key
+//! of 16 bytes and the numbers.
 
 use super::ogawa::{Archive, Cursor, Group, Metadata};
 use super::{AlembicError, damaged};
 
-/// Version of the way in which objects are laid out.
+/// Version of the layout of objects.
 const LAYOUT: [u8; 4] = [0; 4];
 /// Bytes of the hashes behind the headers of children.
 const HASH_BYTES: usize = 32;
-/// Most objects above one another.
+/// Largest depth of nested objects.
 const DEPTH_MOST: usize = 256;
 
 /// An object.
 pub(super) struct Object<'a> {
     pub(super) name: String,
-    /// The object above, which stands before it.
+    /// Index of the parent, which precedes the object.
     pub(super) parent: Option<usize>,
     pub(super) schema: Schema,
     pub(super) properties: Compound<'a>,
 }
 
-/// What an object is.
+/// The kind of an object.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Schema {
     Transform,
-    /// Polygons, or what a subdivision surface begins with.
+    /// Polygons, or the control mesh of a subdivision surface.
     Mesh,
     Other,
 }
 
-/// Lists the objects of an archive, each behind the one above it and in the order of the file.
+/// Lists the objects of an archive in the order of the file, each after its parent.
 ///
 /// # Errors
-/// [`AlembicError::NotAlembic`] of another layout, [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+/// [`AlembicError::NotAlembic`] for another layout, [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
 pub(super) fn list<'a>(
     archive: &'a Archive<'a>,
 ) -> Result<(Vec<Object<'a>>, Metadata), AlembicError> {
@@ -51,7 +51,7 @@ pub(super) fn list<'a>(
     }
     let metadata = Metadata::read(root.data(5)?)?;
     let mut objects: Vec<Object<'a>> = Vec::new();
-    // Children that are still to be listed, the next at the end, with the object above and how deep they are.
+    // Stack of the children still to list, with their parents and depths; the next child is last.
     let mut left = Vec::new();
     push_children(root.group(2)?, None, 0, &metadata, &mut left)?;
     while let Some(Child { name, schema, group, parent, depth }) = left.pop() {
@@ -67,7 +67,7 @@ pub(super) fn list<'a>(
     Ok((objects, metadata))
 }
 
-/// An object that is to be listed.
+/// An object still to be listed.
 struct Child<'a> {
     name: String,
     schema: Schema,
@@ -76,6 +76,7 @@ struct Child<'a> {
     depth: usize,
 }
 
+/// Pushes the children of a group onto the stack, the first child last.
 fn push_children<'a>(
     group: Group<'a>,
     parent: Option<usize>,
@@ -106,7 +107,7 @@ fn push_children<'a>(
 }
 
 impl Schema {
-    /// Tells what an object's text says that it is, among entries as `schema=AbcGeom_PolyMesh_v1;`.
+    /// Reads the kind of an object from its metadata, which has entries as `schema=AbcGeom_PolyMesh_v1;`.
     fn of(metadata: &str) -> Self {
         let schema = metadata.split(';').find_map(|entry| entry.strip_prefix("schema="));
         let is = |name| schema.is_some_and(|schema| schema.starts_with(name));
@@ -123,7 +124,7 @@ impl Schema {
 /// Bytes of the key before a sample's numbers.
 const KEY_BYTES: usize = 16;
 
-/// The properties of a compound.
+/// A compound: a group of properties.
 pub(super) struct Compound<'a> {
     group: Group<'a>,
     headers: Vec<Header>,
@@ -132,15 +133,15 @@ pub(super) struct Compound<'a> {
 /// A sampled property.
 pub(super) struct Sampled<'a> {
     group: Group<'a>,
-    /// The samples there are, of which not all are stored.
+    /// Number of samples; a run of equal samples is stored once.
     pub(super) len: usize,
-    /// The first sample that differs from the first of all, and the last that differs from the one before it; 0 and 0
-    /// of what never changes.
+    /// First sample that differs from sample 0, and last sample that differs from its predecessor; 0 and 0 for a
+    /// constant.
     changed: [usize; 2],
     is_array: bool,
 }
 
-/// The numbers that a property may be asked for.
+/// The number types that a property may be read as, with their codes in the file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Numbers {
     /// A truth value, one byte.
@@ -182,7 +183,7 @@ impl<'a> Compound<'a> {
         Ok(Self { group, headers })
     }
 
-    /// Gives the compound of a name; none where there is none.
+    /// Returns the compound with a name; `None` if there is none.
     ///
     /// # Errors
     /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
@@ -199,8 +200,9 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// Gives the sampled property of a name with numbers of a kind, `extent` at each element or, with 0, as many as it
-    /// has; none where there is none, or it has no sample.
+    /// Returns the sampled property with a name; `None` if it is missing, has another type or extent, or has no sample.
+    ///
+    /// - `extent`: numbers in each element; 0 accepts any extent.
     ///
     /// # Errors
     /// [`AlembicError::Damaged`]
@@ -225,7 +227,7 @@ impl<'a> Compound<'a> {
         Ok((*len > 0).then_some(sampled))
     }
 
-    /// Takes bytes from what the archive may unfold to.
+    /// Subtracts bytes from the archive's memory budget.
     ///
     /// # Errors
     /// [`AlembicError::TooLarge`]
@@ -240,7 +242,7 @@ impl<'a> Compound<'a> {
 }
 
 impl<'a> Sampled<'a> {
-    /// Gives the bytes of the numbers of sample `index`, of which that of a property that has one is every one.
+    /// Returns the bytes of the numbers of sample `index`; a constant property has one sample for every index.
     ///
     /// # Errors
     /// [`AlembicError::Damaged`]
@@ -248,12 +250,12 @@ impl<'a> Sampled<'a> {
         self.stored(self.place(index))
     }
 
-    /// Gives the bytes of a stored sample.
+    /// Returns the bytes of the numbers of a stored sample.
     ///
     /// # Errors
     /// [`AlembicError::Damaged`]
     pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], AlembicError> {
-        // Arrays have their dimensions beside each sample.
+        // Arrays store their dimensions behind each sample.
         let bytes = self.group.data(if self.is_array { 2 * place } else { place })?;
         match bytes.split_at_checked(KEY_BYTES) {
             Some((_, numbers)) => Ok(numbers),
@@ -262,7 +264,7 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    /// Tells where sample `index` is stored.
+    /// Returns the place at which sample `index` is stored.
     pub(super) fn place(&self, index: usize) -> usize {
         let [first, last] = self.changed;
         match index {
@@ -271,17 +273,17 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    /// Tells which is the first sample that is stored at a place.
+    /// Returns the first sample that is stored at a place.
     pub(super) fn frame(&self, place: usize) -> usize {
         if place == 0 { 0 } else { self.changed[0] + place - 1 }
     }
 
-    /// Counts the samples that are stored.
+    /// Counts the stored samples.
     pub(super) fn stored_len(&self) -> usize {
         self.place(self.len - 1) + 1
     }
 
-    /// Tells whether all samples are one.
+    /// Tells whether all samples are equal.
     pub(super) fn is_constant(&self) -> bool {
         self.stored_len() == 1
     }
@@ -308,7 +310,7 @@ impl Header {
                     [1, len.saturating_sub(1)]
                 };
                 if info & 0x100 != 0 {
-                    // Which times it is sampled at.
+                    // Index of the time sampling, which is not used.
                     cursor.number(bytes)?;
                 }
                 let [first, last] = changed;

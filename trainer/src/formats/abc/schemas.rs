@@ -1,5 +1,4 @@
-//! A mesh of an Alembic archive.
-//! Transforms of an Alembic archive, as stacks of operations whose channels are sampled.
+//! Meshes and transforms of an Alembic archive. A transform is a stack of operations with sampled channels.
 
 use super::objects::{Compound, Numbers, Object, Sampled};
 use super::ogawa::Metadata;
@@ -7,13 +6,13 @@ use super::{AlembicError, damaged};
 use crate::formats::polygons::Polygons;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 
-/// A mesh, whose positions are read frame by frame.
+/// A mesh whose positions are read frame by frame.
 pub(super) struct Mesh<'a> {
     pub(super) name: String,
-    /// Vertices of every frame.
+    /// Number of vertices, in every frame.
     pub(super) vertex_len: usize,
     pub(super) polygons: Polygons,
-    /// Positions by which its vertices may be known, of a file that has them.
+    /// Reference positions, which identify the vertices, if the file has them.
     pub(super) reference: Option<Vec<[f64; 3]>>,
     positions: Sampled<'a>,
 }
@@ -22,7 +21,7 @@ pub(super) struct Mesh<'a> {
 const POINT_BYTES: usize = 12;
 
 impl<'a> Mesh<'a> {
-    /// Reads what of a mesh stays, and checks that it does.
+    /// Reads the constant parts of a mesh, and checks that its faces do not change.
     ///
     /// # Errors
     /// [`AlembicError::NoVertices`], [`AlembicError::OtherFaces`], [`AlembicError::Damaged`] and
@@ -58,12 +57,12 @@ impl<'a> Mesh<'a> {
         self.positions.len
     }
 
-    /// Tells whether it stays as it is.
+    /// Tells whether the positions never change.
     pub(super) fn is_constant(&self) -> bool {
         self.positions.is_constant()
     }
 
-    /// Gives the positions of a frame.
+    /// Returns the positions of a frame.
     ///
     /// # Errors
     /// [`AlembicError::OtherVertices`] and [`AlembicError::Damaged`].
@@ -88,7 +87,7 @@ fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
     })
 }
 
-/// Reads whole numbers that are the same in every frame; none where there are none.
+/// Reads whole numbers and checks that they are equal in every frame; empty if the property is missing.
 fn constant(
     object: &Object<'_>,
     schema: &Compound<'_>,
@@ -106,8 +105,8 @@ fn constant(
     Ok(first.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
 }
 
-/// Makes polygons of the count of each one's corners, and the corners, which turn the other way than elsewhere; none
-/// where they do not fit together.
+/// Makes polygons from the number of corners of each polygon and the vertices of all corners; `None` if they do not fit
+/// together. Alembic winds its polygons the other way round, so the corners are reversed.
 fn polygons(counts: &[i32], corners: &[i32], vertex_len: usize) -> Option<Polygons> {
     let vertex = |&corner: &i32| usize::try_from(corner).ok().filter(|vertex| *vertex < vertex_len);
     let mut left = corners;
@@ -123,11 +122,11 @@ fn polygons(counts: &[i32], corners: &[i32], vertex_len: usize) -> Option<Polygo
 
 /// The local transform of an object over time.
 pub(super) struct Transform<'a> {
-    /// Whether what stands above moves it too.
+    /// Whether the transforms above apply too.
     pub(super) inherits: bool,
-    /// The matrix of each stored sample.
+    /// Matrix of each stored sample.
     matrices: Vec<Matrix4<f64>>,
-    /// Which of them is which sample; none of what stays in its place.
+    /// Maps samples to stored matrices; `None` for a constant transform.
     values: Option<Sampled<'a>>,
 }
 
@@ -172,12 +171,12 @@ impl<'a> Transform<'a> {
         self.values.as_ref().map_or(1, |values| values.len)
     }
 
-    /// Tells whether it stays as it is.
+    /// Tells whether the transform never changes.
     pub(super) fn is_constant(&self) -> bool {
         self.matrices.len() < 2
     }
 
-    /// Gives the matrix of sample `index`.
+    /// Returns the matrix of sample `index`.
     pub(super) fn at(&self, index: usize) -> Matrix4<f64> {
         let place = self.values.as_ref().map(|values| values.place(index));
         let matrix = place.and_then(|place| self.matrices.get(place));
@@ -185,12 +184,11 @@ impl<'a> Transform<'a> {
     }
 }
 
-/// Multiplies a stack of operations, the first outermost, with the channels that they take one after another; none
-/// where there are too few.
+/// Multiplies a stack of operations, the outermost first; `None` if a channel is missing or an operation is not known.
 ///
-/// An operation is its kind in the upper four bits, and what it is for in the lower: scale, translation, rotation by
-/// degrees about an axis, matrix by rows for row vectors, rotations about x, y and z (`XformOperationType` in
-/// `lib/Alembic/AbcGeom/Foundation.h` of the Alembic library).
+/// The upper four bits of an operation state its kind, the lower four its purpose. The kinds are: scale, translation,
+/// rotation by degrees about an axis, matrix (by rows, for row vectors), rotations about x, y and z
+/// (`XformOperationType` in `lib/Alembic/AbcGeom/Foundation.h` of the Alembic library).
 fn matrix(operations: &[u8], mut channels: impl Iterator<Item = f64>) -> Option<Matrix4<f64>> {
     let mut stack = Matrix4::identity();
     for operation in operations {

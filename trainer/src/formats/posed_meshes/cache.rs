@@ -1,6 +1,8 @@
-//! PointCache2 files, `.pc2`, as 3ds Max, Maya and Blender write them; little-endian.
-//! Lightwave motion designer caches, `.mdd`: counts, the time of each frame, points; big-endian.
-//! The body that point caches have in common: frame by frame, x, y and z of each point in f32.
+//! Point caches: PointCache2 (`.pc2`) and Lightwave motion designer (`.mdd`).
+//!
+//! Both store the counts of points and frames, then x, y and z of each point in f32, frame by frame. A `.pc2`, as
+//! written by 3ds Max, Maya and Blender, is little-endian. An `.mdd` also stores the time of each frame and is
+//! big-endian.
 
 use super::{PointCacheError, PosedMeshes};
 use crate::files;
@@ -15,7 +17,7 @@ const VERSION: i32 = 1;
 /// Bytes before the points: magic, version, points, first frame, step, frames.
 const PC2_HEADER_BYTES: usize = 32;
 
-/// Reads a file.
+/// Reads a `.pc2` file.
 ///
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::PointCache`]
@@ -23,12 +25,12 @@ pub(crate) fn read_pc2(path: &Path) -> Result<PosedMeshes, FormatError> {
     Ok(parse_pc2(&std::fs::read(path).map_err(FormatError::Read)?)?)
 }
 
-/// Reads the bytes of a file.
+/// Parses the bytes of a `.pc2` file.
 ///
 /// # Errors
-/// - [`PointCacheError::NotPointCache`] for another magic or version.
-/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`] for counts that are not
-///   positive or do not match the file's length.
+/// - [`PointCacheError::NotPointCache`]: another magic or version.
+/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]: the counts are not
+///   positive, or do not match the length of the file.
 pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     if !bytes.starts_with(&MAGIC) {
         let reason = "it does not begin with POINTCACHE2".to_owned();
@@ -50,12 +52,12 @@ pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     Counts::new(whole(16), whole(28))?.read(bytes, PC2_HEADER_BYTES as u64, f32::from_le_bytes)
 }
 
-/// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, its first
-/// frame 0 and its step 1. The same positions give the same bytes.
+/// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, with first frame 0 and
+/// step 1. Equal positions give equal bytes.
 ///
 /// # Errors
-/// A [`FileError`] that names the file, if it cannot be written, or if `vertices` are no whole frames
-/// of `vertex_len` or more than the format can count.
+/// A [`FileError`] that names the file: it cannot be written, `vertices` are not whole frames of `vertex_len`, or the
+/// format cannot count them.
 pub fn save_pc2(path: &Path, vertex_len: usize, vertices: &[[f64; 3]]) -> Result<(), FileError> {
     encode(vertex_len, vertices)
         .and_then(|bytes| files::write(path, &bytes))
@@ -88,7 +90,7 @@ fn encode(vertex_len: usize, vertices: &[[f64; 3]]) -> io::Result<Vec<u8>> {
 /// Bytes before the times: the counts of frames and of points.
 const MDD_HEADER_BYTES: usize = 8;
 
-/// Reads a file.
+/// Reads an `.mdd` file.
 ///
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::PointCache`]
@@ -96,7 +98,7 @@ pub(crate) fn read_mdd(path: &Path) -> Result<PosedMeshes, FormatError> {
     Ok(parse_mdd(&std::fs::read(path).map_err(FormatError::Read)?)?)
 }
 
-/// Reads the bytes of a file.
+/// Parses the bytes of an `.mdd` file.
 ///
 /// # Errors
 /// [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]
@@ -113,7 +115,7 @@ pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
 /// Bytes of a point.
 const POINT_BYTES: u64 = 12;
 
-/// How many points and frames a header counts, one of each at least.
+/// The numbers of points and frames in a header, at least 1 each.
 #[derive(Clone, Copy)]
 pub(super) struct Counts {
     vertex_len: u64,
@@ -135,7 +137,7 @@ impl Counts {
         self.frame_len
     }
 
-    /// Reads the points of a file, which must fill it from `begin` to its end.
+    /// Reads the points of a file; they must reach from `begin` exactly to the end of the file.
     pub(super) fn read(
         self,
         bytes: &[u8],
@@ -143,7 +145,7 @@ impl Counts {
         number: fn([u8; 4]) -> f32,
     ) -> Result<PosedMeshes, PointCacheError> {
         let (points, frames) = (self.vertex_len, self.frame_len);
-        // Two counts of 31 bits: their product fits 64.
+        // The product of two counts of 31 bits fits 64 bits.
         let expected = (points * frames).checked_mul(POINT_BYTES);
         let expected = expected.and_then(|bytes| bytes.checked_add(begin));
         let expected = expected.ok_or(PointCacheError::TooMany { points, frames })?;

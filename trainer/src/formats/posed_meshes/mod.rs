@@ -1,6 +1,4 @@
 //! Posed meshes of one character: point caches, and sequences of meshes.
-//! Posed meshes.
-//! What can be wrong with posed meshes.
 
 mod cache;
 pub(crate) mod sequence;
@@ -19,28 +17,29 @@ pub(crate) struct PosedMeshes {
     pub(crate) vertex_len: usize,
     /// Posed positions, N x V, frame-major.
     pub(crate) vertices: Vec<[f64; 3]>,
-    /// Rest positions, V, of a file that has them.
+    /// Rest positions, V, if the file has them.
     pub(crate) rest: Option<Vec<[f64; 3]>>,
-    /// Vertex numbers of each triangle, of a file that has faces.
+    /// Vertex indices of each triangle, if the file has faces.
     pub(crate) triangles: Option<Vec<[usize; 3]>>,
-    /// Positions, V, of a file that has some by which its vertices may be known: those at rest, but turned and with
-    /// each axis scaled as the file likes.
+    /// Reference positions, V, if the file has them: the rest positions, up to a rotation and a scale of each axis.
+    /// They
+    /// identify the vertices.
     pub(crate) reference: Option<Vec<[f64; 3]>>,
-    /// The meshes that were joined, one after the other, of a file that names them.
+    /// The meshes that were joined, in order, if the file names them.
     pub(crate) parts: Vec<Part>,
 }
 
-/// One of the meshes that were joined.
+/// A mesh that was joined with others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// What it is called: the node that shows it, and the mesh.
+    /// Names of the mesh: of its node, and of the mesh itself.
     pub(crate) names: Vec<String>,
-    /// Its vertices.
+    /// Vertices of the mesh.
     pub(crate) range: Range<usize>,
 }
 
 impl PosedMeshes {
-    /// Makes posed meshes of positions alone, N x V, frame-major.
+    /// Makes posed meshes from positions only (N x V, frame-major).
     pub(crate) fn bare(vertex_len: usize, vertices: Vec<[f64; 3]>) -> Self {
         let (rest, triangles, reference) = (None, None, None);
         Self { vertex_len, vertices, rest, triangles, reference, parts: Vec::new() }
@@ -52,19 +51,19 @@ impl PosedMeshes {
     }
 }
 
-/// A point cache that cannot be read.
+/// Reasons why a point cache cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum PointCacheError {
-    /// The file does not begin as one.
+    /// The file does not begin as a point cache.
     #[error("is no PointCache2 file of version 1: {reason}; export it as .pc2 again")]
     NotPointCache {
-        /// What is different.
+        /// The difference.
         reason: String,
     },
     /// A count in the header is not positive.
     #[error("counts {found} {what}, expected 1 at least; export the point cache again")]
     Count {
-        /// What is counted.
+        /// `points` or `frames`.
         what: &'static str,
         /// The count.
         found: i32,
@@ -74,42 +73,42 @@ pub enum PointCacheError {
         "counts {points} points in {frames} frames, more than a file can hold; export the point cache again"
     )]
     TooMany {
-        /// Points of a frame.
+        /// Points in a frame.
         points: u64,
-        /// Frames.
+        /// Number of frames.
         frames: u64,
     },
-    /// The file is cut off, or goes on after its end.
+    /// The file is too short or too long for its header.
     #[error(
         "should have {expected} bytes by its header, found {found}; export the point cache again"
     )]
     Length {
         /// Bytes that the header asks for.
         expected: u64,
-        /// Bytes that there are.
+        /// Bytes of the file.
         found: u64,
     },
 }
 
-/// Numbered OBJ files that are no sequence.
+/// Reasons why OBJ files do not form a sequence.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError {
-    /// A folder has no OBJ file.
+    /// The folder has no OBJ file.
     #[error(
         "is a folder without an .obj file; export one a frame, numbered: pose_1.obj, pose_2.obj"
     )]
     NoObj,
-    /// An OBJ file has no number, so that its frame is not known.
+    /// The name of an OBJ file has no frame number.
     #[error("has no frame number before .obj; export one file a frame: pose_1.obj, pose_2.obj")]
     NoNumber,
-    /// Two OBJ files have one number, so that their order is not known.
+    /// Two OBJ files have the same number, so that their order is not known.
     #[error(
         "has the frame number of {other}, {number}; keep one of them, or one sequence a folder"
     )]
     SameNumber {
         /// The number.
         number: u64,
-        /// The other file's name.
+        /// Name of the other file.
         other: String,
     },
     /// The meshes of a sequence have different vertices.
@@ -122,7 +121,7 @@ pub enum SequenceError {
         found: usize,
         /// Vertices in the first file.
         expected: usize,
-        /// The first file's name.
+        /// Name of the first file.
         first: String,
     },
     /// The meshes of a sequence have different faces.
@@ -131,9 +130,9 @@ pub enum SequenceError {
          {expected_len}); export every frame with the same faces, not triangulated anew"
     )]
     OtherFaces {
-        /// The first file's name.
+        /// Name of the first file.
         first: String,
-        /// The first face that differs, the first of all being 1.
+        /// First face that differs, counted from 1.
         face: usize,
         /// Faces in the file.
         found_len: usize,

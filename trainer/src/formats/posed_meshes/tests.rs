@@ -1,4 +1,4 @@
-//! Posed meshes that are read, and files that are refused.
+//! Tests of posed meshes: read back, and refused.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::{PointCacheError, PosedMeshes, cache};
 use crate::formats::FormatError;
 use crate::formats::testing::{Folder, spoil};
 
-/// Two frames of three points, as numbers that single precision holds.
+/// Two frames of three points, as numbers that single precision holds exactly.
 const FRAMES: [[f64; 3]; 6] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -61,7 +61,7 @@ fn what_is_saved_as_pc2_is_read_again() {
     save_pc2(&file, 3, &FRAMES).unwrap();
     assert_eq!(cache::read_pc2(&file).unwrap(), bare(3, &FRAMES));
     let bytes = std::fs::read(&file).unwrap();
-    // First frame 0 and step 1; all else as in the bytes above.
+    // First frame 0 and step 1; everything else equals the bytes above.
     assert_eq!(bytes[20..28], [0, 0, 0, 0, 0, 0, 0x80, 0x3f]);
     let expected = pc2_bytes(3, 2, 1);
     assert!(bytes[..20] == expected[..20] && bytes[28..] == expected[28..]);
@@ -137,7 +137,7 @@ fn shape(number: usize) -> String {
     format!("v 0 0 {number}\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
 }
 
-/// Writes the shapes of some numbers under names of a pattern.
+/// Writes the meshes of some numbers under the given names.
 fn sequence(test: &str, files: &[(&str, usize)]) -> (Folder, Vec<PathBuf>) {
     let folder = Folder::new(test);
     let files = files.iter().map(|&(name, number)| folder.write(name, shape(number))).collect();
@@ -194,7 +194,7 @@ fn what_a_sequence_leaves_out_is_named_as_its_neighbours_are() {
     );
     assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p20.obj", "p25.obj"]), ["p15.obj"]);
     let none: [&str; 0] = [];
-    // Every fifth frame, one file, none, uneven numbers, clips far apart.
+    // Every fifth frame; one file; no file; uneven numbers; clips far apart.
     assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p15.obj"]), none);
     assert_eq!(leaves_out(&["p5.obj"]), none);
     assert_eq!(leaves_out(&[]), none);
@@ -215,7 +215,7 @@ fn every_mesh_must_have_the_vertices_and_faces_of_the_first() {
     refused(&files[2], &files[1], expected);
     folder.write("p2.obj", shape(2).replace("1 2 3 4", "2 3 4 1"));
     assert!(read(&files[2]).unwrap_err().error.to_string().contains("from face 1 on (1 in all"));
-    // The first in order is told of, whichever thread finds another first.
+    // The error names the first faulty file in order, whichever thread finds a fault first.
     folder.write("p3.obj", "v 1\n");
     assert!(read(&files[2]).unwrap_err().file.ends_with("p2.obj"));
     folder.write("p2.obj", shape(2));

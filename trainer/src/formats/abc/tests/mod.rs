@@ -1,6 +1,4 @@
-//! Archives that are read, files that are refused, and what other importers made of real ones.
-//! Archives that are refused, and bytes that do no harm.
-//! Real archives beside the repository, against what another importer made of them.
+//! Tests of archives: built for a test, refused, damaged, and real ones against another importer.
 
 mod made;
 
@@ -15,26 +13,26 @@ use nalgebra::{Matrix4, Point3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A quad and a triangle on it.
+/// A quad and a triangle on top of it.
 const QUAD: [[f32; 3]; 5] =
     [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0.5, 2., 0.25]];
 
-/// The quad, moved along x.
+/// Returns the quad, shifted along x.
 fn quad(x: f32) -> Vec<[f32; 3]> {
     QUAD.map(|[own, y, z]| [own + x, y, z]).to_vec()
 }
 
-/// The faces of the quad, turning the other way as Alembic has them.
+/// Returns the faces of the quad, wound as in Alembic.
 fn faces() -> Vec<Property> {
     vec![wholes(".faceCounts", &[vec![4, 3]]), wholes(".faceIndices", &[vec![3, 2, 1, 0, 4, 2, 3]])]
 }
 
-/// A mesh of the quad's faces, with positions over time.
+/// Makes a mesh with the quad's faces and positions over time.
 fn posed(name: &'static str, samples: &[Vec<[f32; 3]>]) -> Object {
     mesh(name, faces().into_iter().chain([points("P", samples)]).collect())
 }
 
-/// A transform by operations and their channels over time.
+/// Makes a transform from operations and their channels over time.
 fn moving(name: &'static str, operations: &[u8], samples: &[Vec<f64>]) -> Object {
     let operations = scalar(".ops", 1, operations.len() as u32, operations.to_vec());
     transform(name, vec![operations, doubles(".vals", false, samples)])
@@ -76,7 +74,7 @@ fn faces_turn_as_in_other_formats() {
 
 #[test]
 fn transforms_above_a_mesh_move_it_frame_by_frame() {
-    // A turn about x by degrees, then about an axis; a shift and a scale that change; a matrix for row vectors.
+    // A rotation by degrees about x, then about an axis; a changing shift and scale; a matrix for row vectors.
     let turns = moving("Root", &[0x40, 0x20], &[vec![90.0, 0.0, 0.0, 2.0, 30.0]]);
     let shift = |x: f64| vec![x, 2.0, 3.0, 2.0, 2.0, 0.5];
     let shifts = moving("Rig", &[0x10, 0x00], &[shift(0.0), shift(1.0), shift(1.0)]);
@@ -249,7 +247,7 @@ fn objects_that_name_themselves_come_to_an_end() {
         chain = other("x").over(chain);
     }
     refused(&archive(vec![chain]), "is damaged: its objects are more than 256 levels deep");
-    // An object that is its own child, and objects that are each the two children of one.
+    // An object that is its own child; then objects whose two children are one object.
     let mut bytes = archive(vec![other("a").over(other("b"))]);
     let top = child(&bytes, 8, None);
     let first = child(&bytes, top, Some(2));
@@ -273,13 +271,13 @@ fn objects_that_name_themselves_come_to_an_end() {
     refused(&bytes, "unfolds to more than 67108864 bytes");
 }
 
-/// The place that stands at a place, or that of a child of the group there.
+/// Reads the place stored at a byte, or the place of a child of the group there.
 fn child(bytes: &[u8], place: usize, child: Option<usize>) -> usize {
     let at = child.map_or(place, |child| place + 8 + 8 * child);
     u64::from_le_bytes(*bytes[at..].first_chunk().unwrap()) as usize
 }
 
-/// Makes a place a child of the group at a place.
+/// Overwrites the place of a child of the group at a byte.
 fn put(bytes: &mut [u8], place: usize, child: usize, other: usize) {
     bytes[place + 8 + 8 * child..][..8].copy_from_slice(&(other as u64).to_le_bytes());
 }
@@ -289,7 +287,7 @@ fn spoiled_files_do_no_harm() {
     let bytes = small();
     assert_eq!(parse(&bytes).unwrap().vertices.len(), 30);
     for len in 0..bytes.len() {
-        // What wrote the root at the end, as this does, leaves nothing to read of a part.
+        // The root is written last, so a file cut short has no root.
         assert!(parse(&bytes[..len]).is_err(), "{len}");
     }
     spoil(&bytes, |bytes| drop(parse(bytes)));
@@ -301,7 +299,7 @@ fn spoiled_files_do_no_harm() {
             match random.random_range(0..3) {
                 0 => spoiled[place] = random.random(),
                 1 => spoiled[place] = 0,
-                // Another place of the file, as one of a child.
+                // The place of another child.
                 _ => {
                     let place = place / 8 * 8 % (bytes.len() - 8);
                     let other = random.random_range(0..bytes.len() as u64);
@@ -313,13 +311,13 @@ fn spoiled_files_do_no_harm() {
     }
 }
 
-/// Reads an archive of y up, and the arrays of z up that Blender made of the same.
+/// Reads an archive with y up, and the arrays with z up that Blender made of it.
 fn both(archive: &str, arrays: &str) -> Option<(PosedMeshes, Examples)> {
     let bytes = std::fs::read(shared(archive)?).unwrap();
     Some((parse(&bytes).unwrap(), npz::load(&shared(arrays)?).unwrap().examples))
 }
 
-/// Farthest that positions of y up lie from some of z up.
+/// Returns the largest difference between positions with y up and positions with z up.
 fn farthest(found: &[[f64; 3]], expected: &[[f64; 3]]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let apart = |(&[x, y, z], expected): (&[f64; 3], &[f64; 3])| {
@@ -329,14 +327,14 @@ fn farthest(found: &[[f64; 3]], expected: &[[f64; 3]]) -> f64 {
     found.iter().zip(expected).map(apart).fold(0.0, f64::max)
 }
 
-/// From Maya: a transform above the mesh, every other sample stored.
+/// An archive from Maya: a transform above the mesh, and only every other sample stored.
 #[test]
 fn an_archive_from_maya_is_as_blender_reads_it() {
     let Some((found, expected)) = both("dem-bones/Bone_Anim.abc", "dem-bones/bone.npz") else {
         return;
     };
     assert_eq!((found.vertex_len, found.vertices.len()), (754, 754 * 400));
-    // The arrays stand a little higher, in every frame alike, than the archive's transform says.
+    // In every frame the arrays lie 9.8e-6 higher than the archive's transform says.
     let lifted: Vec<_> = found.vertices.iter().map(|&[x, y, z]| [x, y + 9.8e-6, z]).collect();
     assert!(farthest(&lifted, &expected.vertices) < 5e-7);
     assert_eq!(found.triangles, Some(expected.triangles));
@@ -344,7 +342,7 @@ fn an_archive_from_maya_is_as_blender_reads_it() {
     assert_eq!(found.parts[0].names, ["Bone", "BoneShape"]);
 }
 
-/// From Blender, with coordinates for textures.
+/// An archive from Blender, with texture coordinates.
 #[test]
 fn an_archive_from_blender_holds_its_meshes() {
     let Some((found, expected)) = both("leg/leg.abc", "leg/leg.npz") else { return };
@@ -363,7 +361,7 @@ fn spoiled_real_archives_do_no_harm() {
     for len in (0..len).step_by(len / 40) {
         assert!(parse(&bytes[..len]).is_err());
     }
-    // Samples stand at the front, what names them at the end.
+    // Samples are at the front of the file, and the headers at the end.
     let random = (0..80).map(|number| number * 7919 * 31 % len);
     for place in random.chain((len - len / 60..len).step_by(997)) {
         for change in [0x01, 0x80, 0xff] {
