@@ -6,11 +6,10 @@
 //! A new format takes these steps:
 //! 1. Add a file or folder here. Its `read` turns a path into one of the structs that other formats share: a
 //!    `SampledScene` (a character, its joints and clips), `PosedMeshes`, a [`Mesh`], or a [`ShapedMesh`] (a face and
-//! its
-//!    shapes). The reader checks everything that the file claims, so that no bytes make it panic. A test spoils files.
+//!    its shapes). The reader checks everything that the file claims, so that no bytes make it panic. A test spoils
+//!    files.
 //! 2. Add an error that says what to export instead. A scene extends [`SceneError`]; a new kind of file gets an enum
-//!    and
-//!    a variant of [`FormatError`]. A [`FormatWarning`] reports data that the reader leaves out.
+//!    and a variant of [`FormatError`]. A [`FormatWarning`] reports data that the reader leaves out.
 //! 3. Add the file ending where the reader is chosen, and in the message there: for scenes in
 //!    `examples/import/source.rs`, for posed meshes in `examples/import/targets.rs`.
 //! 4. If the format has materials, read them in [`appearance::load`].

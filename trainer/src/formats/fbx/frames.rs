@@ -5,7 +5,7 @@ use super::meshes::{MeshPart, WEIGHING, channels, is_shaped, skin};
 use super::{fault, matrix};
 use crate::formats::error::FormatWarning;
 use crate::formats::scene::{
-    Clip, MovingJoints, Sample, Sampling, SceneError, samples, told_apart,
+    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
 };
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
@@ -272,7 +272,7 @@ pub(super) fn node_names(
     let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
     let places = 0..scene.nodes.len();
     let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
-    told_apart(&names, &parents, is_joint)
+    unique_names(&names, &parents, is_joint)
 }
 
 /// Gives the nearest of some nodes above each of them; several may have none.

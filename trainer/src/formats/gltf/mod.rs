@@ -16,7 +16,7 @@ use super::error::{FormatError, FormatWarning};
 use super::mesh::{Mesh, MeshFile, ShapedMesh};
 use super::posed_meshes::{Part, PosedMeshes};
 use super::scene::{
-    JointNames, Motion, MotionJoints, SampledScene, Sampling, SceneError, bound, told_apart,
+    JointNames, Motion, MotionJoints, SampledScene, Sampling, SceneError, bound, unique_names,
 };
 use file::Parsed;
 use meshes::{Meshes, Wanted, Welded};
@@ -286,7 +286,7 @@ pub(crate) fn read_motion(
         false => skins.joints.contains(&node),
         true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
     };
-    let (labels, _) = told_apart(&nodes.names, &nodes.parents, is_joint);
+    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
     let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows[node]).collect();
     candidates.sort_by_key(|&node| !is_joint(node));
     let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));

@@ -6,7 +6,7 @@ use super::meshes::{Instance, Meshes};
 use super::nodes::{ClipKeys, Local, Nodes};
 use crate::formats::error::FormatWarning;
 use crate::formats::scene::{
-    Clip, MovingJoints, Sample, Sampling, SceneError, samples, told_apart,
+    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
 };
 use gltf::Document;
 use nalgebra::{Matrix4, Vector3};
@@ -160,7 +160,7 @@ impl Skins {
     /// Tells the joints of equal names apart; gives the names of all nodes, and tells of those that differ from before.
     pub(super) fn names(&self, nodes: &Nodes) -> (Vec<String>, Option<FormatWarning>) {
         let is_joint = |node: usize| self.joints.contains(&node);
-        let (names, renamed) = told_apart(&nodes.names, &nodes.parents, is_joint);
+        let (names, renamed) = unique_names(&nodes.names, &nodes.parents, is_joint);
         let joints: Vec<String> = renamed.into_iter().map(|node| names[node].clone()).collect();
         let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
         (names, warning)

@@ -1,5 +1,4 @@
-//! Pictures in layers: OpenRaster and Photoshop files.
-//! What can be wrong with a picture in layers.
+//! Layered pictures: OpenRaster and Photoshop files.
 
 mod ora;
 mod psd;
@@ -14,13 +13,13 @@ use super::pixels::Pixels;
 use std::fs::File;
 use std::path::Path;
 
-/// A picture in layers, opened; pictures of layers are decoded on demand.
+/// An open layered picture; its layers are decoded on demand.
 pub(crate) struct LayeredPicture {
     /// Width and height.
     pub(crate) size: [usize; 2],
-    /// Layers out of their groups, the hindmost first.
+    /// All layers, outside their groups, the hindmost first.
     pub(crate) layers: Vec<PaintedLayer>,
-    /// Paths of groups.
+    /// Paths of the groups.
     groups: Vec<String>,
     content: Content,
 }
@@ -30,7 +29,7 @@ enum Content {
     Psd(psd::Document),
 }
 
-/// Whether a file's ending is that of a picture in layers.
+/// Whether a file has the ending of a layered picture.
 pub(crate) fn is_layered(file: &Path) -> bool {
     let ending = file.extension().map(|ending| ending.to_ascii_lowercase());
     ending.is_some_and(|ending| ending == "ora" || ending == "psd")
@@ -40,7 +39,7 @@ impl LayeredPicture {
     /// Opens a file by its ending and reads its list of layers.
     ///
     /// # Errors
-    /// [`LayeredError`], and that the file cannot be read.
+    /// [`LayeredError`], or the file cannot be read.
     pub(crate) fn open(path: &Path) -> Result<Self, FileError> {
         Self::opened(path).map_err(|error| FileError { file: path.to_owned(), error })
     }
@@ -56,11 +55,11 @@ impl LayeredPicture {
             let (archive, size, nodes) = ora::Archive::open(file)?;
             (Content::Ora(archive), size, nodes)
         };
-        let (layers, groups) = tree::listed(nodes)?;
+        let (layers, groups) = tree::list_layers(nodes)?;
         Ok(Self { size, layers, groups, content })
     }
 
-    /// Returns the index of a layer by its path, or by its name where no other layer has it.
+    /// Returns the index of a layer by its path, or by its name if only one layer has it.
     ///
     /// # Errors
     /// [`LayeredError::NoLayer`], [`LayeredError::Several`] and [`LayeredError::Group`].
@@ -88,7 +87,7 @@ impl LayeredPicture {
         }
     }
 
-    /// Decodes a layer over the whole picture, without its opacity and clipping.
+    /// Decodes a layer at the size of the whole picture, without its opacity and clipping.
     ///
     /// # Errors
     /// [`LayeredError::Blend`] and [`LayeredError::Picture`].
@@ -114,7 +113,7 @@ impl LayeredPicture {
         Ok(canvas)
     }
 
-    /// Draws the layers over each other.
+    /// Draws all layers over each other.
     ///
     /// # Errors
     /// Those of [`Self::picture`].
@@ -122,7 +121,7 @@ impl LayeredPicture {
         let [width, height] = self.size;
         let mut sum = vec![[0.0f32; 4]; width * height];
         let mut shapes: Vec<Vec<f32>> = vec![Vec::new(); self.layers.len()];
-        // The last layer that is clipped to each.
+        // For each layer, the last layer that is clipped to it.
         let mut lasts = vec![0; self.layers.len()];
         for (number, layer) in self.layers.iter().enumerate() {
             layer.clip.into_iter().for_each(|base| lasts[base] = number);
@@ -156,10 +155,10 @@ impl LayeredPicture {
     }
 }
 
-/// A picture in layers that cannot be read.
+/// Reasons why a layered picture cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LayeredError {
-    /// It is no archive.
+    /// The file is not a zip archive.
     #[error("expected an OpenRaster file, which is a zip archive: {0}")]
     Archive(String),
     /// The archive lacks a file.
@@ -168,46 +167,46 @@ pub enum LayeredError {
     /// The list of layers cannot be read.
     #[error("stack.xml: {0}")]
     Stack(String),
-    /// It is no Photoshop file.
+    /// The file is not a Photoshop file.
     #[error("expected a Photoshop file, which begins with 8BPS")]
     NoPsd,
     /// The bytes contradict each other.
     #[error("is damaged: {0}")]
     Damaged(String),
-    /// A feature is not read.
+    /// A feature of the file is not supported.
     #[error("has {found}, expected {expected}: convert it and save it again")]
     Unread {
-        /// The feature of the file.
+        /// The unsupported feature.
         found: String,
-        /// The features that are read.
+        /// The supported features.
         expected: &'static str,
     },
-    /// The picture or a part of it is too large.
+    /// The picture, or a part of it, is too large.
     #[error("is too large: {0}")]
     TooLarge(String),
-    /// There are no layers.
+    /// The file has no layers.
     #[error("has no layers: save it with layers, or save a PNG")]
     Empty,
-    /// Two layers have one name.
+    /// Two layers have the same path.
     #[error("has two layers \"{0}\": give each its own name")]
     Twice(String),
-    /// No layer has a name.
+    /// No layer has the requested name.
     #[error("has no layer \"{name}\": its layers are {found}")]
     NoLayer {
-        /// The name.
+        /// The requested name.
         name: String,
-        /// The names that are there.
+        /// Paths of the layers.
         found: String,
     },
-    /// Several layers have a name.
+    /// Several layers have the requested name.
     #[error("has several layers \"{name}\": write one of {found}")]
     Several {
         /// The name.
         name: String,
-        /// Their paths.
+        /// Paths of these layers.
         found: String,
     },
-    /// The name is a group's.
+    /// The requested name belongs to a group.
     #[error("\"{0}\" is a group: merge it, or name its layers")]
     Group(String),
     /// A layer is clipped to a group, to several layers, or to nothing.
@@ -215,15 +214,15 @@ pub enum LayeredError {
     Clip {
         /// The layer.
         layer: String,
-        /// What is below it.
+        /// What lies below the layer, in words.
         base: String,
     },
-    /// A layer has a blend mode that is not read.
+    /// A layer has an unsupported blend mode.
     #[error("layer \"{layer}\" has the blend mode {mode}, expected normal: merge it down")]
     Blend {
         /// The layer.
         layer: String,
-        /// Its mode as the file writes it.
+        /// Blend mode, as the file writes it.
         mode: String,
     },
     /// The picture of a layer cannot be read.

@@ -312,7 +312,7 @@ fn no_bytes_of_a_photoshop_file_make_the_reader_panic() {
     for whole in [psd(8, 1, &rows), std::fs::read(folder.join("gimp16.psd")).unwrap()] {
         spoil(&whole, |bytes| {
             let Ok((document, size, nodes)) = psd::Document::read(bytes.to_vec()) else { return };
-            let Ok((layers, groups)) = tree::listed(nodes) else { return };
+            let Ok((layers, groups)) = tree::list_layers(nodes) else { return };
             // Sizes are bounded, but large ones take their time.
             if size[0] * size[1] > 1 << 12 {
                 return;

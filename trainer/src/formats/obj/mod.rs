@@ -1,8 +1,4 @@
-//! Meshes as Wavefront OBJ files.
-//! Reads OBJ files.
-//! A folder of OBJ files: a neutral mesh, and one for each shape.
-//! Writes OBJ files.
-//! What can be wrong with an OBJ file.
+//! Wavefront OBJ files: reads meshes, and folders of a neutral mesh with its shapes; writes meshes.
 
 #[cfg(test)]
 mod tests;
@@ -15,14 +11,14 @@ use crate::mesh::Corners;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Characters of a faulty line that a message shows.
+/// Characters of a faulty line that an error shows.
 const SHOWN: usize = 60;
 
-/// Reads a mesh: all vertices and faces of the file, whatever object or group they are in.
+/// Reads a mesh: all vertices and faces of the file, of every object and group.
 ///
 /// # Errors
-/// A [`FileError`] that names the file: it cannot be read, has a line that is no OBJ, names a vertex
-/// that it does not have, or has no faces.
+/// A [`FileError`] that names the file: it cannot be read, a line is not OBJ, a face refers to a missing vertex, or
+/// there are no faces.
 pub fn load(path: &Path) -> Result<Mesh, FileError> {
     let Parsed { positions, polygons, corners, texture, normals } = read(path)?;
     let (triangles, places) =
@@ -43,18 +39,18 @@ pub fn load(path: &Path) -> Result<Mesh, FileError> {
     Ok(Mesh { positions, triangles, engine })
 }
 
-/// What an OBJ file holds.
+/// The contents of an OBJ file.
 pub(in crate::formats) struct Parsed {
     /// Positions, V.
     pub(in crate::formats) positions: Vec<[f64; 3]>,
     pub(in crate::formats) polygons: Polygons,
-    /// The corners of the polygons, one after another.
+    /// Corners of the polygons, in order.
     corners: Vec<Corner>,
     texture: Vec<[f64; 2]>,
     normals: Vec<[f64; 3]>,
 }
 
-/// What a face names at a corner, from 0 on.
+/// Indices of a corner of a face, from 0.
 struct Corner {
     vertex: usize,
     texture: Option<usize>,
@@ -69,10 +65,10 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, FileError> {
         .map_err(|error| FileError { file: path.to_owned(), error })
 }
 
-/// Reads vertices, texture coordinates, normals and faces. What else a file holds says nothing of its shape.
+/// Parses vertices, texture coordinates, normals and faces; other lines do not concern the shape.
 ///
-/// No crate does: tobj numbers vertices by their first use, which loses the order that shapes have in
-/// common; obj loses the faces between some `g` and `o` lines and panics on some names in them.
+/// No crate serves here. tobj renumbers vertices by their first use, which loses the order that shapes share. obj loses
+/// faces between some `g` and `o` lines, and panics on some names in them.
 fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
     let mut positions = Vec::new();
     let mut texture = Vec::new();
@@ -105,7 +101,7 @@ fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
             text: line.trim().chars().take(SHOWN).collect(),
         })?;
     }
-    // Faces may name what comes later.
+    // Checked at the end, because faces may precede their vertices.
     let mut left = corners.iter();
     for (face, polygon) in polygons.iter().enumerate() {
         let absent = |what, len| ObjError::Corner { face: face + 1, what, len };
@@ -125,8 +121,9 @@ fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
 }
 
 impl Corner {
-    /// Reads `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`, of which a number
-    /// below 0 counts back from those there are so far.
+    /// Parses `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`. A negative number counts back
+    /// from
+    /// the items read so far.
     fn parse(word: &str, [vertex_len, texture_len, normal_len]: [usize; 3]) -> Option<Self> {
         let mut parts = word.split('/');
         let vertex = place(parts.next()?, vertex_len)?;
@@ -138,8 +135,9 @@ impl Corner {
     }
 }
 
-/// Turns a number that counts from 1, or back from -1, into a place. One before the first becomes one
-/// after all.
+/// Turns a number that counts from 1, or back from -1, into an index. A number before the first item gives an index
+/// past
+/// the end.
 fn place(word: &str, len: usize) -> Option<usize> {
     match word.parse::<isize>().ok()? {
         0 => None,
@@ -148,7 +146,7 @@ fn place(word: &str, len: usize) -> Option<usize> {
     }
 }
 
-/// Reads finite numbers, and leaves what follows them.
+/// Parses N finite numbers; ignores any words behind them.
 fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
     let mut numbers = [0.0; N];
     for number in &mut numbers {
@@ -157,15 +155,14 @@ fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a str>) -> Opt
     Some(numbers)
 }
 
-/// What the neutral mesh is called.
+/// File stem of the neutral mesh.
 const NEUTRAL: &str = "neutral";
 
-/// Reads `neutral.obj` and every other OBJ beside it, the shapes called as their files and in the order of those
-/// names.
+/// Reads `neutral.obj` and every other OBJ of its folder. Shapes are named after their files and sorted by name.
 ///
 /// # Errors
-/// A [`FileError`] that names the file: it cannot be read, has faces of nothing, or has not as many vertices as
-/// the neutral one; of the folder, that it has no neutral mesh or no other.
+/// A [`FileError`] that names a file: it cannot be read, has no faces, or has another number of vertices than the
+/// neutral mesh. One that names the folder: it has no neutral mesh, or no other mesh.
 pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, FileError> {
     let blame = |error: FormatError| FileError { file: folder.to_owned(), error };
     let entries = std::fs::read_dir(folder).map_err(|error| blame(FormatError::Read(error)))?;
@@ -211,7 +208,7 @@ pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, FileError> {
 
 /// Writes a mesh as text: positions, texture coordinates, faces.
 ///
-/// - `uv_faces`: which texture coordinate each corner has, as many as `faces`; none without.
+/// - `uv_faces`: texture coordinate of each corner, in the layout of `faces`; empty without texture.
 pub(crate) fn text(
     positions: &[[f64; 3]],
     uv: &[[f64; 2]],
@@ -236,7 +233,7 @@ pub(crate) fn text(
     out
 }
 
-/// Puts other positions into a mesh's text and leaves all else of it as it is.
+/// Replaces the positions in a mesh's text; all other lines stay.
 pub(crate) fn with_positions(text: &str, positions: &[[f64; 3]]) -> String {
     let mut left = positions.iter();
     let mut out = String::with_capacity(text.len());
@@ -263,45 +260,45 @@ fn push_line(out: &mut String, word: &str, numbers: &[f64]) {
     out.push('\n');
 }
 
-/// An OBJ file that cannot be read.
+/// Reasons why an OBJ file, or a folder of them, cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ObjError {
-    /// It is no text.
+    /// The file is not text.
     #[error("is no text, as an OBJ file is")]
     Binary,
     /// A line cannot be read.
     #[error("line {line} is no vertex, texture coordinate, normal or face of numbers: {text}")]
     Line {
-        /// The line, the first being 1.
+        /// Line number, from 1.
         line: usize,
-        /// Its beginning.
+        /// Beginning of the line.
         text: String,
     },
-    /// A face names something that is not there.
+    /// A face refers to a missing item.
     #[error("face {face} names a {what} that is none of the {len} there are")]
     Corner {
-        /// The face, the first being 1.
+        /// Face number, from 1.
         face: usize,
-        /// What it names.
+        /// Kind of the item.
         what: &'static str,
-        /// How many there are.
+        /// Number of items of that kind.
         len: usize,
     },
-    /// There is no face to build triangles of.
+    /// No face has three corners.
     #[error("has no face of three corners or more; export a polygon mesh")]
     NoFaces,
     /// A folder has no neutral mesh.
     #[error("has no neutral.obj: save the face at rest under that name, and each shape beside it")]
     NoNeutral,
-    /// A folder has a neutral mesh alone.
+    /// A folder has no mesh but the neutral one.
     #[error("has no shape beside neutral.obj: save each as an OBJ of its own")]
     NoShapes,
-    /// A shape has other vertices than the neutral mesh.
+    /// A shape has another number of vertices than the neutral mesh.
     #[error("expected {expected} vertices, as neutral.obj has, found {found}")]
     Vertices {
-        /// How many the neutral mesh has.
+        /// Vertices of the neutral mesh.
         expected: usize,
-        /// How many the shape has.
+        /// Vertices of the shape.
         found: usize,
     },
 }

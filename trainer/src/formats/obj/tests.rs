@@ -1,4 +1,4 @@
-//! Meshes that are read, and lines that are refused.
+//! Tests of OBJ: meshes read and written, faulty lines, folders of shapes.
 
 use super::*;
 use crate::formats::testing::{Folder, spoil};
@@ -71,13 +71,13 @@ fn normals_by_corner_keep_edges_hard() {
     assert_eq!(engine.copy_of, [0, 0, 1, 1, 2, 3]);
     assert_eq!(engine.triangles, [[0, 4, 2], [1, 3, 5]]);
     let (down, back) = ([0.0, 0.0, -1.0], [0.0, -1.0, 0.0]);
-    // The last has no direction: it has that of its face.
+    // The third normal has no direction; the normal of the face replaces it.
     assert_eq!(engine.normals.unwrap(), [down, back, down, back, down, back]);
 }
 
 #[test]
 fn faces_of_every_group_and_object_are_kept_in_order() {
-    // The crate obj drops the face before `o`, and panics on the names in wide spaces.
+    // The crate obj drops the face before `o`, and panics on names between wide spaces.
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\ng\no b\nf 2 3 1\ng\u{2003}name\n\u{3000}o\n\
                 usemtl m\nf 3 1 2\ncurv 0 1 2\n";
     assert_eq!(mesh(text).unwrap().triangles, [[0, 1, 2], [1, 2, 0], [2, 0, 1]]);

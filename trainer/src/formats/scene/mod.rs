@@ -1,7 +1,4 @@
-//! Scenes: rigged characters and their clips, whichever format they come in.
-//! A rigged character as a scene file holds it.
-//! The motion of a skeleton, whatever it moves.
-//! What keeps a scene from being read, and what to export instead.
+//! Scenes: rigged characters and their clips, from any format.
 
 mod clip;
 mod names;
@@ -11,7 +8,7 @@ pub use clip::{Clip, RATES};
 pub(crate) use clip::{EVEN, RATE, Sampling};
 pub use names::JointNames;
 pub(crate) use names::mismatch;
-pub(super) use names::told_apart;
+pub(super) use names::unique_names;
 pub(super) use played::{MovingJoints, Sample, samples};
 
 use super::error::FormatWarning;
@@ -20,72 +17,71 @@ use nalgebra::Matrix4;
 use sinew_runtime::format::Space;
 use std::ops::Range;
 
-/// A rigged character, sampled: what the readers of scenes return.
+/// A rigged character, sampled, as all readers of scenes return it.
 pub(crate) struct SampledScene {
     /// Rest positions, V, in the space in which the joints are bound.
     pub(crate) rest: Vec<[f64; 3]>,
-    /// Vertex numbers of each triangle.
+    /// Vertex indices of each triangle.
     pub(crate) triangles: Vec<[usize; 3]>,
-    /// The vertices that an engine draws it with, where corners of one differ or anything is authored.
+    /// Engine vertices, if corners of a vertex differ or attributes are authored.
     pub(crate) engine: Option<EngineMesh>,
-    /// The meshes that were joined, by name; none where there is one.
+    /// Names and vertex ranges of the joined meshes; empty for a single mesh.
     pub(crate) ranges: Vec<(String, Range<usize>)>,
-    /// Joint weights of the skins, V x J, vertex-major; none without a skin.
+    /// Joint weights of the skins, V x J, vertex-major; `None` without a skin.
     pub(crate) joint_weights: Option<Vec<f64>>,
     /// Axes and unit of the scene.
     pub(crate) space: Space,
-    /// J names.
+    /// Names of the joints, J.
     pub(crate) names: Vec<String>,
-    /// Parent of each joint; several may have none.
+    /// Parent of each joint; several joints may have none.
     pub(crate) parents: Vec<Option<usize>>,
-    /// World frame of each joint where the rest mesh is bound, J.
+    /// World frame of each joint in the bind pose, J.
     pub(crate) binds: Vec<Matrix4<f64>>,
     /// World frame of each joint in each frame, N x J, frame-major.
     pub(crate) frames: Vec<Matrix4<f64>>,
-    /// Posed positions as the file itself shows them, N x V; none without a skin, or where they are not
-    /// wanted.
+    /// Posed positions, N x V, as the file itself poses them; `None` without a skin, or if they were not requested.
     pub(crate) shapes: Option<Vec<[f64; 3]>>,
-    /// Whether blendshapes move in them: without, they are plain LBS.
+    /// Whether blendshapes move in `shapes`; otherwise `shapes` are plain LBS.
     pub(crate) morphs: bool,
-    /// The clips that the frames come from.
+    /// Clips of the frames.
     pub(crate) clips: Vec<Clip>,
-    /// What was left out.
+    /// Data that was left out.
     pub(crate) warnings: Vec<FormatWarning>,
 }
 
-/// How joints move, sampled: what the readers of scenes return of animations without a mesh.
+/// Sampled motion of joints, as readers of scenes return it for animations without a mesh.
 pub(crate) struct Motion {
     /// Axes and unit of the scene.
     pub(crate) space: Space,
-    /// The joints of the character that are there.
+    /// The joints of the character that the file has.
     pub(crate) joints: MotionJoints,
-    /// World frame of each where nothing is animated.
+    /// World frame of each joint without animation.
     pub(crate) rest: Vec<Matrix4<f64>>,
-    /// Frame in which a skin of the file binds each; none where the file has no skin.
+    /// Frame in which a skin of the file binds each joint; `None` if the file has no skin.
     pub(crate) binds: Option<Vec<Matrix4<f64>>>,
-    /// World frame of each in each frame, frame-major.
+    /// World frame of each joint in each frame, frame-major.
     pub(crate) frames: Vec<Matrix4<f64>>,
-    /// The clips that the frames come from.
+    /// Clips of the frames.
     pub(crate) clips: Vec<Clip>,
-    /// What was left out.
+    /// Data that was left out.
     pub(crate) warnings: Vec<FormatWarning>,
 }
 
-/// Which nodes of a file are joints of a character.
+/// The nodes of a file that are joints of a character.
 pub(crate) struct MotionJoints {
-    /// The nodes.
+    /// Indices of the nodes.
     pub(crate) nodes: Vec<usize>,
-    /// The joint of the character that each is.
+    /// Joint of the character, for each node.
     pub(crate) of: Vec<usize>,
-    /// What keeps the names of other nodes from matching, and the option that mends it.
+    /// Explains why the names of other nodes do not match, and names the option that helps.
     pub(crate) mismatch: Option<String>,
 }
 
 impl MotionJoints {
-    /// Finds the joints of a character among nodes, each with its name; of several of one name the first.
+    /// Finds the joints of a character among named nodes; the first node with a joint's name counts.
     ///
     /// # Errors
-    /// [`SceneError::OtherJoints`] where there is none.
+    /// [`SceneError::OtherJoints`]: no node is a joint of the character.
     pub(in crate::formats) fn find<'a>(
         candidates: impl Iterator<Item = (usize, &'a str)>,
         character: &[String],
@@ -112,11 +108,11 @@ impl MotionJoints {
     }
 }
 
-/// Gives the frame in which a joint is bound; of one that no skin names, where it stands against the nearest above that
-/// one does.
+/// Returns the bind frame of a joint. A joint without a skin moves rigidly with its nearest skinned ancestor, or else
+/// with any skinned joint, from the pose without animation.
 ///
 /// - `upwards`: the joint and the nodes above it.
-/// - `binds`, `at_rest`: of all nodes, as skins bind them and where nothing is animated.
+/// - `binds`, `at_rest`: world frames of all nodes, as skins bind them and without animation.
 pub(in crate::formats) fn bound(
     upwards: impl Iterator<Item = usize> + Clone,
     binds: &[Option<Matrix4<f64>>],
@@ -131,32 +127,32 @@ pub(in crate::formats) fn bound(
     Some(binds[known]? * at_rest[known].try_inverse()? * at_rest[joint])
 }
 
-/// A scene that cannot be read, or lacks what a rigged character has.
+/// Reasons why a scene cannot be read as a rigged character.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// The file is no glTF 2.0.
+    /// The file is not glTF 2.0.
     #[error("is no glTF 2.0: {reason}")]
     NotGltf {
-        /// What the parser says.
+        /// Message of the parser.
         reason: String,
     },
-    /// The file ends before it should.
+    /// The file is truncated.
     #[error(
         "is cut short: expected at least {expected} bytes, found {found}; export it, or copy it, again"
     )]
     CutShort {
-        /// Bytes that it says it has.
+        /// Bytes that the file should have.
         expected: usize,
-        /// Bytes that are there.
+        /// Bytes of the file.
         found: usize,
     },
-    /// The file is damaged or is no FBX.
+    /// The file is damaged, or not FBX.
     #[error("is no FBX file that can be read: {reason}; export it again as binary FBX")]
     Fbx {
-        /// What the reader says.
+        /// Message of the reader.
         reason: String,
     },
-    /// The file cannot be read without something that is not in glTF itself.
+    /// The file requires an extension of glTF that is not supported.
     #[error(
         "needs the glTF extension {name}, which is not read: export without compression, and without \
          instancing"
@@ -165,80 +161,80 @@ pub enum SceneError {
         /// The extension.
         name: String,
     },
-    /// A buffer of a glTF file is absent or too short.
+    /// A buffer of a glTF file is missing or too short.
     #[error("buffer {buffer}: {reason}")]
     Buffer {
-        /// The buffer.
+        /// Index of the buffer.
         buffer: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
-    /// An image of a glTF file is absent or of no kind that glTF knows.
+    /// An image of a glTF file is missing, or of a kind that glTF does not know.
     #[error("image {image}: {reason}")]
     Image {
-        /// The image.
+        /// Index of the image.
         image: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// An accessor of a glTF file does not fit its use or its buffer.
     #[error("accessor {accessor} {reason}")]
     Accessor {
-        /// The accessor.
+        /// Index of the accessor.
         accessor: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
-    /// Two counts that belong together differ.
+    /// Two counts that must agree differ.
     #[error("{place}: expected {expected} {what}, found {found}")]
     Count {
-        /// Where.
+        /// Place in the file.
         place: String,
-        /// What is counted.
+        /// Name of the counted items.
         what: &'static str,
-        /// How many there must be.
+        /// Expected count.
         expected: usize,
-        /// How many there are.
+        /// Count found.
         found: usize,
     },
-    /// Something is named that does not exist.
+    /// An index refers to an item that does not exist.
     #[error("{place} names {what} {found} of {len}")]
     NoSuch {
-        /// Where.
+        /// Place in the file.
         place: String,
-        /// What is named.
+        /// Kind of the item.
         what: &'static str,
-        /// The number that names it.
+        /// The index.
         found: usize,
-        /// How many there are.
+        /// Number of items.
         len: usize,
     },
-    /// The nodes are no tree.
+    /// The nodes do not form a tree.
     #[error("node {node} has two parents or is its own ancestor")]
     NoTree {
         /// The node.
         node: String,
     },
-    /// The scene that the file shows has no node.
+    /// The default scene has no node.
     #[error(
         "is empty: its scene shows no node; export the character's mesh and armature, in the scene that the file shows"
     )]
     Empty,
-    /// There is no mesh of triangles.
+    /// The file has no mesh of triangles.
     #[error("holds no mesh: export the character's mesh together with its armature")]
     NoMesh,
     /// No mesh has shapes.
     #[error("has no blendshape: export the face with its shape keys (morph targets)")]
     NoShapes,
-    /// A mesh has faces of another kind.
+    /// A mesh consists of something other than triangles.
     #[error("mesh {mesh} is made of {mode}: export it as triangles")]
     NoTriangles {
         /// The mesh.
         mesh: String,
-        /// What it is made of.
+        /// Kind of primitives that the mesh consists of.
         mode: String,
     },
-    /// A vertex follows no joint.
+    /// A vertex has no joint weight.
     #[error(
         "mesh {mesh}: vertex {vertex} has no joint weight: assign every vertex to a joint before \
          exporting, or give the posed meshes as --targets"
@@ -279,16 +275,16 @@ pub enum SceneError {
     SeveralSkins {
         /// The mesh.
         mesh: String,
-        /// How many it has.
+        /// Number of skins.
         found: usize,
     },
-    /// A skin is bound to nothing.
+    /// A skin has no joint.
     #[error("the skin of mesh {mesh} has no joint; bind it again, or export its joints with it")]
     EmptySkin {
         /// The mesh.
         mesh: String,
     },
-    /// A joint is driven by something else than keys.
+    /// A constraint drives a joint that has no keys.
     #[error(
         "joint {joint} has no keys but a constraint, {constraint}, which is not evaluated; bake the \
          animation of the joints to keys at every frame"
@@ -299,13 +295,13 @@ pub enum SceneError {
         /// The constraint.
         constraint: String,
     },
-    /// A joint is bound by a matrix without inverse.
+    /// The bind matrix of a joint has no inverse.
     #[error("the bind matrix of joint {joint} cannot be inverted: bind the mesh again")]
     SingularBind {
         /// The joint.
         joint: String,
     },
-    /// Two meshes disagree about where a joint is bound.
+    /// Two meshes bind a joint at different places.
     #[error(
         "mesh {mesh} binds joint {joint} elsewhere than the other meshes do: export all meshes in one \
          rest pose (apply the armature's pose as rest pose)"
@@ -323,15 +319,15 @@ pub enum SceneError {
         mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
     )]
     OtherJoints {
-        /// The character's.
+        /// Joints of the character.
         joints: Vec<String>,
-        /// What keeps the names from matching, and the option that mends it.
+        /// Explains why the names do not match, and names the option that helps.
         mismatch: Option<String>,
     },
-    /// There is nothing to sample.
+    /// The file has no animation.
     #[error("holds no animation: export the poses as keys of an animation clip")]
     NoAnimation,
-    /// No animation plays a morph target of meshes without a skin.
+    /// No animation plays a morph target, and no mesh has a skin.
     #[error(
         "has neither a skin nor morph targets that an animation plays, and so no shapes to learn: export the shapes' keys \
          with the animation, or give the posed meshes as .abc, .pc2, .mdd, .npz or numbered .obj"
@@ -347,15 +343,15 @@ pub enum SceneError {
         /// The clips of the file.
         clips: Vec<String>,
     },
-    /// The clip asked for is not there.
+    /// A requested clip does not exist.
     #[error("has no clip {name}, there are: {}", known.join(", "))]
     UnknownClip {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// The clips of the file.
         known: Vec<String>,
     },
-    /// Key times are not finite, not in order, or reach too far to sample.
+    /// Key times are not finite, not in order, or too far apart to sample.
     #[error(
         "clip {clip}: its key times are not finite, not ascending, or span more frames than can be sampled"
     )]
