@@ -1,7 +1,4 @@
-//! The meshes of a scene, joined into one.
-//! The blendshapes of an FBX file by name.
-//! Blendshapes of meshes, as the scene has them and as a clip plays them.
-//! The faces of meshes and what is authored of their corners.
+//! Meshes of a scene: joined into one, with the attributes of their corners and their blendshapes.
 
 use super::{open, space};
 use crate::formats::error::{FormatError, FormatWarning};
@@ -14,26 +11,26 @@ use std::ops::Range;
 use std::path::Path;
 use ufbx::{BlendChannel, Matrix, Mesh, Node, Scene, SkinDeformer, Vec3, VertexVec3};
 
-/// A mesh as a node shows it.
+/// A mesh and the node that shows it.
 pub(super) struct MeshPart {
-    /// The node, by its place in the scene.
+    /// Index of the node in the scene.
     pub(super) node: usize,
-    /// The mesh, by its place in the scene.
+    /// Index of the mesh in the scene.
     pub(super) mesh: usize,
-    /// From the mesh to the space in which the joints are bound.
+    /// Transform from the mesh to the space in which the joints are bound.
     pub(super) rest: Matrix,
 }
 
-/// The parts as one mesh.
+/// All parts, joined into one mesh.
 pub(super) struct Geometry {
     pub(super) rest: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[usize; 3]>,
     pub(super) engine: Option<EngineMesh>,
-    /// The parts by name, where there are several.
+    /// Names and vertex ranges of the parts; empty for a single part.
     pub(super) ranges: Vec<(String, Range<usize>)>,
 }
 
-/// Chooses the skinned meshes of a scene, or all where none is skinned.
+/// Chooses the skinned meshes of a scene; if no mesh has a skin, all meshes.
 pub(super) fn parts(
     scene: &Scene,
     warnings: &mut Vec<FormatWarning>,
@@ -41,7 +38,7 @@ pub(super) fn parts(
     let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
     let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
     if shown.is_empty() {
-        // The root node is there always.
+        // The root node always exists.
         let is_empty = scene.nodes.len() < 2;
         return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh });
     }
@@ -55,7 +52,7 @@ pub(super) fn parts(
         let meshes = other.iter().map(|(node, _)| node.element.name.to_string()).collect();
         warnings.push(FormatWarning::UnskinnedMeshes { meshes });
     }
-    skinned.into_iter().map(|(node, mesh)| bound(node, mesh)).collect()
+    skinned.into_iter().map(|(node, mesh)| bound_part(node, mesh)).collect()
 }
 
 /// Joins the parts, in their order.
@@ -99,7 +96,7 @@ pub(super) fn join(
     Geometry { rest, triangles, engine, ranges }
 }
 
-/// Tells whether the scene itself holds all that poses its meshes.
+/// Tells whether the scene poses all parts by itself: each has a skin, and none has a point cache.
 pub(super) fn are_posed(
     scene: &Scene,
     parts: &[MeshPart],
@@ -115,7 +112,7 @@ pub(super) fn are_posed(
     whole && parts.iter().all(|part| skin(&scene.meshes[part.mesh]).is_some())
 }
 
-/// Gives the joint weights of the parts' skins, V x J, of the joints at these nodes; none without a skin.
+/// Returns the weights of the parts' skins, V x J, for the joints at these nodes; `None` without a skin.
 pub(super) fn joint_weights(
     scene: &Scene,
     parts: &[MeshPart],
@@ -144,7 +141,7 @@ pub(super) fn joint_weights(
     parts.iter().any(|part| skin(&scene.meshes[part.mesh]).is_some()).then_some(all)
 }
 
-/// Tells of vertices of skinned parts that no joint moves.
+/// Warns of vertices in skinned parts that have no joint weights.
 pub(super) fn unweighted(scene: &Scene, parts: &[MeshPart], warnings: &mut Vec<FormatWarning>) {
     let skins = parts.iter().filter_map(|part| skin(&scene.meshes[part.mesh]));
     let bare = skins.flat_map(|skin| &skin.vertices).filter(|vertex| vertex.num_weights == 0);
@@ -154,7 +151,7 @@ pub(super) fn unweighted(scene: &Scene, parts: &[MeshPart], warnings: &mut Vec<F
     }
 }
 
-/// Gives the skin of a mesh.
+/// Returns the skin of a mesh.
 pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
     mesh.skin_deformers.into_iter().next()
 }
@@ -163,8 +160,8 @@ fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
     MeshPart { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
 }
 
-/// Makes a part of a skinned mesh, which stands where it is bound, whatever its node does.
-fn bound(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
+/// Makes a part of a skinned mesh. Its bind frame places the part, whatever its node does.
+fn bound_part(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
     let name = || node.element.name.to_string();
     let found = mesh.skin_deformers.len();
     if found > 1 {
@@ -178,11 +175,12 @@ fn bound(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
     Ok(part(node, mesh, rest))
 }
 
-/// Reads the meshes that have blendshapes, as one; channels of one name on several meshes are one shape, and of a
-/// channel with shapes between it is the last.
+/// Reads the meshes with blendshapes as one mesh.
+///
+/// Channels of one name on several meshes become one shape. A channel with in-between shapes gives its last shape.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     Ok(parse_shapes(&bytes)?)
@@ -261,11 +259,13 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
     Ok(out)
 }
 
-/// The property of a blendshape channel that weighs it.
-pub(super) const WEIGHING: &str = "DeformPercent";
+/// Property of a blendshape channel that holds its weight.
+pub(super) const WEIGHT: &str = "DeformPercent";
 
-/// Gives the vertices of a mesh at rest: moved by the channels that no clip weighs, which are on in all of them. A channel
-/// that a clip weighs is off at rest, for its own weight is that of the frame in which the scene was saved.
+/// Returns the vertices of a mesh at rest.
+///
+/// A channel that no clip animates is constant, so its offsets belong to the rest mesh. An animated channel is off at
+/// rest: its stored weight is that of the frame in which the scene was saved.
 pub(super) fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
     let mut vertices = mesh.vertices.to_vec();
     for channel in channels(mesh).filter(|channel| !is_keyed(scene, channel)) {
@@ -277,17 +277,18 @@ pub(super) fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
     vertices
 }
 
-/// Tells whether channels that a clip weighs move a mesh of a posed scene.
+/// Tells whether animated channels move a mesh of a posed scene.
 pub(super) fn is_shaped(scene: &Scene, posed: &Mesh) -> bool {
     let mut keyed = channels(posed).filter(|channel| is_keyed(scene, channel));
     keyed.any(|channel| channel.keyframes.iter().any(|key| key.effective_weight != 0.0))
 }
 
-/// Lists the channels of a mesh.
+/// Lists the blendshape channels of a mesh.
 pub(super) fn channels(mesh: &Mesh) -> impl Iterator<Item = &BlendChannel> {
     mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter()).map(|channel| &**channel)
 }
 
+/// Tells whether a clip has keys for a channel's weight.
 fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
     let layers = scene.anim_stacks.iter().flat_map(|stack| stack.layers.iter());
     let mut properties = layers.flat_map(|layer| layer.anim_props.iter());
@@ -295,11 +296,11 @@ fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
         let own = property.element.element_id == channel.element.element_id;
         let curves = &property.anim_value.curves;
         let has_keys = curves.iter().flatten().any(|curve| !curve.keyframes.is_empty());
-        own && *property.prop_name == *WEIGHING && has_keys
+        own && *property.prop_name == *WEIGHT && has_keys
     })
 }
 
-/// Gives the faces of a mesh.
+/// Returns the faces of a mesh.
 pub(super) fn polygons(mesh: &Mesh) -> Polygons {
     let mut polygons = Polygons::default();
     for face in &mesh.faces {
@@ -321,10 +322,10 @@ impl CornerLists {
         self.all.vertices.len()
     }
 
-    /// Adds the corners of a mesh's faces.
+    /// Appends the corners of a mesh's faces.
     ///
-    /// - `first`: number of the mesh's first vertex among all.
-    /// - `rest`: from the mesh to where it is bound.
+    /// - `first`: index of the mesh's first vertex among all vertices.
+    /// - `rest`: from the mesh to its bind pose.
     pub(super) fn add(&mut self, mesh: &Mesh, first: usize, rest: &Matrix) {
         let begin = self.len();
         let corners: Vec<usize> = mesh
@@ -355,13 +356,13 @@ impl CornerLists {
         extend(&mut self.all.uv, begin, corners, uv);
     }
 
-    /// Gives them all.
+    /// Returns the corners.
     pub(super) fn finish(self) -> Corners {
         self.all
     }
 }
 
-/// Adds what a mesh has of its corners, and 0 where it, or one before it, has nothing.
+/// Appends an attribute of a mesh's corners; 0 for corners and earlier meshes without the attribute.
 fn extend<T: Copy + Default>(
     all: &mut Option<Vec<T>>,
     begin: usize,
@@ -376,7 +377,7 @@ fn extend<T: Copy + Default>(
     all.extend(found.into_iter().map(Option::unwrap_or_default));
 }
 
-/// On which side of normal and tangent v grows: -1 or 1.
+/// Returns the direction in which v grows, relative to normal x tangent: -1 or 1.
 fn handedness(mesh: &Mesh, corner: usize, tangent: Vec3) -> f64 {
     let [normal, across] = [&mesh.vertex_normal, &mesh.vertex_bitangent]
         .map(|attribute| at(attribute, corner).map(|v| Vector3::from(array(v))));

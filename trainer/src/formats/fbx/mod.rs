@@ -1,10 +1,7 @@
 //! FBX: skinned meshes, or a mesh beside a skeleton, and their animations.
 //!
-//! Units and axes stay as they are in the file. Vertices are its control points, in their order; the
-//! meshes of several nodes follow one another in the order of the nodes.
-//! Reads a scene: what is in it, sampled.
-//! The motion of joints alone: of a scene with or without a mesh.
-//! From the library's types to ours.
+//! Units and axes stay as they are in the file. Vertices are its control points, in their order; the meshes of several
+//! nodes follow one another in the order of the nodes.
 
 pub(super) mod appearance;
 mod frames;
@@ -28,8 +25,8 @@ use ufbx::{
     SceneSettings,
 };
 
-/// Memory that reading a file may take, whatever it claims to hold: as much for each byte of it as
-/// its compression can hide, up to a limit for all.
+/// Memory that reading a file may take, in bytes for each byte of the file, with a lower and an upper limit. The factor
+/// is the most that the file's compression can hide.
 const MEMORY_A_BYTE: usize = 1100;
 const MEMORY_LEAST: usize = 64 << 20;
 const MEMORY_MOST: usize = 4 << 30;
@@ -39,13 +36,14 @@ const DEPTH_MOST: u32 = 4096;
 
 /// Reads a scene.
 ///
-/// Joints are the nodes that skins name and the bones above them; without a skin, all bones. Each
-/// animation that has keys on them or above them is a clip, sampled where its keys are or as
-/// `sampling` says. Posed positions are those of the skin, linear or by dual quaternions, over the
-/// blendshapes; there are none without a skin or where a point cache outside the file deforms a mesh.
+/// Joints are the nodes of skins and the bones above them; without a skin, all bones. An animation with keys on the
+/// joints, or on nodes above them, is a clip. Clips are sampled at their keys, or as `sampling` says.
+///
+/// Posed positions come from blendshapes and then the skin, linear or by dual quaternions. There are none without a
+/// skin, or if a point cache outside the file deforms a mesh.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is not in it and what to export.
+/// [`FormatError::Read`], and [`FormatError::Scene`], which names the missing part and what to export.
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     Ok(parse(&bytes, sampling)?)
@@ -86,10 +84,11 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, SceneErr
     })
 }
 
-/// Reads the meshes of a file as one: those with a skin as they are bound, or, where none has one, all as they stand.
+/// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
+/// nodes place them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     let scene = open(&bytes)?;
@@ -117,7 +116,7 @@ fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {
     ufbx::load_memory(bytes, options).map_err(fault)
 }
 
-/// Tells what a scene says of its axes and its unit.
+/// Returns the axes and the unit that a scene states.
 fn space(settings: &SceneSettings) -> Space {
     let axis = |axis: CoordinateAxis| match axis {
         CoordinateAxis::PositiveX => Some(Axis::X),
@@ -130,7 +129,7 @@ fn space(settings: &SceneSettings) -> Space {
     };
     let [right, up, forward] =
         [settings.axes.right, settings.axes.up, settings.axes.front].map(axis);
-    // A viewer's right: of one whom the character faces.
+    // FBX's right is the right of a viewer whom the character faces.
     let volume = |right, up, forward| {
         let [right, up, forward] = [right, up, forward].map(direction);
         right.cross(&up).dot(&forward)
@@ -147,10 +146,10 @@ fn space(settings: &SceneSettings) -> Space {
         .unwrap_or(Space { up, forward, handedness, unit: None })
 }
 
-/// Reads how the nodes move that are joints of a character by name.
+/// Reads the motion of the nodes that are joints of a character, by name.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read_motion(
     path: &Path,
     character: &[String],
@@ -187,10 +186,12 @@ pub(crate) fn read_motion(
     })
 }
 
+/// Converts an error of ufbx.
 fn fault(error: ufbx::Error) -> SceneError {
     SceneError::Fbx { reason: error.description.to_lowercase() }
 }
 
+/// Converts a matrix of ufbx.
 fn matrix(m: &ufbx::Matrix) -> Matrix4<f64> {
     Matrix4::new(
         m.m00, m.m01, m.m02, m.m03, m.m10, m.m11, m.m12, m.m13, m.m20, m.m21, m.m22, m.m23, 0.0,

@@ -1,7 +1,6 @@
-//! Photoshop files: layers, groups, masks (Adobe, "Photoshop File Formats Specification").
+//! Photoshop files: layers, groups and masks (Adobe, "Photoshop File Formats Specification").
 //!
-//! The crates that read this format panic on damaged files, and none reads masks, deflated channels and 16 bits.
-//! Records of layers.
+//! The existing crates for this format panic on damaged files. None of them reads masks, deflated channels and 16 bits.
 
 mod bytes;
 
@@ -11,7 +10,7 @@ use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
 use std::ops::Range;
 
-/// Layers of a file.
+/// A Photoshop file, with the records of its layers.
 pub(super) struct Document {
     bytes: Vec<u8>,
     /// Bytes a sample.
@@ -21,10 +20,10 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a file's list of layers: the pictures' width and height, and the layers.
+    /// Reads a file's layers, and the width and height of its picture.
     ///
     /// # Errors
-    /// [`LayeredError`].
+    /// [`LayeredError`]
     pub(super) fn read(bytes: Vec<u8>) -> Result<(Self, [usize; 2], Vec<Node>), LayeredError> {
         let mut left = Bytes::new(&bytes);
         let is_psd = left.take(4).is_ok_and(|signature| signature.rest() == b"8BPS");
@@ -60,7 +59,7 @@ impl Document {
         let mut section = left.block()?;
         let mut layers = if section.len() < 4 { section } else { section.block()? };
         if layers.len() == 0 && section.len() >= 4 {
-            // The mask of the whole file, then blocks: layers of 16 bits are in one of them.
+            // The mask of the whole file, then blocks. One of the blocks holds layers of 16 bits.
             section.block()?;
             layers = blocks(section, b"Lr16", 4)?.unwrap_or(layers);
         }
@@ -72,10 +71,10 @@ impl Document {
         Ok((Self { sample, is_grey, records, bytes }, [width, height], nodes))
     }
 
-    /// Decodes the picture of a layer, with its corner.
+    /// Decodes the picture of a layer; also returns the position of its upper left corner.
     ///
     /// # Errors
-    /// The fault in words.
+    /// The fault, in words.
     pub(super) fn picture(&self, source: usize) -> Result<(Pixels, [i64; 2]), String> {
         let own = &self.records[source];
         let size = own.area.size;
@@ -84,7 +83,7 @@ impl Document {
         }
         check_size(size)?;
         let channel = |id: i16| match own.channel(id) {
-            Some(range) => bytes::decoded(&self.bytes[range.clone()], size, self.sample),
+            Some(range) => bytes::decode(&self.bytes[range.clone()], size, self.sample),
             None if id == -1 => Ok(vec![0xff; size[0] * size[1]]),
             None => Err(format!("it has no channel {id}")),
         };
@@ -96,10 +95,10 @@ impl Document {
         Ok((Pixels { size, rgba }, own.area.corner))
     }
 
-    /// Multiplies the coverage of a whole picture with the mask of a layer or group, if it has one.
+    /// Multiplies the coverage of a whole picture with the mask of a layer or group, if there is a mask.
     ///
     /// # Errors
-    /// The fault in words: what else it has must be a part of its pixels.
+    /// The fault, in words: the layer has an effect that is not part of its pixels.
     pub(super) fn mask(&self, source: usize, canvas: &mut Pixels) -> Result<(), String> {
         let own = &self.records[source];
         if let Some(what) = own.unread {
@@ -113,7 +112,7 @@ impl Document {
         let mut found = Vec::new();
         if !size.contains(&0) {
             check_size(size)?;
-            found = bytes::decoded(&self.bytes[range.clone()], size, self.sample)?;
+            found = bytes::decode(&self.bytes[range.clone()], size, self.sample)?;
         }
         let width = canvas.size[0];
         for (at, pixel) in canvas.rgba.chunks_mut(4).enumerate() {
@@ -129,7 +128,7 @@ impl Document {
     }
 }
 
-/// Joins records, which are listed from back to front, into groups. A group begins with a record without a name.
+/// Joins records into a tree of groups. Records go from back to front; a group begins with a record without a name.
 fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
     let mut open = vec![Vec::new()];
     for (source, own) in records.iter().enumerate() {
@@ -163,7 +162,7 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
     }
 }
 
-/// Names of blocks that change the look of a layer, and their keys.
+/// Names and keys of blocks that change the look of a layer and are not supported.
 const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
     ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
     ("a vector mask", &[b"vmsk", b"vsms"]),
@@ -177,30 +176,30 @@ const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
     ),
 ];
 
-/// A layer, the end of a group, or its beginning.
+/// A layer, the end of a group, or the beginning of a group.
 struct Record {
     name: String,
     area: Area,
     mask: Option<Mask>,
-    /// From 0 to 1.
+    /// Opacity, in [0, 1].
     opacity: f64,
     is_hidden: bool,
     is_clipped: bool,
     section: Section,
-    /// The name of a block that changes its look and is not read.
+    /// Name of an unsupported block that changes the look.
     unread: Option<&'static str>,
     mode: [u8; 4],
-    /// Channels and where their bytes are in the file: 0 to 2 colours, -1 alpha, -2 the mask.
+    /// Channels and the range of their bytes in the file: 0 to 2 are colours, -1 is alpha, -2 the mask.
     channels: Vec<(i16, Range<usize>)>,
 }
 
-/// The role of a record. Records are listed from back to front.
+/// The role of a record; records go from back to front.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Section {
     Layer,
-    /// Below the members of a group.
+    /// Beginning of a group, below its members.
     Begin,
-    /// Above the members of a group, with its name.
+    /// End of a group, above its members, with the group's name.
     Group,
 }
 
@@ -214,17 +213,17 @@ struct Area {
 
 struct Mask {
     area: Area,
-    /// The mask beyond its rectangle.
+    /// Value of the mask outside its rectangle.
     outside: u8,
 }
 
 impl Record {
-    /// Returns where the bytes of a channel are.
+    /// Returns the range of a channel's bytes in the file.
     fn channel(&self, id: i16) -> Option<&Range<usize>> {
         self.channels.iter().find(|(own, _)| *own == id).map(|(_, range)| range)
     }
 
-    /// Returns the blend mode, unless it is normal.
+    /// Returns the blend mode; `None` for normal.
     fn blend(&self) -> Option<String> {
         let is_normal = match self.section {
             Section::Group => matches!(&self.mode, b"pass" | b"norm"),
@@ -239,7 +238,7 @@ impl Record {
 /// # Errors
 /// [`LayeredError::Damaged`].
 fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, LayeredError> {
-    // A negative number says that the flattened picture is transparent.
+    // The sign only tells whether the flattened picture has transparency.
     let len = left.i16()?.unsigned_abs();
     let mut out = (0..len).map(|_| record(&mut left)).collect::<Result<Vec<_>, _>>()?;
     for (_, range) in out.iter_mut().flat_map(|own| &mut own.channels) {
@@ -275,7 +274,7 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
         Some(mut text) => unicode(&mut text)?,
         None => String::from_utf8_lossy(name).into_owned(),
     };
-    // How opaque the pixels are, apart from effects.
+    // Opacity of the pixels, without effects.
     let fill = match blocks(extra, b"iOpa", 1)? {
         Some(mut fill) => fill.u8()?,
         None => 0xff,
@@ -311,7 +310,7 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
     })
 }
 
-/// Reads a mask; none if there is none, or it is switched off.
+/// Reads a mask; `None` if there is none, or the mask is disabled.
 fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, LayeredError> {
     if left.len() == 0 {
         return Ok(None);
