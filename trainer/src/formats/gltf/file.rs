@@ -1,6 +1,4 @@
-//! A glTF file and the buffers it refers to.
-//! Arrays of a glTF file as numbers, whatever their component type.
-//! The triangles of primitives, whatever mode lists them.
+//! A glTF file, its buffers, and the arrays and triangles in them.
 
 use crate::formats::error::{FormatError, FormatWarning};
 use crate::formats::extension::unmarked;
@@ -26,30 +24,30 @@ pub(super) type Buffers = Vec<Vec<u8>>;
 pub(super) struct Parsed {
     pub(super) document: Document,
     pub(super) buffers: Buffers,
-    /// Clips with channels that name no node, and were left out.
+    /// Clips with channels that name no node; these channels were left out.
     pub(super) untargeted: Vec<String>,
 }
 
 impl Parsed {
-    /// Tells of the channels that were left out.
+    /// Warns of the channels that were left out.
     pub(super) fn warning(&self) -> Option<FormatWarning> {
         let clips = self.untargeted.clone();
         (!clips.is_empty()).then_some(FormatWarning::UntargetedChannels { clips })
     }
 }
 
-/// Reads a file and every buffer that it names, inside it or beside it.
+/// Reads a file and its buffers, embedded or in files beside it.
 pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
     Ok(parse(&read(path)?, path)?)
 }
 
-/// Reads the bytes of a file and refuses an empty one.
+/// Reads the bytes of a file; an empty file is an error.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     if bytes.is_empty() { Err(FormatError::Empty) } else { Ok(bytes) }
 }
 
-/// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
+/// Parses the bytes of a file and reads its buffers, embedded or in files beside it.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
     check_whole(bytes)?;
     let mut tree = tree(bytes)?;
@@ -59,7 +57,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
         .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
     check_indices(&json)?;
     check_extensions(&json)?;
-    // The library refuses those that it does not know, whatever they are about.
+    // The library refuses every extension that it does not know, even a harmless one.
     json.extensions_required.clear();
     let document = Document::from_json(json)
         .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
@@ -81,7 +79,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
     Ok(Parsed { document, buffers, untargeted })
 }
 
-/// Gives all the members of a file whose bytes [`parse`] takes.
+/// Returns the JSON of a file; `bytes` is as for [`parse`].
 ///
 /// # Errors
 /// [`SceneError::NotGltf`]
@@ -93,7 +91,7 @@ pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
 /// Bytes of a part of a file.
 type Chunk<'a> = Cow<'a, [u8]>;
 
-/// Gives the JSON of a file, and the bytes that follow it in a binary file.
+/// Returns the JSON of a file, and the binary chunk if the file has one.
 fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
@@ -111,8 +109,8 @@ fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     Ok((json, bin))
 }
 
-/// Drops the animation channels without a node, which the specification has readers ignore, and those of pointers,
-/// whose node an extension names; returns the clips that had any.
+/// Drops the animation channels without a node, which readers must ignore by the specification, and channels with a
+/// pointer, whose target an extension names. Returns the clips that had such channels.
 fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
     let mut clips = Vec::new();
     let animations = tree.get_mut("animations").and_then(Value::as_array_mut);
@@ -132,12 +130,12 @@ fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
     clips
 }
 
-/// Names a clip whose file does not.
+/// Makes a name for a clip that has none.
 pub(super) fn unnamed_clip(number: usize) -> String {
     format!("animation {number}")
 }
 
-/// Gives scenes without nodes an empty list, which the library expects.
+/// Adds an empty list to scenes without nodes, because the library expects a list.
 fn state_nodes(tree: &mut Map<String, Value>) {
     let scenes = tree.get_mut("scenes").and_then(Value::as_array_mut);
     for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
@@ -145,10 +143,10 @@ fn state_nodes(tree: &mut Map<String, Value>) {
     }
 }
 
-/// Bytes of a binary file's header: magic, version and the length of the whole.
+/// Bytes of a binary file's header: magic, version and total length.
 const HEADER_BYTES: usize = 12;
 
-/// Checks that a file begins as glTF does, and that a binary one has as many bytes as it says.
+/// Checks that a file begins as glTF, and that a binary file is as long as its header says.
 fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
     if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
         let text = unmarked(bytes).trim_ascii_start();
@@ -166,9 +164,8 @@ fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
     }
 }
 
-/// Checks the indices that the library trusts: gltf-json 1.4 looks into the accessors of a
-/// primitive's positions before it knows that they are there, and does not look at a channel's
-/// target and sampler at all.
+/// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
+/// checking that they exist, and never checks the target and sampler of a channel.
 fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     let check = |place: String, what, len: usize, found: usize| {
         if found < len {
@@ -196,8 +193,8 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Extensions that change nothing of shapes and motion, that are read (integers for positions), or whose channels are
-/// left out with a warning (pointers).
+/// Supported extensions: they do not concern shapes and motion, or are read (integer positions), or lose their channels
+/// with a warning (pointers).
 const HARMLESS: [&str; 6] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -215,7 +212,7 @@ fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
     }
 }
 
-/// Reads what a URI names: data within it, or a file beside `path`.
+/// Reads the content of a URI: embedded data, or a file beside `path`.
 pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
@@ -225,7 +222,7 @@ pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))
 }
 
-/// Gives the file beside `path` that a URI names.
+/// Returns the path of the file beside `path` that a URI names.
 pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
     if uri.contains(':') {
         return Err(format!("{uri} is no file beside this one"));
@@ -234,11 +231,11 @@ pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
     Ok(path.with_file_name(&*name))
 }
 
-/// Reads an accessor whose elements have `width` components: all components of all elements, in
-/// order, integers scaled to [0, 1] or [-1, 1] where they are normalised.
+/// Reads an accessor whose elements have `width` components. Returns all components of all elements, in order;
+/// normalised integers are scaled to [0, 1] or [-1, 1].
 ///
 /// # Errors
-/// [`SceneError::Accessor`] if the elements have another width or lie outside of their buffer.
+/// [`SceneError::Accessor`]: the elements have another width, or lie outside their buffer.
 pub(super) fn numbers(
     accessor: &gltf::Accessor<'_>,
     buffers: &Buffers,
@@ -260,7 +257,7 @@ pub(super) fn numbers(
     let count = accessor.count();
     let mut all = match accessor.view() {
         Some(view) => read(view, accessor.offset(), count).ok_or_else(outside)?,
-        // Nothing in the file bounds how many zeros it may stand for, so the sparse part must.
+        // No data bounds the number of implied zeros, so only a bounded sparse accessor may have them.
         None if accessor.sparse().is_none() || count > ZEROS_MAX => {
             return Err(damaged("has no buffer view".to_owned()));
         }
@@ -285,7 +282,7 @@ pub(super) fn numbers(
 /// Most elements that a sparse accessor may leave at zero without data.
 const ZEROS_MAX: usize = 10_000_000;
 
-/// Elements in a buffer view.
+/// A range of elements in a buffer view.
 struct Elements {
     offset: usize,
     count: usize,
@@ -293,7 +290,7 @@ struct Elements {
 }
 
 impl Elements {
-    /// Gives the bytes of each element; none where they reach beyond the view or its buffer.
+    /// Returns the bytes of each element; `None` if they lie outside the view or its buffer.
     fn of<'a>(
         &self,
         view: &gltf::buffer::View<'_>,
@@ -363,14 +360,15 @@ pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
     matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// Lists the corners of a primitive's triangles, as numbers of its `vertex_len` vertices.
+/// Lists the corners of a primitive's triangles, as indices of its `vertex_len` vertices.
 ///
-/// Strips and fans may repeat a corner to join two parts: such triangles are left out. The largest index of a type
-/// restarts a strip or fan, as in engines.
+/// Strips and fans may repeat a corner to join two parts; triangles with a repeated corner are left out. As in engines,
+/// the largest index of the index type restarts a strip or fan.
 ///
 /// # Errors
-/// [`SceneError::Accessor`]; [`SceneError::NoSuch`] for a vertex that is not there; [`SceneError::Count`] where a list
-/// ends within a triangle.
+/// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
+/// within
+/// a triangle.
 pub(super) fn triangles(
     primitive: &Primitive<'_>,
     buffers: &Buffers,
@@ -411,7 +409,7 @@ pub(super) fn triangles(
     Ok(all.filter(|[a, b, c]| a != b && b != c && c != a).collect())
 }
 
-/// Gives the index that restarts a strip.
+/// Returns the index that restarts a strip or fan.
 fn restart(kind: DataType) -> Option<usize> {
     match kind {
         DataType::U8 => Some(u8::MAX.into()),

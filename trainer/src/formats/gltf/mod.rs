@@ -1,7 +1,4 @@
-//! glTF 2.0: skeleton, skin, clips and morph targets, as a viewer shows them.
-//! The meshes of a glTF file by themselves, at rest.
-//! The morph targets of a glTF file by name.
-//! The motion of joints alone: of a scene with or without a mesh.
+//! glTF 2.0: reads characters, posed meshes, shapes and motion, as a viewer shows them.
 
 mod file;
 mod meshes;
@@ -29,10 +26,10 @@ use sinew_runtime::format::Space;
 use skins::{Scene, Skins, move_mesh};
 use std::path::Path;
 
-/// Reads a rigged character: every mesh that has a skin, its joints, and every clip that moves them.
+/// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
     let parsed = file::open(path)?;
     let Parsed { document, buffers, .. } = &parsed;
@@ -97,12 +94,13 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     })
 }
 
-/// Reads posed meshes without joints: every mesh of the file, shaped by its morph targets, and carried by the joints of
-/// its skin or, without one, by its node.
+/// Reads posed meshes without joints. Every mesh is shaped by its morph targets, and moved by its skin or else by its
+/// node.
 ///
 /// # Errors
-/// As [`read`], but for meshes without a skin; [`SceneError::StillShapes`] where no morph target plays and nothing is
-/// skinned.
+/// As [`read`], except for meshes without a skin; [`SceneError::StillShapes`] if no morph target plays and no mesh has
+/// a
+/// skin.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
@@ -143,10 +141,11 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     })
 }
 
-/// Reads the meshes of a file as one: those with a skin as they are bound, or, where none has one, all as they stand.
+/// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
+/// nodes place them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`], which names the missing or damaged part.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
@@ -178,12 +177,12 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
     Ok(MeshFile { mesh, space: Some(Space::GLTF), warnings })
 }
 
-/// Reads the meshes that have morph targets, as one; targets of one name on several meshes are one shape.
+/// Reads the meshes with morph targets as one mesh; targets of one name on several meshes become one shape.
 ///
-/// A mesh with a skin stands as it is bound, one without where its node is.
+/// A mesh with a skin is in its bind pose; another mesh is placed by its node.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
     let bytes = file::read(path)?;
     Ok(parse_shapes(&bytes, path)?)
@@ -194,7 +193,7 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
     let tree = file::tree(bytes)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
-    // The weights that a file has by default are no part of a face at rest.
+    // Default weights are not part of a face at rest.
     let wanted = Wanted { skinned_only: false, default_shape: false };
     let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
     let (shaped, plain): (Vec<_>, Vec<_>) =
@@ -252,16 +251,16 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
     Ok(out)
 }
 
-/// Turns normals as a placement turns a surface.
+/// Returns the matrix that transforms normals under a placement.
 fn normal_matrix(world: &Matrix4<f64>) -> nalgebra::Matrix3<f64> {
     let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
     linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
 }
 
-/// Reads how the nodes move that are joints of a character by name.
+/// Reads the motion of the nodes that are joints of a character, by name.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read_motion(
     path: &Path,
     character: &[String],
@@ -274,10 +273,12 @@ pub(crate) fn read_motion(
     if nodes.names.is_empty() {
         return Err(SceneError::Empty.into());
     }
-    // Skins that disagree have no common rest pose; the nodes have one.
+    // Skins that disagree have no common bind pose; the nodes then give the rest pose.
     let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
     let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
-    // Without a skin, whatever shows no mesh; of an armature called as a joint below it, the joint.
+    // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
+    // joint
+    // counts.
     let below = |node: usize, other: &usize| {
         let above = nodes.upwards(*other).skip(1).any(|above| above == node);
         above && nodes.names[*other] == nodes.names[node] && !shows[*other]

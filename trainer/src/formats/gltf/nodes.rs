@@ -1,5 +1,4 @@
-//! The nodes of a glTF file: a forest of local transforms.
-//! The animations of a glTF file: channels of keys, and their values at any time.
+//! The nodes of a glTF file, a forest of local transforms, and the animations that move them.
 
 use super::file::{Buffers, numbers, unnamed_clip};
 use crate::formats::scene::SceneError;
@@ -7,29 +6,29 @@ use gltf::animation::{Interpolation, Property};
 use gltf::{Animation, Document};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// A node's transform relative to its parent.
+/// Transform of a node relative to its parent.
 #[derive(Clone, Debug)]
 pub(super) enum Local {
-    /// Scaled, then turned, then moved.
+    /// Scale, then rotation, then translation.
     Parts {
         /// Offset.
         translation: Vector3<f64>,
-        /// Rotation, normalised where it is used.
+        /// Rotation, not normalised.
         rotation: Quaternion<f64>,
         /// Factor along each axis.
         scale: Vector3<f64>,
     },
-    /// As the file has it; such a node is not animated.
+    /// The file's matrix; such a node is not animated.
     Matrix(Matrix4<f64>),
 }
 
-/// Every node of the file, by its number.
+/// All nodes of the file.
 pub(super) struct Nodes {
-    /// Names, made up where the file has none.
+    /// Names of the nodes; made up for nodes without a name.
     pub(super) names: Vec<String>,
-    /// Parents.
+    /// Parent of each node.
     pub(super) parents: Vec<Option<usize>>,
-    /// Transforms where nothing is animated.
+    /// Transform of each node without animation.
     pub(super) locals: Vec<Local>,
     /// Nodes, parents before children.
     pub(super) order: Vec<usize>,
@@ -66,7 +65,7 @@ impl Nodes {
             order.extend(&children[node]);
             next += 1;
         }
-        // With one parent each, what hangs under no root is a cycle.
+        // Every node has at most one parent, so nodes that hang under no root form a cycle.
         if let Some(node) =
             (0..parents.len()).find(|node| order.len() < parents.len() && !order.contains(node))
         {
@@ -76,7 +75,7 @@ impl Nodes {
         Ok(Self { names, parents, locals, order })
     }
 
-    /// Gives the world transform of every node.
+    /// Returns the world transform of every node.
     pub(super) fn worlds(&self, locals: &[Local]) -> Vec<Matrix4<f64>> {
         let mut worlds = vec![Matrix4::identity(); locals.len()];
         for &node in &self.order {
@@ -86,7 +85,7 @@ impl Nodes {
         worlds
     }
 
-    /// Tells which nodes belong to the scene that the file shows; all of them where it names none.
+    /// Tells which nodes belong to the default scene; all nodes if the file has no scene.
     pub(super) fn shown(&self, document: &Document) -> Vec<bool> {
         let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
             return vec![true; self.names.len()];
@@ -95,20 +94,20 @@ impl Nodes {
         (0..self.names.len()).map(|node| self.upwards(node).any(|up| roots.contains(&up))).collect()
     }
 
-    /// Gives the nearest of some joints above each of them; several may have none.
+    /// Returns, for each joint, the nearest joint above it; several may have none.
     pub(super) fn parents_among(&self, joints: &[usize]) -> Vec<Option<usize>> {
         let of = |node: usize| joints.iter().position(|&joint| joint == node);
         joints.iter().map(|&node| self.upwards(node).skip(1).find_map(of)).collect()
     }
 
-    /// Walks from a node to its root.
+    /// Walks from a node up to its root.
     pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + Clone + '_ {
         std::iter::successors(Some(node), |&node| self.parents[node])
     }
 }
 
 impl Local {
-    /// Gives the transform as a matrix.
+    /// Returns the transform as a matrix.
     pub(super) fn matrix(&self) -> Matrix4<f64> {
         match self {
             Self::Parts { translation, rotation, scale } => {
@@ -121,6 +120,7 @@ impl Local {
     }
 }
 
+/// Converts a transform of the library.
 fn local(transform: &gltf::scene::Transform) -> Local {
     match *transform {
         gltf::scene::Transform::Matrix { matrix } => {
@@ -137,10 +137,10 @@ fn local(transform: &gltf::scene::Transform) -> Local {
     }
 }
 
-/// One animation.
+/// An animation.
 #[derive(Default)]
 pub(super) struct ClipKeys {
-    /// Its name, made up where the file has none.
+    /// Name of the animation; made up if the file has none.
     pub(super) name: String,
     channels: Vec<Channel>,
 }
@@ -150,9 +150,9 @@ struct Channel {
     node: usize,
     property: Property,
     times: Vec<f64>,
-    /// Numbers of a value: 3, 4, or the morph targets of the node's mesh.
+    /// Numbers in a value: 3, 4, or the number of morph targets of the node's mesh.
     width: usize,
-    /// Values; with cubic splines in-tangent, value and out-tangent of each key.
+    /// Values; for cubic splines, the in-tangent, value and out-tangent of each key.
     values: Vec<f64>,
     interpolation: Interpolation,
 }
@@ -178,7 +178,7 @@ impl ClipKeys {
             let (width, components) = match property {
                 Property::Translation | Property::Scale => (3, 3),
                 Property::Rotation => (4, 4),
-                // Weights stand one by one.
+                // Weights are stored one number at a time.
                 Property::MorphTargetWeights => {
                     let primitives = node.mesh().and_then(|mesh| mesh.primitives().next());
                     (primitives.map_or(0, |primitive| primitive.morph_targets().len()), 1)
@@ -203,7 +203,7 @@ impl ClipKeys {
         Ok(Self { name, channels })
     }
 
-    /// Lists the key times of the channels that move one of some nodes, or shape one of others.
+    /// Lists the key times of the channels that move a node of one set or shape a node of another set.
     pub(super) fn times(
         &self,
         moves: impl Fn(usize) -> bool,
@@ -217,13 +217,13 @@ impl ClipKeys {
         channels.flat_map(|channel| channel.times.iter().copied()).collect()
     }
 
-    /// Tells whether it animates the shape of one of some nodes.
+    /// Tells whether the animation changes morph weights of one of some nodes.
     pub(super) fn shapes(&self, nodes: impl Fn(usize) -> bool) -> bool {
         let weights = |c: &Channel| c.property == Property::MorphTargetWeights && nodes(c.node);
         self.channels.iter().any(weights)
     }
 
-    /// Puts the nodes' transforms and the weights of their morph targets where they are at a time.
+    /// Sets the animated transforms of nodes and the animated weights of morph targets to their values at a time.
     pub(super) fn apply(&self, time: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
         for channel in &self.channels {
             let value = channel.at(time);
@@ -244,7 +244,7 @@ impl ClipKeys {
 }
 
 impl Channel {
-    /// Interpolates as the format's specification says (glTF 2.0, appendix C).
+    /// Interpolates as glTF 2.0, appendix C, specifies.
     fn at(&self, time: f64) -> Vec<f64> {
         let after = self.times.partition_point(|&key| key <= time);
         let Some(before) = after.checked_sub(1) else { return self.key(0).to_vec() };
@@ -275,6 +275,7 @@ impl Channel {
         }
     }
 
+    /// Returns the value of a key.
     fn key(&self, key: usize) -> &[f64] {
         match self.interpolation {
             Interpolation::CubicSpline => &self.values[(3 * key + 1) * self.width..][..self.width],
@@ -282,7 +283,7 @@ impl Channel {
         }
     }
 
-    /// The tangents into a key and out of it.
+    /// Returns the tangents into a key and out of it.
     fn tangents(&self, key: usize) -> (&[f64], &[f64]) {
         let key = &self.values[3 * key * self.width..][..3 * self.width];
         (&key[..self.width], &key[2 * self.width..])

@@ -1,6 +1,4 @@
-//! A glTF file as it stands, to be added to: its tree and its bytes whole, and where its meshes and
-//! joints are.
-//! Materials and images of a glTF file, member by member.
+//! glTF files that are kept whole to be extended, and the appearance of their meshes.
 
 use super::file;
 use super::file::{Buffers, Parsed, is_surface, triangles};
@@ -16,47 +14,47 @@ use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// A glTF file as it stands.
+/// A glTF file kept whole, with the places of its meshes and joints.
 #[derive(Clone, Debug)]
 pub(crate) struct RiggedFile {
-    /// All of its members; what was in other files is in its bytes.
+    /// All members of the JSON; external files are embedded.
     pub(crate) tree: Map<String, Value>,
-    /// The bytes of its one buffer.
+    /// Bytes of the single buffer.
     pub(crate) bytes: Vec<u8>,
-    /// Names of its nodes, made up where it has none; joints of equal names are told apart.
+    /// Names of the nodes; made up for nodes without a name, and unique for joints.
     pub(crate) names: Vec<String>,
-    /// Parents of the nodes.
+    /// Parent of each node.
     pub(crate) parents: Vec<Option<usize>>,
     /// Nodes, parents before children.
     pub(crate) order: Vec<usize>,
-    /// Transforms of the nodes where nothing is animated.
+    /// Transform of each node without animation.
     pub(crate) locals: Vec<Matrix4<f64>>,
-    /// Frames of the nodes that are joints, in the space in which they are bound.
+    /// Bind frame of each node that is a joint, in the common bind space.
     pub(crate) binds: Vec<Option<Matrix4<f64>>>,
-    /// The meshes that are read as a character's: those with a skin, or all where none has one.
+    /// Meshes of the character: all with a skin, or all meshes if none has a skin.
     pub(crate) meshes: Vec<RiggedMesh>,
 }
 
-/// A mesh as a node shows it.
+/// A mesh and the node that shows it.
 #[derive(Clone, Debug)]
 pub(crate) struct RiggedMesh {
-    /// The node.
+    /// Index of the node.
     pub(crate) node: usize,
-    /// The mesh.
+    /// Index of the mesh.
     pub(crate) mesh: usize,
-    /// The node's name, or that of the mesh.
+    /// Name of the node, or else of the mesh.
     pub(crate) name: String,
-    /// Its skin.
+    /// Index of the skin.
     pub(crate) skin: Option<usize>,
-    /// From the mesh to the space in which joints are bound; to the first mesh where there are none.
+    /// Transform from the mesh to the space in which joints are bound; without joints, to the space of the first mesh.
     pub(crate) to_bind: Matrix4<f64>,
-    /// Positions of each primitive, its morph targets at their default weights.
+    /// Positions of each primitive, with morph targets at their default weights.
     pub(crate) positions: Vec<Vec<[f64; 3]>>,
-    /// Whether each primitive is made of triangles, and not of points or lines.
+    /// Whether each primitive consists of triangles, rather than points or lines.
     pub(crate) surfaces: Vec<bool>,
 }
 
-/// Extensions that hide vertices from who does not know them.
+/// Extensions that compress vertices, so that only readers of the extension see them.
 const COMPRESSIONS: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
@@ -64,8 +62,8 @@ impl RiggedFile {
     /// Reads a file, its buffers and its images.
     ///
     /// # Errors
-    /// [`FormatError::Read`]; [`FormatError::Scene`] with what is damaged, [`SceneError::Extension`] for
-    /// compressed meshes.
+    /// [`FormatError::Read`]; [`FormatError::Scene`] for damaged parts; [`SceneError::Extension`] for compressed
+    /// meshes.
     pub(crate) fn read(path: &Path) -> Result<Self, FormatError> {
         let bytes = file::read(path)?;
         Ok(Self::parse(&bytes, path)?)
@@ -104,7 +102,7 @@ impl RiggedFile {
         Ok(file)
     }
 
-    /// Gives the world transform of every node where nothing is animated.
+    /// Returns the world transform of every node without animation.
     pub(crate) fn worlds(&self) -> Vec<Matrix4<f64>> {
         let mut worlds = self.locals.clone();
         for &node in &self.order {
@@ -119,7 +117,7 @@ impl RiggedFile {
         self.tree.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten()
     }
 
-    /// Makes one buffer of all; of the first nothing moves.
+    /// Joins all buffers into one; the bytes of the first buffer keep their offsets.
     fn join_buffers(&mut self, document: &Document, buffers: &Buffers) {
         let mut begins = Vec::new();
         for (buffer, bytes) in document.buffers().zip(buffers) {
@@ -141,7 +139,7 @@ impl RiggedFile {
         }
     }
 
-    /// Takes in the images that are files of their own.
+    /// Embeds the images of external files.
     fn embed_images(&mut self, path: &Path) -> Result<(), SceneError> {
         let uri = |image: &mut Value| {
             let uri = image.get("uri").and_then(Value::as_str);
@@ -171,8 +169,7 @@ impl RiggedFile {
     }
 }
 
-/// Lists the meshes that are a character's, as nodes show them: those with a skin, or all where none has
-/// one.
+/// Lists the meshes of a character, with the nodes that show them: all with a skin, or all meshes if none has a skin.
 pub(super) fn shown_meshes<'a>(
     document: &'a Document,
     nodes: &Nodes,
@@ -189,7 +186,7 @@ pub(super) fn shown_meshes<'a>(
     all
 }
 
-/// Reads the meshes that are a character's, and the joints that they are bound to.
+/// Reads the meshes of a character, and the joints to which they are bound.
 fn meshes(
     document: &Document,
     buffers: &Buffers,
@@ -230,7 +227,7 @@ fn meshes(
     Ok((meshes, skins))
 }
 
-/// Reads what the meshes look like that [`read_appearance`](super::read) reads.
+/// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::Scene`].
@@ -285,6 +282,7 @@ pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, For
     Ok(appearance)
 }
 
+/// Returns an image with its bytes; `None` if they cannot be read or are no known kind of image.
 fn picture(
     mut members: Map<String, Value>,
     document: &Document,
