@@ -1,4 +1,4 @@
-//! JSON written by people; errors name the keys of the value, what was expected and what was found.
+//! JSON written by people; errors name the keys of the value, the expected kind and the value found.
 
 use super::extension::unmarked;
 use serde::de::value::StrDeserializer;

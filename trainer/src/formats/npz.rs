@@ -89,7 +89,7 @@ impl Archive {
         Ok(Self { zip })
     }
 
-    /// Tells whether the archive has the array.
+    /// Returns whether the archive has the array.
     pub(crate) fn has(&self, array: &str) -> bool {
         self.zip.index_for_name(&file_name_from_array_name(array)).is_some()
     }
@@ -105,7 +105,7 @@ impl Archive {
 
     /// Reads an array of shape `[any, tail..]`; `None` if the archive has no such array.
     ///
-    /// A 0 in `tail` stands for any count; the counts after the last 0 multiply to K.
+    /// A 0 in `tail` means any count; the counts after the last 0 multiply to K.
     pub(crate) fn rows<T: Number, const K: usize>(
         &mut self,
         array: &str,

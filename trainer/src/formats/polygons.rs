@@ -33,9 +33,8 @@ impl Polygons {
     /// Splits the polygons into triangles.
     ///
     /// A quad becomes corners 0 1 2 and 0 2 3. A larger polygon is split by clipping its ears, seen along its normal,
-    /// so
-    /// that concave polygons keep their outline. A polygon without area, or one that crosses itself, becomes a fan. A
-    /// polygon of fewer than three corners disappears.
+    /// so that concave polygons keep their outline. A polygon without area, or one that crosses itself, becomes a fan.
+    /// A polygon of fewer than three corners disappears.
     ///
     /// # Panics
     /// If a vertex index is not below the length of `positions`.
@@ -120,7 +119,7 @@ fn flatten(corners: &[usize], positions: &[[f64; 3]]) -> (Vec<[f64; 2]>, f64) {
     (corners.iter().map(project).collect(), normal[axis].abs())
 }
 
-/// Tells whether a corner is an ear: the corner turns left, and its triangle contains no corner that turns right.
+/// Returns whether a corner is an ear: the corner turns left, and its triangle contains no corner that turns right.
 fn is_ear(flat: &[[f64; 2]], ring: &[usize], at: usize, slack: f64) -> bool {
     let turn = |at: usize| {
         let [a, b, c] = around(ring, at).map(|place| flat[place]);

@@ -28,8 +28,7 @@ impl Corners {
     /// vertex follow the order in which triangles name them. A vertex without a corner has one copy.
     ///
     /// A corner whose normal has no direction gets the normal of the faces around the vertex. With texture coordinates
-    /// but
-    /// no tangents, MikkTSpace computes tangents, which split vertices where the texture is mirrored.
+    /// but no tangents, MikkTSpace computes tangents, which split vertices where the texture is mirrored.
     ///
     /// - `positions`: of the vertices, V.
     /// - `triangles`: corner indices, T.

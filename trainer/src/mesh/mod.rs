@@ -27,13 +27,13 @@ pub struct EngineMesh {
 }
 
 impl EngineMesh {
-    /// Tells whether the mesh has no authored attributes and every vertex has one copy, in order.
+    /// Returns whether the mesh has no authored attributes and every vertex has one copy, in order.
     pub fn is_plain(&self) -> bool {
         let authored = self.normals.is_some() || self.tangents.is_some() || self.uv.is_some();
         !authored && self.is_one_each()
     }
 
-    /// Tells whether every vertex has exactly one copy, in the mesh's order.
+    /// Returns whether every vertex has exactly one copy, in the mesh's order.
     pub fn is_one_each(&self) -> bool {
         self.copy_of.iter().enumerate().all(|(engine, &vertex)| engine == vertex)
     }
@@ -55,7 +55,7 @@ impl EngineMesh {
 /// Distance below which two unit normals count as equal: files round them.
 const SAME_NORMAL: f64 = 1e-3;
 
-/// Tells whether two unit normals are equal up to rounding.
+/// Returns whether two unit normals are equal up to rounding.
 pub(crate) fn same_normal(a: &[f64; 3], b: &[f64; 3]) -> bool {
     (Vector3::from(*a) - Vector3::from(*b)).norm() <= SAME_NORMAL
 }

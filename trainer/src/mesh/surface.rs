@@ -71,8 +71,7 @@ impl<'a> Surface<'a> {
     /// Returns the E unit normals: authored ones, or the vertices' normals, weighted by triangle area.
     ///
     /// Without authored normals, copies of a vertex share a normal, so a texture seam does not shade. A vertex without
-    /// any
-    /// area around it gets zero.
+    /// any area around it gets zero.
     pub fn normals(&self) -> Vec<[f64; 3]> {
         let welded = || self.copied(&normals(self.positions, self.triangles));
         self.authored_normals().map_or_else(welded, <[_]>::to_vec)
@@ -92,9 +91,8 @@ impl<'a> Surface<'a> {
     /// Returns the E tangents and their handedness; `None` if the mesh has none.
     ///
     /// A tangent is a unit vector along growing u, orthogonal to the normal. The handedness is +1 or -1: normal x
-    /// tangent
-    /// times the handedness points along growing v. A vertex whose texture coordinates give no direction gets any unit
-    /// vector orthogonal to its normal.
+    /// tangent times the handedness points along growing v. A vertex whose texture coordinates give no direction gets
+    /// any unit vector orthogonal to its normal.
     pub fn tangents(&self) -> Option<Vec<[f64; 4]>> {
         let given = self.engine?.tangents.as_ref()?;
         let square = |(&[x, y, z, hand], normal): (&[f64; 4], &[f64; 3])| {

@@ -63,7 +63,7 @@ pub fn heat(place: f64) -> Colour {
     [0, 1, 2].map(|c| mix(c).round() as u8)
 }
 
-/// Colours the nodes of a graph so that neighbours differ as far as the hues allow; earlier nodes choose first.
+/// Colours the nodes of a graph so that neighbours differ as much as possible; earlier nodes choose first.
 pub fn distinct_colours(neighbours: &[Vec<usize>]) -> Vec<Colour> {
     let wheel: Vec<Colour> = (0..2 * HUES).map(hue).collect();
     let mut used = vec![0_usize; wheel.len()];

@@ -80,7 +80,7 @@ impl ShadedMesh<'_> {
         Picture { size: camera.size, rgba }
     }
 
-    /// Tells whether the surface hides a vertex by more than `slack`, or the vertex lies outside the picture.
+    /// Returns whether the surface hides a vertex by more than `slack`, or the vertex lies outside the picture.
     pub fn hides(&self, vertex: usize, slack: f64, camera: &Camera) -> bool {
         let [x, y, depth] = camera.project(&self.positions[vertex]);
         let Resolution { width, height } = camera.size;

@@ -24,8 +24,7 @@ impl Conversion {
     /// # Errors
     /// - Those of [`SpaceRequest::of`].
     /// - [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`]: the request changes axes or unit, and the
-    ///   starting
-    ///   space does not say its own.
+    ///   starting space does not say its own.
     pub fn to(from: Space, request: &SpaceRequest) -> Result<(Space, Option<Self>), SpaceError> {
         let turns = request.up.is_some()
             || request.forward.is_some()
@@ -211,8 +210,8 @@ mod tests {
     #[test]
     fn gltf_s_axes_become_those_of_engines() {
         let to = |space| Conversion::between(&GLTF, &space).unwrap();
-        // glTF: x to the character's left, y up, z forward. Unity: x to its right. Unreal: x forward,
-        // y to its right, z up, centimetres.
+        // glTF: x to the character's left, y up, z forward. Unity: x to its right. Unreal: x forward, y to its right, z
+        // up, centimetres.
         assert_eq!(to(UNITY).point([1.0, 2.0, 3.0]), [-1.0, 2.0, 3.0]);
         assert_eq!(to(UNREAL).point([1.0, 2.0, 3.0]), [300.0, -100.0, 200.0]);
         let blender = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..GLTF };

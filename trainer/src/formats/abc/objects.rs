@@ -283,7 +283,7 @@ impl<'a> Sampled<'a> {
         self.place(self.len - 1) + 1
     }
 
-    /// Tells whether all samples are equal.
+    /// Returns whether all samples are equal.
     pub(super) fn is_constant(&self) -> bool {
         self.stored_len() == 1
     }

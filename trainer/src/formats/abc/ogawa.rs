@@ -180,7 +180,7 @@ const OWN_METADATA: usize = 0xff;
 pub(super) struct Cursor<'a>(pub(super) &'a [u8]);
 
 impl<'a> Cursor<'a> {
-    /// Tells whether everything is read.
+    /// Returns whether everything is read.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -57,7 +57,7 @@ impl<'a> Mesh<'a> {
         self.positions.len
     }
 
-    /// Tells whether the positions never change.
+    /// Returns whether the positions never change.
     pub(super) fn is_constant(&self) -> bool {
         self.positions.is_constant()
     }
@@ -171,7 +171,7 @@ impl<'a> Transform<'a> {
         self.values.as_ref().map_or(1, |values| values.len)
     }
 
-    /// Tells whether the transform never changes.
+    /// Returns whether the transform never changes.
     pub(super) fn is_constant(&self) -> bool {
         self.matrices.len() < 2
     }

@@ -303,8 +303,7 @@ pub(super) fn bind(
         let Some(node) = &cluster.bone_node else { continue };
         let joint = || node.element.name.to_string();
         // Not the cluster's own bind frame, which may differ from that of the mesh's first cluster. The transform from
-        // the
-        // mesh to the joint poses the mesh.
+        // the mesh to the joint poses the mesh.
         let bind = matrix(&cluster.geometry_to_bone).try_inverse().map(|back| rest * back);
         let Some(bind) = bind.filter(|bind| bind.determinant() != 0.0) else {
             return Err(SceneError::SingularBind { joint: joint() });

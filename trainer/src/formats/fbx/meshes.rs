@@ -96,7 +96,7 @@ pub(super) fn join(
     Geometry { rest, triangles, engine, ranges }
 }
 
-/// Tells whether the scene poses all parts by itself: each has a skin, and none has a point cache.
+/// Returns whether the scene poses all parts by itself: each has a skin, and none has a point cache.
 pub(super) fn are_posed(
     scene: &Scene,
     parts: &[MeshPart],
@@ -277,7 +277,7 @@ pub(super) fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
     vertices
 }
 
-/// Tells whether animated channels move a mesh of a posed scene.
+/// Returns whether animated channels move a mesh of a posed scene.
 pub(super) fn is_shaped(scene: &Scene, posed: &Mesh) -> bool {
     let mut keyed = channels(posed).filter(|channel| is_keyed(scene, channel));
     keyed.any(|channel| channel.keyframes.iter().any(|key| key.effective_weight != 0.0))
@@ -288,7 +288,7 @@ pub(super) fn channels(mesh: &Mesh) -> impl Iterator<Item = &BlendChannel> {
     mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter()).map(|channel| &**channel)
 }
 
-/// Tells whether a clip has keys for a channel's weight.
+/// Returns whether a clip has keys for a channel's weight.
 fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
     let layers = scene.anim_stacks.iter().flat_map(|stack| stack.layers.iter());
     let mut properties = layers.flat_map(|layer| layer.anim_props.iter());

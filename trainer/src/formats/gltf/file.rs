@@ -367,8 +367,7 @@ pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
 ///
 /// # Errors
 /// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
-/// within
-/// a triangle.
+/// within a triangle.
 pub(super) fn triangles(
     primitive: &Primitive<'_>,
     buffers: &Buffers,

@@ -225,7 +225,7 @@ impl Meshes {
     }
 }
 
-/// Tells whether a mesh has triangles.
+/// Returns whether a mesh has triangles.
 pub(super) fn has_surface(mesh: &Mesh<'_>) -> bool {
     mesh.primitives().any(|primitive| is_surface(&primitive))
 }

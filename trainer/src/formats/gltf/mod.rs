@@ -99,8 +99,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
 ///
 /// # Errors
 /// As [`read`], except for meshes without a skin; [`SceneError::StillShapes`] if no morph target plays and no mesh has
-/// a
-/// skin.
+/// a skin.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
@@ -277,8 +276,7 @@ pub(crate) fn read_motion(
     let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
     let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
     // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
-    // joint
-    // counts.
+    // joint counts.
     let below = |node: usize, other: &usize| {
         let above = nodes.upwards(*other).skip(1).any(|above| above == node);
         above && nodes.names[*other] == nodes.names[node] && !shows[*other]

@@ -85,7 +85,7 @@ impl Nodes {
         worlds
     }
 
-    /// Tells which nodes belong to the default scene; all nodes if the file has no scene.
+    /// Returns which nodes belong to the default scene; all nodes if the file has no scene.
     pub(super) fn shown(&self, document: &Document) -> Vec<bool> {
         let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
             return vec![true; self.names.len()];
@@ -217,7 +217,7 @@ impl ClipKeys {
         channels.flat_map(|channel| channel.times.iter().copied()).collect()
     }
 
-    /// Tells whether the animation changes morph weights of one of some nodes.
+    /// Returns whether the animation changes morph weights of one of some nodes.
     pub(super) fn shapes(&self, nodes: impl Fn(usize) -> bool) -> bool {
         let weights = |c: &Channel| c.property == Property::MorphTargetWeights && nodes(c.node);
         self.channels.iter().any(weights)

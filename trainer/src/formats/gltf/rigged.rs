@@ -186,7 +186,7 @@ pub(super) fn shown_meshes<'a>(
     all
 }
 
-/// Reads the meshes of a character, and the joints to which they are bound.
+/// Reads the meshes of a character and their joints.
 fn meshes(
     document: &Document,
     buffers: &Buffers,

@@ -37,15 +37,13 @@ pub(super) struct Member {
 
 impl Skins {
     /// Joins the skins of all meshes, and moves each mesh into the bind space of the first skin. Exporters differ in
-    /// whether
-    /// all skins of a character share a space.
+    /// whether all skins of a character share a space.
     ///
     /// - `unbound`: whether a vertex may have no joint weight.
     ///
     /// # Errors
     /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`], and
-    /// the
-    /// errors of the bind matrices' accessor.
+    /// the errors of the bind matrices' accessor.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
@@ -210,7 +208,7 @@ fn read_one(
     Ok((joints, own))
 }
 
-/// Tells whether two bind matrices agree up to rounding.
+/// Returns whether two bind matrices agree up to rounding.
 fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
     (a - b).amax() <= AGREE * a.amax()
 }
@@ -308,7 +306,7 @@ impl Scene {
         Ok((clips, moments))
     }
 
-    /// Tells whether a node shows a mesh.
+    /// Returns whether a node shows a mesh.
     pub(super) fn shows(&self, node: usize) -> bool {
         self.meshes.instances.iter().any(|instance| instance.node == node)
     }

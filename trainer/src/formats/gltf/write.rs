@@ -207,8 +207,7 @@ impl Document {
     /// Adds an animation with keys at ascending times, in seconds.
     ///
     /// Between keys, values are interpolated linearly, and rotations along the shorter arc. Tracks that hold their
-    /// values
-    /// have no keys right before jumps.
+    /// values have no keys right before jumps.
     pub(crate) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
         let len = times.len();
         let times: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();

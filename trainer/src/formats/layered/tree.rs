@@ -33,8 +33,7 @@ pub(crate) struct PaintedLayer {
     /// Name of the layer.
     pub(crate) name: String,
     /// Opacity in [0, 1], times the opacities of the groups; 0 if the layer or a group is hidden. A clipped layer
-    /// leaves
-    /// out the groups that also contain its base layer.
+    /// leaves out the groups that also contain its base layer.
     pub(crate) opacity: f64,
     /// Index of the base layer that this layer is clipped to. The layer's coverage is multiplied with the coverage and
     /// opacity of the base.

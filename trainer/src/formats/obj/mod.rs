@@ -122,8 +122,7 @@ fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
 
 impl Corner {
     /// Parses `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`. A negative number counts back
-    /// from
-    /// the items read so far.
+    /// from the items read so far.
     fn parse(word: &str, [vertex_len, texture_len, normal_len]: [usize; 3]) -> Option<Self> {
         let mut parts = word.split('/');
         let vertex = place(parts.next()?, vertex_len)?;
@@ -136,8 +135,7 @@ impl Corner {
 }
 
 /// Turns a number that counts from 1, or back from -1, into an index. A number before the first item gives an index
-/// past
-/// the end.
+/// past the end.
 fn place(word: &str, len: usize) -> Option<usize> {
     match word.parse::<isize>().ok()? {
         0 => None,

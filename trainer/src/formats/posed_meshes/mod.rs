@@ -22,8 +22,7 @@ pub(crate) struct PosedMeshes {
     /// Vertex indices of each triangle, if the file has faces.
     pub(crate) triangles: Option<Vec<[usize; 3]>>,
     /// Reference positions, V, if the file has them: the rest positions, up to a rotation and a scale of each axis.
-    /// They
-    /// identify the vertices.
+    /// They identify the vertices.
     pub(crate) reference: Option<Vec<[f64; 3]>>,
     /// The meshes that were joined, in order, if the file names them.
     pub(crate) parts: Vec<Part>,

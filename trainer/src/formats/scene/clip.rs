@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Frames a second of a source without times.
 pub(crate) const RATE: f64 = 30.0;
-/// Share by which two times or rates may differ and still count as equal: rounding.
+/// Largest relative difference of two times or rates that count as equal, because of rounding.
 const SAME: f64 = 1e-9;
 /// Allowed frames a second of an animation.
 pub const RATES: RangeInclusive<f64> = 0.001..=10_000.0;
@@ -56,8 +56,7 @@ impl Clip {
     }
 
     /// Sets the frame rate, counted in frames of the source: if it numbers every second frame, each frame lasts twice
-    /// as
-    /// long.
+    /// as long.
     pub fn play_at(&mut self, fps: f64) {
         self.times = self.places().map(|place| place / fps).collect();
     }
@@ -111,7 +110,7 @@ pub(crate) struct Sampling<'a> {
 }
 
 impl Sampling<'_> {
-    /// Tells whether a clip is to be read.
+    /// Returns whether a clip is to be read.
     pub(crate) fn takes(&self, clip: &str) -> bool {
         self.clips.is_empty() || self.clips.iter().any(|wanted| wanted == clip)
     }
@@ -133,7 +132,7 @@ impl Sampling<'_> {
 
 /// Seconds below which two keys count as one: files store times in single precision.
 pub(super) const SAME_TIME: f64 = 1e-5;
-/// Share by which steps between keys may differ and still count as even.
+/// Largest relative difference of steps between keys that count as even.
 pub(crate) const EVEN: f64 = 0.01;
 /// Most frames of a clip: ten hours at 30 a second.
 const FRAMES_MAX: f64 = 1_080_000.0;

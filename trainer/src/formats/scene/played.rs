@@ -190,8 +190,7 @@ impl<'a> Measure<'a> {
     }
 
     /// Interpolates between two poses as linear keys do, relative to the parent: the origin of a joint moves along a
-    /// line,
-    /// and its axes along an arc.
+    /// line, and its axes along an arc.
     fn blended(&self, start: &Pose, end: &Pose, part: f64) -> Pose {
         let mut worlds = vec![Matrix4::identity(); start.len()];
         for &joint in &self.order {

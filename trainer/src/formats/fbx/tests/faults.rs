@@ -1,11 +1,8 @@
-//! One refusal a test: each says what is not there and what to export.
-//! Blendshapes by name.
-//! The real scenes beside the repository, against what another importer made of them.
+//! Tests of FBX: refused files and their messages; blendshapes; and real scenes against
+//! another importer.
 
-use super::scene::Scene;
 use super::*;
 use crate::examples::{Examples, npz};
-use crate::formats::FormatWarning;
 use crate::formats::fbx::meshes::parse_shapes;
 
 #[track_caller]
@@ -178,7 +175,7 @@ fn a_mesh_without_channels_is_refused() {
 
 const DATA: &str = "../../shared/data/dem-bones";
 
-/// Finds the scenes, which must be there where CI is set.
+/// Returns the folder of the real scenes; `None` if there is none, which is a failure in CI.
 fn data() -> Option<std::path::PathBuf> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join(DATA);
     if !data.is_dir() {
@@ -189,14 +186,14 @@ fn data() -> Option<std::path::PathBuf> {
     Some(data)
 }
 
-/// Reads a scene, and the arrays that Blender's importers of Alembic and of FBX made of it.
+/// Reads a scene, and the arrays that Blender's importers of Alembic and FBX made of it.
 fn shared(scene: &str) -> Option<(Examples, SampledScene)> {
     let data = data()?;
     let examples = npz::load(&data.join("bone.npz")).unwrap().examples;
     Some((examples, read(&data.join(scene), &KEYS).unwrap_or_else(|error| panic!("{error}"))))
 }
 
-/// The turn from y up to z up, which Blender makes.
+/// The rotation from y up to z up, as in Blender.
 fn turn() -> Matrix4<f64> {
     Matrix4::new(1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.)
 }
@@ -205,7 +202,7 @@ fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, -z, y]
 }
 
-/// The joint of the arrays that has the name of a joint of the rig.
+/// Returns the joint of the arrays with a given name.
 fn of_name(examples: &Examples, name: &str) -> usize {
     examples.skeleton.names.iter().position(|other| other == name).unwrap()
 }
@@ -217,7 +214,7 @@ fn check(examples: &Examples, rig: &SampledScene) {
     assert_eq!((rig.rest.len(), rig.triangles.len(), rig.frames.len()), (754, 1504, 400 * 6));
     assert_eq!(rig.triangles, examples.triangles);
     assert_eq!(rig.warnings, []);
-    // Its normals are smooth, its texture has seams: as many coordinates as are named, but for tangents.
+    // Normals are smooth and the texture has seams, so vertices split only by texture coordinates and tangents.
     let engine = rig.engine.as_ref().unwrap();
     let uv = engine.uv.iter().flatten().map(|uv| uv.map(f64::to_bits));
     let apart: std::collections::BTreeSet<_> = engine.copy_of.iter().zip(uv).collect();
@@ -230,7 +227,7 @@ fn check(examples: &Examples, rig: &SampledScene) {
     for (joint, name) in rig.names.iter().enumerate() {
         let other = of_name(examples, name);
         let parent = rig.parents[joint].map(|parent| of_name(examples, &rig.names[parent]));
-        // The arrays' second root hangs under the first.
+        // In the arrays, the second root hangs under the first root.
         assert!(parent == examples.skeleton.parents[other] || name == "joint4");
         let back = rig.binds[joint].try_inverse().unwrap();
         for frame in 0..400 {
@@ -264,7 +261,7 @@ fn a_skin_poses_its_mesh_as_the_other_importer_s_maps_do() {
     let Some((examples, rig)) = shared("Bone_All.fbx") else { return };
     check(&examples, &rig);
     assert!(!rig.morphs);
-    // Weights of the file; rest positions and maps of the arrays.
+    // Weights from the file; rest positions and maps from the arrays.
     let scene = open(&std::fs::read(data().unwrap().join("Bone_All.fbx")).unwrap()).unwrap();
     let mut weights = vec![[0.0; 6]; 754];
     for cluster in &scene.skin_deformers[0].clusters {
@@ -276,7 +273,7 @@ fn a_skin_poses_its_mesh_as_the_other_importer_s_maps_do() {
     let mut worst: f64 = 0.0;
     for (frame, shape) in shapes(&rig).into_iter().enumerate() {
         for (vertex, found) in shape.iter().enumerate() {
-            // FBX divides weights by their sum, which these only nearly have at 1.
+            // FBX divides weights by their sum, which is only nearly 1 here.
             let sum: f64 = weights[vertex].iter().sum();
             let mut expected = [0.0; 3];
             for (map, weight) in examples.pose(frame).iter().zip(weights[vertex]) {

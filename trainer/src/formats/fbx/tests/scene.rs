@@ -143,8 +143,7 @@ impl Scene {
     }
 
     /// Adds linear keys to an axis of a property. A key is a frame, at 24 a second, and a value. The axis is `d|X`, or
-    /// the
-    /// name of a scalar property.
+    /// the name of a scalar property.
     pub(super) fn keys(
         &mut self,
         layer: u32,

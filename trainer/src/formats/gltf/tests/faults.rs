@@ -1,4 +1,4 @@
-//! Files that are refused, and the words that say why.
+//! Tests of refused glTF files and their messages.
 
 use super::*;
 use serde_json::Value;
@@ -8,7 +8,7 @@ fn refused(made: &Made, test: &str) -> String {
     load(&Source::file(&made.write(test))).unwrap_err().to_string()
 }
 
-/// Changes one thing of the good scene and expects a refusal in these words.
+/// Changes one thing of the valid scene and expects a message with these words.
 #[track_caller]
 fn refuses(test: &str, change: impl FnOnce(&mut Value), words: &str) {
     let mut made = Made::scene();
@@ -164,7 +164,7 @@ fn an_unknown_clip_is_answered_with_those_there_are() {
     assert!(error.to_string().ends_with("has no clip walk, there are: bend"), "{error}");
 }
 
-/// Whatever a byte becomes and wherever the file ends, the answer is an answer.
+/// Changing any byte, or cutting the file anywhere, gives a result or an error, never a panic.
 #[test]
 fn damaged_files_never_panic() {
     let file = Made::scene().write("damaged");
