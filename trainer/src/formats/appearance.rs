@@ -103,6 +103,29 @@ impl Appearance {
     }
 }
 
+/// Returns the media type of an image, by its first bytes.
+pub(crate) fn image_kind(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |with: &[u8]| bytes.starts_with(with);
+    match () {
+        () if begins(b"\x89PNG\r\n\x1a\n") => Some("image/png"),
+        () if begins(b"\xff\xd8\xff") => Some("image/jpeg"),
+        () if begins(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
+        () if begins(b"\xabKTX 20\xbb") => Some("image/ktx2"),
+        () => None,
+    }
+}
+
+/// Describes an image that cannot be read, with the paths that were tried.
+pub(crate) fn missing_image(name: &str, looked_for: &[PathBuf]) -> String {
+    match looked_for {
+        [] => name.to_owned(),
+        all => {
+            let all: Vec<String> = all.iter().map(|file| file.display().to_string()).collect();
+            format!("{name} (looked for as {})", all.join(" and "))
+        }
+    }
+}
+
 /// Sets the image of a texture, or of an extension for another image format; returns whether the image exists.
 fn set_source(names: &mut Value, place: impl Fn(&Value) -> Option<usize>) -> bool {
     let Some(source) = names.get_mut("source") else { return false };
@@ -139,28 +162,5 @@ fn extensions(value: &Value, found: &mut Vec<String>) {
         }
         Value::Array(items) => items.iter().for_each(|value| extensions(value, found)),
         _ => {}
-    }
-}
-
-/// Returns the media type of an image, by its first bytes.
-pub(crate) fn image_kind(bytes: &[u8]) -> Option<&'static str> {
-    let begins = |with: &[u8]| bytes.starts_with(with);
-    match () {
-        () if begins(b"\x89PNG\r\n\x1a\n") => Some("image/png"),
-        () if begins(b"\xff\xd8\xff") => Some("image/jpeg"),
-        () if begins(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
-        () if begins(b"\xabKTX 20\xbb") => Some("image/ktx2"),
-        () => None,
-    }
-}
-
-/// Describes an image that cannot be read, with the paths that were tried.
-pub(crate) fn missing_image(name: &str, looked_for: &[PathBuf]) -> String {
-    match looked_for {
-        [] => name.to_owned(),
-        all => {
-            let all: Vec<String> = all.iter().map(|file| file.display().to_string()).collect();
-            format!("{name} (looked for as {})", all.join(" and "))
-        }
     }
 }

@@ -166,59 +166,6 @@ impl Table {
     }
 }
 
-/// Checks that a text is UTF-8; the error names the encoding that the text seems to have.
-fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
-    let start = &text[..text.len().min(4)];
-    let is_wide = matches!(start, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || start.contains(&0);
-    let invalid = std::str::from_utf8(text).err().map(|error| error.valid_up_to());
-    let (at, found) = match (is_wide, invalid) {
-        (true, _) => (0, "UTF-16".to_owned()),
-        (false, Some(at)) => (at, format!("byte {:#x}", text[at])),
-        (false, None) => return Ok(()),
-    };
-    let line = 1 + text[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
-    let reason = format!("expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
-    Err(CsvError::Text { line, reason })
-}
-
-/// Parses a finite number with a decimal comma or point.
-///
-/// If commas separate cells, a quoted "0,5" still has a decimal comma. A quoted "1,500" may mean 1500, so it is
-/// refused.
-fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
-    let decimals = cell.split_once(',').map(|(_, decimals)| decimals.len());
-    let plain = match decimals {
-        Some(3) if !has_decimal_commas => return None,
-        Some(_) => cell.replacen(',', ".", 1).parse(),
-        None => cell.parse(),
-    };
-    plain.ok().filter(|x: &f64| x.is_finite())
-}
-
-/// Returns the separator that is most frequent in the first line, outside quotes.
-fn separator(text: &[u8]) -> u8 {
-    let start = text.iter().position(|byte| !matches!(byte, b'\r' | b'\n')).unwrap_or_default();
-    let mut counts = [0; SEPARATORS.len()];
-    let mut is_quoted = false;
-    for byte in text[start..].iter().take_while(|byte| !matches!(byte, b'\r' | b'\n')) {
-        is_quoted ^= *byte == b'"';
-        let found = SEPARATORS.iter().position(|separator| separator == byte);
-        if let Some(at) = found.filter(|_| !is_quoted) {
-            counts[at] += 1;
-        }
-    }
-    let most = counts.into_iter().max().unwrap_or_default();
-    let found = SEPARATORS.into_iter().zip(counts).find(|(_, count)| *count == most);
-    found.map_or(b',', |(separator, _)| separator)
-}
-
-/// Returns the line of a row; the reader's position counts only up to the empty lines before the row.
-fn line(text: &[u8], position: &csv::Position) -> u64 {
-    let rest = text.get(position.byte() as usize..).unwrap_or_default();
-    let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
-    position.line() + empty.filter(|byte| **byte == b'\n').count() as u64
-}
-
 /// Reasons why a table cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CsvError {
@@ -289,6 +236,59 @@ pub enum CsvError {
     /// The table has no row.
     #[error("has no row below its line of names")]
     Empty,
+}
+
+/// Checks that a text is UTF-8; the error names the encoding that the text seems to have.
+fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
+    let start = &text[..text.len().min(4)];
+    let is_wide = matches!(start, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || start.contains(&0);
+    let invalid = std::str::from_utf8(text).err().map(|error| error.valid_up_to());
+    let (at, found) = match (is_wide, invalid) {
+        (true, _) => (0, "UTF-16".to_owned()),
+        (false, Some(at)) => (at, format!("byte {:#x}", text[at])),
+        (false, None) => return Ok(()),
+    };
+    let line = 1 + text[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
+    let reason = format!("expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
+    Err(CsvError::Text { line, reason })
+}
+
+/// Parses a finite number with a decimal comma or point.
+///
+/// If commas separate cells, a quoted "0,5" still has a decimal comma. A quoted "1,500" may mean 1500, so it is
+/// refused.
+fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
+    let decimals = cell.split_once(',').map(|(_, decimals)| decimals.len());
+    let plain = match decimals {
+        Some(3) if !has_decimal_commas => return None,
+        Some(_) => cell.replacen(',', ".", 1).parse(),
+        None => cell.parse(),
+    };
+    plain.ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Returns the separator that is most frequent in the first line, outside quotes.
+fn separator(text: &[u8]) -> u8 {
+    let start = text.iter().position(|byte| !matches!(byte, b'\r' | b'\n')).unwrap_or_default();
+    let mut counts = [0; SEPARATORS.len()];
+    let mut is_quoted = false;
+    for byte in text[start..].iter().take_while(|byte| !matches!(byte, b'\r' | b'\n')) {
+        is_quoted ^= *byte == b'"';
+        let found = SEPARATORS.iter().position(|separator| separator == byte);
+        if let Some(at) = found.filter(|_| !is_quoted) {
+            counts[at] += 1;
+        }
+    }
+    let most = counts.into_iter().max().unwrap_or_default();
+    let found = SEPARATORS.into_iter().zip(counts).find(|(_, count)| *count == most);
+    found.map_or(b',', |(separator, _)| separator)
+}
+
+/// Returns the line of a row; the reader's position counts only up to the empty lines before the row.
+fn line(text: &[u8], position: &csv::Position) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() + empty.filter(|byte| **byte == b'\n').count() as u64
 }
 
 #[cfg(test)]

@@ -5,6 +5,22 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// First bytes of the known formats.
+const BEGINNINGS: [(&[u8], Content); 8] = [
+    (b"SNEW", Content::Model),
+    (b"glTF", Content::Examples("glb")),
+    (b"Kaydara FBX Binary", Content::Examples("fbx")),
+    (b"; FBX", Content::Examples("fbx")),
+    (b"PK\x03\x04", Content::Examples("npz")),
+    (b"POINTCACHE2\0", Content::Examples("pc2")),
+    (b"Ogawa", Content::Examples("abc")),
+    // Alembic in its older container; the Alembic reader reports it.
+    (b"\x89HDF\r\n\x1a\n", Content::Examples("abc")),
+];
+
+/// The byte order mark of UTF-8, which some programs write before text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Returns the ending of a file's name, in lower case, without the dot.
 pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
@@ -44,19 +60,6 @@ pub enum Content {
     Examples(&'static str),
 }
 
-/// First bytes of the known formats.
-const BEGINNINGS: [(&[u8], Content); 8] = [
-    (b"SNEW", Content::Model),
-    (b"glTF", Content::Examples("glb")),
-    (b"Kaydara FBX Binary", Content::Examples("fbx")),
-    (b"; FBX", Content::Examples("fbx")),
-    (b"PK\x03\x04", Content::Examples("npz")),
-    (b"POINTCACHE2\0", Content::Examples("pc2")),
-    (b"Ogawa", Content::Examples("abc")),
-    // Alembic in its older container; the Alembic reader reports it.
-    (b"\x89HDF\r\n\x1a\n", Content::Examples("abc")),
-];
-
 impl Content {
     /// Returns the content that begins with these bytes; `None` if the beginning is not known.
     pub fn of(bytes: &[u8]) -> Option<Self> {
@@ -91,9 +94,6 @@ pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
         _ => Ok(()),
     }
 }
-
-/// The byte order mark of UTF-8, which some programs write before text.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Returns a text without its byte order mark.
 pub(super) fn unmarked(text: &[u8]) -> &[u8] {

@@ -10,11 +10,13 @@ use npyz::{
     WriterBuilder,
 };
 use std::fs::File;
-use std::io;
-use std::io::{BufReader, BufWriter, ErrorKind, Read, Write};
+use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{System, ZipArchive, ZipWriter};
+
+/// Compressed, larger than 4 GB if needed, and equal everywhere: with a fixed date and system.
+const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
 /// An open npz archive.
 pub(crate) struct Archive {
@@ -209,53 +211,6 @@ impl Archive {
     }
 }
 
-/// Checks that an array holds a single item, as a scalar or as an array of one.
-fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
-    match header.shape() {
-        [] | [1] => Ok(()),
-        found => Err(ArrayError::WrongShape {
-            array: array.to_owned(),
-            expected: "[] or [1]".to_owned(),
-            found: found.to_vec(),
-        }),
-    }
-}
-
-/// Reads the texts of an array to the end of its file.
-fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
-    let found = header.dtype().descr();
-    let texts = NpyFile::with_header(header, &mut file)
-        .data::<String>()
-        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
-    let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
-    let damaged = |error: io::Error| ArrayError::Damaged {
-        array: array.to_owned(),
-        reason: fault_of_data(&error).to_owned(),
-    };
-    Ok(texts.map_err(damaged)?)
-}
-
-/// Describes the fault of an array's header.
-fn fault_of_header(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::UnexpectedEof => "it ends in its header",
-        _ => "its header is not that of an .npy array of numbers or text",
-    }
-}
-
-/// Describes the fault of an array's data.
-fn fault_of_data(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::UnexpectedEof => "it ends early",
-        _ => "its bytes do not match their checksum",
-    }
-}
-
-/// Reads to the end of an array's file, where the zip reader compares the checksum.
-fn finish(mut file: impl Read) -> io::Result<()> {
-    io::copy(&mut file, &mut io::sink()).map(drop)
-}
-
 impl Number for f64 {
     const EXPECTED: &'static str = "numbers";
 
@@ -289,63 +244,6 @@ impl Number for i64 {
         }
     }
 }
-
-/// Returns the type and size of plain numbers; `None` for other types.
-fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
-    match file.dtype() {
-        DType::Plain(kind) => Some((kind.type_char(), kind.size_field())),
-        _ => None,
-    }
-}
-
-/// Passes every number of a file of type T to `store`; `None` if the file has another type.
-fn each<T: Deserialize>(
-    file: NpyFile<impl Read>,
-    mut store: impl FnMut(T),
-) -> Option<io::Result<()>> {
-    let mut numbers = file.data().ok()?;
-    Some(numbers.try_for_each(|number| number.map(&mut store)))
-}
-
-/// Position in C order of each successive number of a file.
-struct Places {
-    /// (count, stride in C order) of each dimension, fastest in the file first.
-    dimensions: Vec<(usize, usize)>,
-    index: Vec<usize>,
-    next: usize,
-}
-
-impl Places {
-    fn new(header: &NpyHeader) -> Self {
-        let mut stride = 1;
-        let mut dimensions = Vec::new();
-        for &count in header.shape().iter().rev() {
-            dimensions.push((count as usize, stride));
-            stride *= count as usize;
-        }
-        if header.order() == Order::Fortran {
-            dimensions.reverse();
-        }
-        Self { index: vec![0; dimensions.len()], dimensions, next: 0 }
-    }
-
-    fn take(&mut self) -> usize {
-        let place = self.next;
-        for (index, &(count, stride)) in self.index.iter_mut().zip(&self.dimensions) {
-            *index += 1;
-            self.next += stride;
-            if *index < count {
-                break;
-            }
-            self.next -= count * stride;
-            *index = 0;
-        }
-        place
-    }
-}
-
-/// Compressed, larger than 4 GB if needed, and equal everywhere: with a fixed date and system.
-const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
 /// An npz archive under construction.
 pub(crate) struct Writer<'a> {
@@ -448,4 +346,105 @@ pub enum ArrayError {
         /// The shape found.
         found: Vec<u64>,
     },
+}
+
+/// Checks that an array holds a single item, as a scalar or as an array of one.
+fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
+    match header.shape() {
+        [] | [1] => Ok(()),
+        found => Err(ArrayError::WrongShape {
+            array: array.to_owned(),
+            expected: "[] or [1]".to_owned(),
+            found: found.to_vec(),
+        }),
+    }
+}
+
+/// Reads the texts of an array to the end of its file.
+fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
+    let found = header.dtype().descr();
+    let texts = NpyFile::with_header(header, &mut file)
+        .data::<String>()
+        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
+    let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
+    let damaged = |error: io::Error| ArrayError::Damaged {
+        array: array.to_owned(),
+        reason: fault_of_data(&error).to_owned(),
+    };
+    Ok(texts.map_err(damaged)?)
+}
+
+/// Describes the fault of an array's header.
+fn fault_of_header(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends in its header",
+        _ => "its header is not that of an .npy array of numbers or text",
+    }
+}
+
+/// Describes the fault of an array's data.
+fn fault_of_data(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends early",
+        _ => "its bytes do not match their checksum",
+    }
+}
+
+/// Reads to the end of an array's file, where the zip reader compares the checksum.
+fn finish(mut file: impl Read) -> io::Result<()> {
+    io::copy(&mut file, &mut io::sink()).map(drop)
+}
+
+/// Returns the type and size of plain numbers; `None` for other types.
+fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
+    match file.dtype() {
+        DType::Plain(kind) => Some((kind.type_char(), kind.size_field())),
+        _ => None,
+    }
+}
+
+/// Passes every number of a file of type T to `store`; `None` if the file has another type.
+fn each<T: Deserialize>(
+    file: NpyFile<impl Read>,
+    mut store: impl FnMut(T),
+) -> Option<io::Result<()>> {
+    let mut numbers = file.data().ok()?;
+    Some(numbers.try_for_each(|number| number.map(&mut store)))
+}
+
+/// Position in C order of each successive number of a file.
+struct Places {
+    /// (count, stride in C order) of each dimension, fastest in the file first.
+    dimensions: Vec<(usize, usize)>,
+    index: Vec<usize>,
+    next: usize,
+}
+
+impl Places {
+    fn new(header: &NpyHeader) -> Self {
+        let mut stride = 1;
+        let mut dimensions = Vec::new();
+        for &count in header.shape().iter().rev() {
+            dimensions.push((count as usize, stride));
+            stride *= count as usize;
+        }
+        if header.order() == Order::Fortran {
+            dimensions.reverse();
+        }
+        Self { index: vec![0; dimensions.len()], dimensions, next: 0 }
+    }
+
+    fn take(&mut self) -> usize {
+        let place = self.next;
+        for (index, &(count, stride)) in self.index.iter_mut().zip(&self.dimensions) {
+            *index += 1;
+            self.next += stride;
+            if *index < count {
+                break;
+            }
+            self.next -= count * stride;
+            *index = 0;
+        }
+        place
+    }
 }

@@ -100,6 +100,39 @@ impl Corners {
     }
 }
 
+/// Triangles with texture coordinates.
+pub(super) struct Textured<'a> {
+    /// Positions of the vertices.
+    pub(super) positions: &'a [[f64; 3]],
+    /// The vertex at each corner, C.
+    pub(super) vertices: &'a [usize],
+    /// Normals of the corners, of length 1, C.
+    pub(super) normals: &'a [[f64; 3]],
+    /// Texture coordinates of the corners, C.
+    pub(super) uv: &'a [[f64; 2]],
+    /// Corners of each triangle, T.
+    pub(super) triangles: &'a [[usize; 3]],
+}
+
+impl Textured<'_> {
+    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
+    pub(super) fn tangents(&self) -> Vec<[f64; 4]> {
+        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
+        // The checks of the examples report numbers that are not finite.
+        if !self.is_finite() {
+            return faces.found;
+        }
+        // `Faces` returns no error, so neither can the generator.
+        let _ = generate_tangents(&mut faces);
+        faces.found
+    }
+
+    fn is_finite(&self) -> bool {
+        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
+        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
+    }
+}
+
 impl EngineMesh {
     /// Makes the engine vertices of a mesh from texture coordinates at the corners of triangles, 3T.
     pub fn of_corners(positions: &[[f64; 3]], triangles: &[[usize; 3]], uv: Vec<[f64; 2]>) -> Self {
@@ -172,39 +205,6 @@ impl Authored<'_> {
 
 fn gather<T: Copy + Default>(all: &[T], corners: &[Option<usize>]) -> Vec<T> {
     corners.iter().map(|corner| corner.map(|corner| all[corner]).unwrap_or_default()).collect()
-}
-
-/// Triangles with texture coordinates.
-pub(super) struct Textured<'a> {
-    /// Positions of the vertices.
-    pub(super) positions: &'a [[f64; 3]],
-    /// The vertex at each corner, C.
-    pub(super) vertices: &'a [usize],
-    /// Normals of the corners, of length 1, C.
-    pub(super) normals: &'a [[f64; 3]],
-    /// Texture coordinates of the corners, C.
-    pub(super) uv: &'a [[f64; 2]],
-    /// Corners of each triangle, T.
-    pub(super) triangles: &'a [[usize; 3]],
-}
-
-impl Textured<'_> {
-    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
-    pub(super) fn tangents(&self) -> Vec<[f64; 4]> {
-        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
-        // The checks of the examples report numbers that are not finite.
-        if !self.is_finite() {
-            return faces.found;
-        }
-        // `Faces` returns no error, so neither can the generator.
-        let _ = generate_tangents(&mut faces);
-        faces.found
-    }
-
-    fn is_finite(&self) -> bool {
-        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
-        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
-    }
 }
 
 struct Faces<'a> {

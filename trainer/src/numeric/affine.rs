@@ -76,6 +76,14 @@ pub fn apart_unordered(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     apart(&unordered(a), &unordered(b))
 }
 
+/// Returns t of the right-handed frame (t, b = n x t, n) of a unit normal n, without a branch (T. Duff et al.,
+/// *Building an orthonormal basis, revisited*, JCGT 6, 2017).
+pub fn tangent(n: &Vector3<f64>) -> Vector3<f64> {
+    let sign = 1.0_f64.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    Vector3::new(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
+}
+
 fn unordered(points: &[[f64; 3]]) -> Vec<[f64; 4]> {
     let mut all = vec![[0.0; 4]; points.len()];
     for k in 0..4 {
@@ -86,14 +94,6 @@ fn unordered(points: &[[f64; 3]]) -> Vec<[f64; 4]> {
         all.iter_mut().zip(values).for_each(|(all, value)| all[k] = value);
     }
     all
-}
-
-/// Returns t of the right-handed frame (t, b = n x t, n) of a unit normal n, without a branch (T. Duff et al.,
-/// *Building an orthonormal basis, revisited*, JCGT 6, 2017).
-pub fn tangent(n: &Vector3<f64>) -> Vector3<f64> {
-    let sign = 1.0_f64.copysign(n.z);
-    let a = -1.0 / (sign + n.z);
-    Vector3::new(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
 }
 
 #[cfg(test)]

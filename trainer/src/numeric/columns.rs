@@ -8,6 +8,9 @@ use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::hint::black_box;
 
+/// Most rounds of k-means.
+const ROUNDS: usize = 30;
+
 /// Writes every column of a matrix, in parallel.
 pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sync) {
     let columns: Vec<_> = matrix.col_iter_mut().enumerate().collect();
@@ -71,9 +74,6 @@ pub(crate) fn solve_ridge(gram: &mut Mat<f64>, right: Mat<f64>, ridge: f64) -> M
 pub(crate) fn narrow_registers() {
     black_box(black_box(Mat::<f64>::identity(8, 8)).norm_l2());
 }
-
-/// Most rounds of k-means.
-const ROUNDS: usize = 30;
 
 /// Splits the columns of `points` (d x n) into at most `count` groups by k-means; returns the group of each column.
 ///

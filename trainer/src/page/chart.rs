@@ -4,6 +4,14 @@ use super::colour::{Scale, heat};
 use super::html::text;
 use std::fmt::Write;
 
+/// Margins in pixels; the numbers of the left side stand in the left one.
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 26.0;
+const BOTTOM: f64 = 40.0;
+/// Fewest pixels between two numbers.
+const TICK_GAP: f64 = 26.0;
+
 /// A range of numbers along one side of a chart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Range {
@@ -20,14 +28,6 @@ pub(crate) struct Chart {
     y: Range,
     body: String,
 }
-
-/// Margins in pixels; the numbers of the left side stand in the left one.
-const LEFT: f64 = 52.0;
-const RIGHT: f64 = 12.0;
-const TOP: f64 = 26.0;
-const BOTTOM: f64 = 40.0;
-/// Fewest pixels between two numbers.
-const TICK_GAP: f64 = 26.0;
 
 impl Range {
     /// Makes a linear range.
@@ -84,13 +84,6 @@ impl Range {
         let places = usize::try_from(-decade).unwrap_or(0);
         (first..=last).map(|k| k as f64 * step).map(|v| (v, format!("{v:.places$}"))).collect()
     }
-}
-
-/// Returns `step` times a power of ten, and its text.
-fn number(step: f64, decade: i32) -> (f64, String) {
-    let places = usize::try_from(-decade).unwrap_or(0);
-    let value = step * 10_f64.powi(decade);
-    (value, format!("{value:.places$}"))
 }
 
 impl Chart {
@@ -280,6 +273,13 @@ pub(crate) fn colour_bar(scale: &Scale, unit: &str) -> String {
         );
     }
     out + "</svg>"
+}
+
+/// Returns `step` times a power of ten, and its text.
+fn number(step: f64, decade: i32) -> (f64, String) {
+    let places = usize::try_from(-decade).unwrap_or(0);
+    let value = step * 10_f64.powi(decade);
+    (value, format!("{value:.places$}"))
 }
 
 /// Formats a number to three significant digits, without trailing zeros.

@@ -5,6 +5,9 @@ use super::colour::Colour;
 use gif::{Frame, Repeat};
 use png::{BitDepth, ColorType};
 
+/// Speed of the encoder's search for 256 colours: 1 is best, 30 fastest.
+const COLOUR_SPEED: i32 = 10;
+
 /// Pixels from the upper left, row by row: red, green, blue and alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
@@ -72,9 +75,6 @@ impl Picture {
         (x < width && y < height).then_some(4 * (y * width + x))
     }
 }
-
-/// Speed of the encoder's search for 256 colours: 1 is best, 30 fastest.
-const COLOUR_SPEED: i32 = 10;
 
 /// A GIF under construction; it plays in a loop.
 pub struct Gif {

@@ -136,17 +136,6 @@ impl fmt::Display for Conversion {
     }
 }
 
-/// Returns the directions of up, forward and the character's left; `None` if the space does not state them.
-fn frame(space: &Space) -> Option<Matrix3<f64>> {
-    let (up, forward) = (direction(space.up?), direction(space.forward?));
-    let left = up.cross(&forward);
-    let left = match space.handedness {
-        Handedness::Right => left,
-        Handedness::Left => -left,
-    };
-    Some(Matrix3::from_columns(&[up, forward, left]))
-}
-
 /// Widens a unit to the decimal number its author wrote: exactly 0.01, rather than the nearest `f32`.
 pub(super) fn metres(unit: f32) -> f64 {
     unit.to_string().parse().unwrap_or(f64::from(unit))
@@ -192,6 +181,17 @@ pub(crate) fn direction(axis: Axis) -> Vector3<f64> {
 /// Returns the axis that a unit vector lies along; `None` if the vector lies along no axis.
 pub(crate) fn axis(vector: &Vector3<f64>) -> Option<Axis> {
     Axis::ALL.into_iter().find(|&axis| (direction(axis) - vector).norm() < 1e-9)
+}
+
+/// Returns the directions of up, forward and the character's left; `None` if the space does not state them.
+fn frame(space: &Space) -> Option<Matrix3<f64>> {
+    let (up, forward) = (direction(space.up?), direction(space.forward?));
+    let left = up.cross(&forward);
+    let left = match space.handedness {
+        Handedness::Right => left,
+        Handedness::Left => -left,
+    };
+    Some(Matrix3::from_columns(&[up, forward, left]))
 }
 
 #[cfg(test)]

@@ -18,6 +18,9 @@ const HASH_BYTES: usize = 32;
 /// Largest depth of nested objects.
 const DEPTH_MOST: usize = 256;
 
+/// Bytes of the key before a sample's numbers.
+const KEY_BYTES: usize = 16;
+
 /// An object.
 pub(super) struct Object<'a> {
     pub(super) name: String,
@@ -67,45 +70,6 @@ pub(super) fn list<'a>(
     Ok((objects, metadata))
 }
 
-/// An object still to be listed.
-struct Child<'a> {
-    name: String,
-    schema: Schema,
-    group: Group<'a>,
-    parent: Option<usize>,
-    depth: usize,
-}
-
-/// Pushes the children of a group onto the stack, the first child last.
-fn push_children<'a>(
-    group: Group<'a>,
-    parent: Option<usize>,
-    depth: usize,
-    metadata: &Metadata,
-    left: &mut Vec<Child<'a>>,
-) -> Result<(), AlembicError> {
-    let bytes = group.last_data()?;
-    let Some(len) = bytes.len().checked_sub(HASH_BYTES).filter(|len| *len > 0) else {
-        return Ok(());
-    };
-    if depth >= DEPTH_MOST {
-        return Err(damaged(format!("its objects are more than {DEPTH_MOST} levels deep")));
-    }
-    group.archive().spend(bytes.len())?;
-    let mut cursor = Cursor(&bytes[..len]);
-    let begin = left.len();
-    while !cursor.is_empty() {
-        group.archive().spend(size_of::<(Child<'_>, Object<'_>)>())?;
-        let name = cursor.text(4)?;
-        let number = cursor.number(1)?;
-        let schema = Schema::of(&metadata.of(number, &mut cursor, 4)?);
-        let group = group.group(1 + left.len() - begin)?;
-        left.push(Child { name, schema, group, parent, depth });
-    }
-    left[begin..].reverse();
-    Ok(())
-}
-
 impl Schema {
     /// Reads the kind of an object from its metadata, which has entries as `schema=AbcGeom_PolyMesh_v1;`.
     fn of(metadata: &str) -> Self {
@@ -120,9 +84,6 @@ impl Schema {
         }
     }
 }
-
-/// Bytes of the key before a sample's numbers.
-const KEY_BYTES: usize = 16;
 
 /// A compound: a group of properties.
 pub(super) struct Compound<'a> {
@@ -154,16 +115,6 @@ pub(super) enum Numbers {
     F32 = 10,
     /// Eight bytes.
     F64 = 11,
-}
-
-struct Header {
-    name: String,
-    kind: Kind,
-}
-
-enum Kind {
-    Compound,
-    Sampled { numbers: u32, extent: usize, len: usize, changed: [usize; 2], is_array: bool },
 }
 
 impl<'a> Compound<'a> {
@@ -287,6 +238,55 @@ impl<'a> Sampled<'a> {
     pub(super) fn is_constant(&self) -> bool {
         self.stored_len() == 1
     }
+}
+
+/// An object still to be listed.
+struct Child<'a> {
+    name: String,
+    schema: Schema,
+    group: Group<'a>,
+    parent: Option<usize>,
+    depth: usize,
+}
+
+/// Pushes the children of a group onto the stack, the first child last.
+fn push_children<'a>(
+    group: Group<'a>,
+    parent: Option<usize>,
+    depth: usize,
+    metadata: &Metadata,
+    left: &mut Vec<Child<'a>>,
+) -> Result<(), AlembicError> {
+    let bytes = group.last_data()?;
+    let Some(len) = bytes.len().checked_sub(HASH_BYTES).filter(|len| *len > 0) else {
+        return Ok(());
+    };
+    if depth >= DEPTH_MOST {
+        return Err(damaged(format!("its objects are more than {DEPTH_MOST} levels deep")));
+    }
+    group.archive().spend(bytes.len())?;
+    let mut cursor = Cursor(&bytes[..len]);
+    let begin = left.len();
+    while !cursor.is_empty() {
+        group.archive().spend(size_of::<(Child<'_>, Object<'_>)>())?;
+        let name = cursor.text(4)?;
+        let number = cursor.number(1)?;
+        let schema = Schema::of(&metadata.of(number, &mut cursor, 4)?);
+        let group = group.group(1 + left.len() - begin)?;
+        left.push(Child { name, schema, group, parent, depth });
+    }
+    left[begin..].reverse();
+    Ok(())
+}
+
+struct Header {
+    name: String,
+    kind: Kind,
+}
+
+enum Kind {
+    Compound,
+    Sampled { numbers: u32, extent: usize, len: usize, changed: [usize; 2], is_array: bool },
 }
 
 impl Header {

@@ -22,6 +22,9 @@ const UNFOLDED_A_BYTE: usize = 64;
 const UNFOLDED_LEAST: usize = 64 << 20;
 const UNFOLDED_MOST: usize = 4 << 30;
 
+/// Metadata index of an entry that carries its metadata, instead of using the archive's table.
+const OWN_METADATA: usize = 0xff;
+
 /// The bytes of a file, with the budget for reading them.
 pub(super) struct Archive<'a> {
     bytes: &'a [u8],
@@ -172,9 +175,6 @@ impl<'a> Group<'a> {
         self.children.get(index).map(|bytes| u64::from_le_bytes(*bytes))
     }
 }
-
-/// Metadata index of an entry that carries its metadata, instead of using the archive's table.
-const OWN_METADATA: usize = 0xff;
 
 /// The unread rest of a list.
 pub(super) struct Cursor<'a>(pub(super) &'a [u8]);

@@ -6,6 +6,9 @@ use super::{AlembicError, damaged};
 use crate::formats::polygons::Polygons;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 
+/// Bytes of a position.
+const POINT_BYTES: usize = 12;
+
 /// A mesh whose positions are read frame by frame.
 pub(super) struct Mesh<'a> {
     pub(super) name: String,
@@ -16,9 +19,6 @@ pub(super) struct Mesh<'a> {
     pub(super) reference: Option<Vec<[f64; 3]>>,
     positions: Sampled<'a>,
 }
-
-/// Bytes of a position.
-const POINT_BYTES: usize = 12;
 
 impl<'a> Mesh<'a> {
     /// Reads the constant parts of a mesh, and checks that its faces do not change.
@@ -78,46 +78,6 @@ impl<'a> Mesh<'a> {
         }
         Ok(points(bytes))
     }
-}
-
-fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
-    let points = bytes.as_chunks::<POINT_BYTES>().0.iter();
-    points.map(|&[a, b, c, d, e, f, g, h, i, j, k, l]| {
-        [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(f32::from_le_bytes(bytes)))
-    })
-}
-
-/// Reads whole numbers and checks that they are equal in every frame; empty if the property is missing.
-fn constant(
-    object: &Object<'_>,
-    schema: &Compound<'_>,
-    name: &str,
-) -> Result<Vec<i32>, AlembicError> {
-    let Some(sampled) = schema.sampled(name, Numbers::I32, 1)? else { return Ok(Vec::new()) };
-    let first = sampled.sample(0)?;
-    for place in 1..sampled.stored_len() {
-        object.properties.spend(first.len())?;
-        if sampled.stored(place)? != first {
-            let (mesh, frame) = (object.name.clone(), sampled.frame(place));
-            return Err(AlembicError::OtherFaces { mesh, frame });
-        }
-    }
-    Ok(first.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
-}
-
-/// Makes polygons from the number of corners of each polygon and the vertices of all corners; `None` if they do not fit
-/// together. Alembic winds its polygons the other way round, so the corners are reversed.
-fn polygons(counts: &[i32], corners: &[i32], vertex_len: usize) -> Option<Polygons> {
-    let vertex = |&corner: &i32| usize::try_from(corner).ok().filter(|vertex| *vertex < vertex_len);
-    let mut left = corners;
-    let mut polygons = Polygons::default();
-    for &count in counts {
-        let (own, others) = left.split_at_checked(usize::try_from(count).ok()?)?;
-        let own: Option<Vec<usize>> = own.iter().rev().map(vertex).collect();
-        polygons.push(own?);
-        left = others;
-    }
-    left.is_empty().then_some(polygons)
 }
 
 /// The local transform of an object over time.
@@ -182,6 +142,46 @@ impl<'a> Transform<'a> {
         let matrix = place.and_then(|place| self.matrices.get(place));
         matrix.copied().unwrap_or_else(Matrix4::identity)
     }
+}
+
+fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
+    let points = bytes.as_chunks::<POINT_BYTES>().0.iter();
+    points.map(|&[a, b, c, d, e, f, g, h, i, j, k, l]| {
+        [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(f32::from_le_bytes(bytes)))
+    })
+}
+
+/// Reads whole numbers and checks that they are equal in every frame; empty if the property is missing.
+fn constant(
+    object: &Object<'_>,
+    schema: &Compound<'_>,
+    name: &str,
+) -> Result<Vec<i32>, AlembicError> {
+    let Some(sampled) = schema.sampled(name, Numbers::I32, 1)? else { return Ok(Vec::new()) };
+    let first = sampled.sample(0)?;
+    for place in 1..sampled.stored_len() {
+        object.properties.spend(first.len())?;
+        if sampled.stored(place)? != first {
+            let (mesh, frame) = (object.name.clone(), sampled.frame(place));
+            return Err(AlembicError::OtherFaces { mesh, frame });
+        }
+    }
+    Ok(first.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
+}
+
+/// Makes polygons from the number of corners of each polygon and the vertices of all corners; `None` if they do not fit
+/// together. Alembic winds its polygons the other way round, so the corners are reversed.
+fn polygons(counts: &[i32], corners: &[i32], vertex_len: usize) -> Option<Polygons> {
+    let vertex = |&corner: &i32| usize::try_from(corner).ok().filter(|vertex| *vertex < vertex_len);
+    let mut left = corners;
+    let mut polygons = Polygons::default();
+    for &count in counts {
+        let (own, others) = left.split_at_checked(usize::try_from(count).ok()?)?;
+        let own: Option<Vec<usize>> = own.iter().rev().map(vertex).collect();
+        polygons.push(own?);
+        left = others;
+    }
+    left.is_empty().then_some(polygons)
 }
 
 /// Multiplies a stack of operations, the outermost first; `None` if a channel is missing or an operation is not known.

@@ -13,6 +13,10 @@ use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod
 /// Properties of a node that place the node.
 const PLACEMENT: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
 
+/// Largest distance between the places at which two meshes bind a joint, as a share of the mesh's size. The room is for
+/// single precision and some arithmetic.
+const BIND_SLACK: f64 = 1e-4;
+
 /// An animation and its sample times.
 pub(super) struct Take {
     /// Index of the animation in the scene.
@@ -128,6 +132,115 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     takes.into_iter().map(clip).collect()
 }
 
+/// The joints of a scene, in the order of the file.
+pub(super) struct Joints {
+    /// Indices of their nodes in the scene.
+    pub(super) nodes: Vec<usize>,
+    pub(super) names: Vec<String>,
+    pub(super) parents: Vec<Option<usize>>,
+    pub(super) binds: Vec<Matrix4<f64>>,
+}
+
+/// Finds the joints of the parts' skins and the bones above them; without a skin, all bones.
+pub(super) fn find_joints(
+    scene: &Scene,
+    parts: &[MeshPart],
+    warnings: &mut Vec<FormatWarning>,
+) -> Result<Joints, SceneError> {
+    let mut binds = vec![None; scene.nodes.len()];
+    for part in parts {
+        bind(scene, part, &mut binds)?;
+    }
+    let skinned = binds.iter().any(Option::is_some);
+    let mut is_joint: Vec<bool> = binds.iter().map(Option::is_some).collect();
+    // Children come after their parents, so one pass backwards finds every ancestor of a joint.
+    let mut under = is_joint.clone();
+    for (place, node) in scene.nodes.iter().enumerate().rev() {
+        is_joint[place] |= node.bone.is_some() && (under[place] || !skinned);
+        if let (true, Some(parent)) = (under[place], &node.parent) {
+            under[parent.element.typed_id as usize] = true;
+        }
+    }
+    let mut nodes: Vec<usize> = (0..scene.nodes.len()).filter(|&place| is_joint[place]).collect();
+    if nodes.is_empty() {
+        return Err(SceneError::NoJoint);
+    }
+    // ufbx sorts nodes by depth. Other readers of the format use the order of the file.
+    nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
+    let (names, renamed) = node_names(scene, |place| is_joint[place]);
+    if !renamed.is_empty() {
+        let joints = renamed.into_iter().map(|place| names[place].clone()).collect();
+        warnings.push(FormatWarning::EqualNames { joints });
+    }
+    Ok(Joints {
+        names: nodes.iter().map(|&place| names[place].clone()).collect(),
+        parents: parents_among(scene, &nodes),
+        binds: nodes
+            .iter()
+            .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
+            .collect(),
+        nodes,
+    })
+}
+
+/// Returns the names of all nodes, with the names of joints made unique; also returns the renamed nodes.
+pub(super) fn node_names(
+    scene: &Scene,
+    is_joint: impl Fn(usize) -> bool,
+) -> (Vec<String>, Vec<usize>) {
+    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
+    let places = 0..scene.nodes.len();
+    let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
+    unique_names(&names, &parents, is_joint)
+}
+
+/// Returns, for each of some nodes, the nearest of these nodes above it; several may have none.
+pub(super) fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
+    let of = |place: usize| nodes.iter().position(|&node| node == place);
+    nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
+}
+
+/// Walks from a node up to its root.
+pub(super) fn upwards(scene: &Scene, place: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+    std::iter::successors(Some(place), |&place| above(scene, place))
+}
+
+/// Records the bind frame of each joint of a part's skin, and checks that all parts agree.
+pub(super) fn bind(
+    scene: &Scene,
+    part: &MeshPart,
+    binds: &mut [Option<Matrix4<f64>>],
+) -> Result<(), SceneError> {
+    let mesh = &scene.meshes[part.mesh];
+    let name = || scene.nodes[part.node].element.name.to_string();
+    let rest = matrix(&part.rest);
+    let corners = box_corners(mesh).map(|corner| rest * corner);
+    let size = (corners[7] - corners[0]).norm();
+    for cluster in skin(mesh).into_iter().flat_map(|skin| &skin.clusters) {
+        let Some(node) = &cluster.bone_node else { continue };
+        let joint = || node.element.name.to_string();
+        // Not the cluster's own bind frame, which may differ from that of the mesh's first cluster. The transform from
+        // the mesh to the joint poses the mesh.
+        let bind = matrix(&cluster.geometry_to_bone).try_inverse().map(|back| rest * back);
+        let Some(bind) = bind.filter(|bind| bind.determinant() != 0.0) else {
+            return Err(SceneError::SingularBind { joint: joint() });
+        };
+        let kept = binds[node.element.typed_id as usize].get_or_insert(bind);
+        let distance = bind_distance(kept, &bind, &corners);
+        if distance.is_nan() || distance > BIND_SLACK * size {
+            return Err(SceneError::OtherBind { joint: joint(), mesh: name() });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the rest frame of a joint without a skin: from the file's bind pose, or else from the pose saved in the
+/// file.
+pub(super) fn at_rest(node: &Node) -> Matrix4<f64> {
+    let bind = node.bind_pose.as_ref().and_then(|pose| ufbx::get_bone_pose(pose, node));
+    matrix(bind.map_or(&node.node_to_world, |pose| &pose.bone_to_world))
+}
+
 /// Appends the posed vertices of a part; returns whether they are more than linear blend skinning.
 fn deform(scene: &Scene, posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
@@ -207,114 +320,8 @@ impl Tracked {
     }
 }
 
-/// Largest distance between the places at which two meshes bind a joint, as a share of the mesh's size. The room is for
-/// single precision and some arithmetic.
-const BIND_SLACK: f64 = 1e-4;
-
-/// The joints of a scene, in the order of the file.
-pub(super) struct Joints {
-    /// Indices of their nodes in the scene.
-    pub(super) nodes: Vec<usize>,
-    pub(super) names: Vec<String>,
-    pub(super) parents: Vec<Option<usize>>,
-    pub(super) binds: Vec<Matrix4<f64>>,
-}
-
-/// Finds the joints of the parts' skins and the bones above them; without a skin, all bones.
-pub(super) fn find_joints(
-    scene: &Scene,
-    parts: &[MeshPart],
-    warnings: &mut Vec<FormatWarning>,
-) -> Result<Joints, SceneError> {
-    let mut binds = vec![None; scene.nodes.len()];
-    for part in parts {
-        bind(scene, part, &mut binds)?;
-    }
-    let skinned = binds.iter().any(Option::is_some);
-    let mut is_joint: Vec<bool> = binds.iter().map(Option::is_some).collect();
-    // Children come after their parents, so one pass backwards finds every ancestor of a joint.
-    let mut under = is_joint.clone();
-    for (place, node) in scene.nodes.iter().enumerate().rev() {
-        is_joint[place] |= node.bone.is_some() && (under[place] || !skinned);
-        if let (true, Some(parent)) = (under[place], &node.parent) {
-            under[parent.element.typed_id as usize] = true;
-        }
-    }
-    let mut nodes: Vec<usize> = (0..scene.nodes.len()).filter(|&place| is_joint[place]).collect();
-    if nodes.is_empty() {
-        return Err(SceneError::NoJoint);
-    }
-    // ufbx sorts nodes by depth. Other readers of the format use the order of the file.
-    nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
-    let (names, renamed) = node_names(scene, |place| is_joint[place]);
-    if !renamed.is_empty() {
-        let joints = renamed.into_iter().map(|place| names[place].clone()).collect();
-        warnings.push(FormatWarning::EqualNames { joints });
-    }
-    Ok(Joints {
-        names: nodes.iter().map(|&place| names[place].clone()).collect(),
-        parents: parents_among(scene, &nodes),
-        binds: nodes
-            .iter()
-            .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
-            .collect(),
-        nodes,
-    })
-}
-
-/// Returns the names of all nodes, with the names of joints made unique; also returns the renamed nodes.
-pub(super) fn node_names(
-    scene: &Scene,
-    is_joint: impl Fn(usize) -> bool,
-) -> (Vec<String>, Vec<usize>) {
-    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
-    let places = 0..scene.nodes.len();
-    let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
-    unique_names(&names, &parents, is_joint)
-}
-
-/// Returns, for each of some nodes, the nearest of these nodes above it; several may have none.
-pub(super) fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
-    let of = |place: usize| nodes.iter().position(|&node| node == place);
-    nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
-}
-
-/// Walks from a node up to its root.
-pub(super) fn upwards(scene: &Scene, place: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-    std::iter::successors(Some(place), |&place| above(scene, place))
-}
-
 fn above(scene: &Scene, place: usize) -> Option<usize> {
     scene.nodes[place].parent.as_ref().map(|parent| parent.element.typed_id as usize)
-}
-
-/// Records the bind frame of each joint of a part's skin, and checks that all parts agree.
-pub(super) fn bind(
-    scene: &Scene,
-    part: &MeshPart,
-    binds: &mut [Option<Matrix4<f64>>],
-) -> Result<(), SceneError> {
-    let mesh = &scene.meshes[part.mesh];
-    let name = || scene.nodes[part.node].element.name.to_string();
-    let rest = matrix(&part.rest);
-    let corners = box_corners(mesh).map(|corner| rest * corner);
-    let size = (corners[7] - corners[0]).norm();
-    for cluster in skin(mesh).into_iter().flat_map(|skin| &skin.clusters) {
-        let Some(node) = &cluster.bone_node else { continue };
-        let joint = || node.element.name.to_string();
-        // Not the cluster's own bind frame, which may differ from that of the mesh's first cluster. The transform from
-        // the mesh to the joint poses the mesh.
-        let bind = matrix(&cluster.geometry_to_bone).try_inverse().map(|back| rest * back);
-        let Some(bind) = bind.filter(|bind| bind.determinant() != 0.0) else {
-            return Err(SceneError::SingularBind { joint: joint() });
-        };
-        let kept = binds[node.element.typed_id as usize].get_or_insert(bind);
-        let distance = bind_distance(kept, &bind, &corners);
-        if distance.is_nan() || distance > BIND_SLACK * size {
-            return Err(SceneError::OtherBind { joint: joint(), mesh: name() });
-        }
-    }
-    Ok(())
 }
 
 /// Returns the largest distance between the points as two binds place them.
@@ -338,11 +345,4 @@ fn box_corners(mesh: &Mesh) -> [Vector4<f64>; 8] {
         let at = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
         Vector4::new(at(0), at(1), at(2), 1.0)
     })
-}
-
-/// Returns the rest frame of a joint without a skin: from the file's bind pose, or else from the pose saved in the
-/// file.
-pub(super) fn at_rest(node: &Node) -> Matrix4<f64> {
-    let bind = node.bind_pose.as_ref().and_then(|pose| ufbx::get_bone_pose(pose, node));
-    matrix(bind.map_or(&node.node_to_world, |pose| &pose.bone_to_world))
 }

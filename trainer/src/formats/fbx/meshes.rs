@@ -11,6 +11,9 @@ use std::ops::Range;
 use std::path::Path;
 use ufbx::{BlendChannel, Matrix, Mesh, Node, Scene, SkinDeformer, Vec3, VertexVec3};
 
+/// Property of a blendshape channel that holds its weight.
+pub(super) const WEIGHT: &str = "DeformPercent";
+
 /// A mesh and the node that shows it.
 pub(super) struct MeshPart {
     /// Index of the node in the scene.
@@ -156,25 +159,6 @@ pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
     mesh.skin_deformers.into_iter().next()
 }
 
-fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
-    MeshPart { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
-}
-
-/// Makes a part of a skinned mesh. Its bind frame places the part, whatever its node does.
-fn bound_part(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
-    let name = || node.element.name.to_string();
-    let found = mesh.skin_deformers.len();
-    if found > 1 {
-        return Err(SceneError::SeveralSkins { mesh: name(), found });
-    }
-    let clusters = skin(mesh).into_iter().flat_map(|skin| &skin.clusters);
-    let Some(cluster) = clusters.into_iter().find(|cluster| cluster.bone_node.is_some()) else {
-        return Err(SceneError::EmptySkin { mesh: name() });
-    };
-    let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
-    Ok(part(node, mesh, rest))
-}
-
 /// Reads the meshes with blendshapes as one mesh.
 ///
 /// Channels of one name on several meshes become one shape. A channel with in-between shapes gives its last shape.
@@ -259,9 +243,6 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
     Ok(out)
 }
 
-/// Property of a blendshape channel that holds its weight.
-pub(super) const WEIGHT: &str = "DeformPercent";
-
 /// Returns the vertices of a mesh at rest.
 ///
 /// A channel that no clip animates is constant, so its offsets belong to the rest mesh. An animated channel is off at
@@ -286,18 +267,6 @@ pub(super) fn is_shaped(scene: &Scene, posed: &Mesh) -> bool {
 /// Lists the blendshape channels of a mesh.
 pub(super) fn channels(mesh: &Mesh) -> impl Iterator<Item = &BlendChannel> {
     mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter()).map(|channel| &**channel)
-}
-
-/// Returns whether a clip has keys for a channel's weight.
-fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
-    let layers = scene.anim_stacks.iter().flat_map(|stack| stack.layers.iter());
-    let mut properties = layers.flat_map(|layer| layer.anim_props.iter());
-    properties.any(|property| {
-        let own = property.element.element_id == channel.element.element_id;
-        let curves = &property.anim_value.curves;
-        let has_keys = curves.iter().flatten().any(|curve| !curve.keyframes.is_empty());
-        own && *property.prop_name == *WEIGHT && has_keys
-    })
 }
 
 /// Returns the faces of a mesh.
@@ -360,6 +329,37 @@ impl CornerLists {
     pub(super) fn finish(self) -> Corners {
         self.all
     }
+}
+
+fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
+    MeshPart { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
+}
+
+/// Makes a part of a skinned mesh. Its bind frame places the part, whatever its node does.
+fn bound_part(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
+    let name = || node.element.name.to_string();
+    let found = mesh.skin_deformers.len();
+    if found > 1 {
+        return Err(SceneError::SeveralSkins { mesh: name(), found });
+    }
+    let clusters = skin(mesh).into_iter().flat_map(|skin| &skin.clusters);
+    let Some(cluster) = clusters.into_iter().find(|cluster| cluster.bone_node.is_some()) else {
+        return Err(SceneError::EmptySkin { mesh: name() });
+    };
+    let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
+    Ok(part(node, mesh, rest))
+}
+
+/// Returns whether a clip has keys for a channel's weight.
+fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
+    let layers = scene.anim_stacks.iter().flat_map(|stack| stack.layers.iter());
+    let mut properties = layers.flat_map(|layer| layer.anim_props.iter());
+    properties.any(|property| {
+        let own = property.element.element_id == channel.element.element_id;
+        let curves = &property.anim_value.curves;
+        let has_keys = curves.iter().flatten().any(|curve| !curve.keyframes.is_empty());
+        own && *property.prop_name == *WEIGHT && has_keys
+    })
 }
 
 /// Appends an attribute of a mesh's corners; 0 for corners and earlier meshes without the attribute.

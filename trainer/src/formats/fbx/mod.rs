@@ -49,6 +49,62 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     Ok(parse(&bytes, sampling)?)
 }
 
+/// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
+/// nodes place them.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let scene = open(&bytes)?;
+    let mut warnings = Vec::new();
+    let parts = meshes::parts(&scene, &mut warnings)?;
+    let Geometry { rest: positions, triangles, engine, .. } =
+        meshes::join(&scene, &parts, &mut warnings);
+    let mesh = Mesh { positions, triangles, engine }.checked()?;
+    Ok(MeshFile { mesh, space: Some(space(&scene.settings)), warnings })
+}
+
+/// Reads the motion of the nodes that are joints of a character, by name.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(crate) fn read_motion(
+    path: &Path,
+    character: &[String],
+    joint_names: &JointNames<'_>,
+    sampling: &Sampling<'_>,
+) -> Result<Motion, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let scene = open(&bytes)?;
+    let mut binds = vec![None; scene.nodes.len()];
+    for part in meshes::parts(&scene, &mut Vec::new()).unwrap_or_default() {
+        bind(&scene, &part, &mut binds)?;
+    }
+    let is_bone = |node: usize| scene.nodes[node].bone.is_some() || binds[node].is_some();
+    let (labels, _) = node_names(&scene, is_bone);
+    let shows = |node: usize| scene.nodes[node].mesh.is_some();
+    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows(node)).collect();
+    candidates.sort_by_key(|&node| !is_bone(node));
+    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
+    let joints = MotionJoints::find(candidates, character, joint_names)?;
+    let found = &joints.nodes;
+    let mut warnings = Vec::new();
+    let takes = frames::takes(&scene, found, &[], sampling, &mut warnings)?;
+    let Posed { joints: frames, .. } = frames::posed(&scene, &takes, found, None)?;
+    let rest: Vec<_> = scene.nodes.iter().map(|node| at_rest(node)).collect();
+    let binds = found.iter().map(|&node| bound(upwards(&scene, node), &binds, &rest));
+    Ok(Motion {
+        space: space(&scene.settings),
+        rest: found.iter().map(|&node| rest[node]).collect(),
+        binds: binds.collect(),
+        frames,
+        joints,
+        clips: frames::clips(takes),
+        warnings,
+    })
+}
+
 fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, SceneError> {
     let scene = open(bytes)?;
     let mut warnings = Vec::new();
@@ -82,22 +138,6 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, SceneErr
         clips: frames::clips(takes),
         warnings,
     })
-}
-
-/// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
-/// nodes place them.
-///
-/// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    let scene = open(&bytes)?;
-    let mut warnings = Vec::new();
-    let parts = meshes::parts(&scene, &mut warnings)?;
-    let Geometry { rest: positions, triangles, engine, .. } =
-        meshes::join(&scene, &parts, &mut warnings);
-    let mesh = Mesh { positions, triangles, engine }.checked()?;
-    Ok(MeshFile { mesh, space: Some(space(&scene.settings)), warnings })
 }
 
 fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {
@@ -144,46 +184,6 @@ fn space(settings: &SceneSettings) -> Space {
     SpaceRequest { unit, ..SpaceRequest::default() }
         .of(Space { up, forward, handedness, unit: None })
         .unwrap_or(Space { up, forward, handedness, unit: None })
-}
-
-/// Reads the motion of the nodes that are joints of a character, by name.
-///
-/// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(crate) fn read_motion(
-    path: &Path,
-    character: &[String],
-    joint_names: &JointNames<'_>,
-    sampling: &Sampling<'_>,
-) -> Result<Motion, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    let scene = open(&bytes)?;
-    let mut binds = vec![None; scene.nodes.len()];
-    for part in meshes::parts(&scene, &mut Vec::new()).unwrap_or_default() {
-        bind(&scene, &part, &mut binds)?;
-    }
-    let is_bone = |node: usize| scene.nodes[node].bone.is_some() || binds[node].is_some();
-    let (labels, _) = node_names(&scene, is_bone);
-    let shows = |node: usize| scene.nodes[node].mesh.is_some();
-    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows(node)).collect();
-    candidates.sort_by_key(|&node| !is_bone(node));
-    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
-    let joints = MotionJoints::find(candidates, character, joint_names)?;
-    let found = &joints.nodes;
-    let mut warnings = Vec::new();
-    let takes = frames::takes(&scene, found, &[], sampling, &mut warnings)?;
-    let Posed { joints: frames, .. } = frames::posed(&scene, &takes, found, None)?;
-    let rest: Vec<_> = scene.nodes.iter().map(|node| at_rest(node)).collect();
-    let binds = found.iter().map(|&node| bound(upwards(&scene, node), &binds, &rest));
-    Ok(Motion {
-        space: space(&scene.settings),
-        rest: found.iter().map(|&node| rest[node]).collect(),
-        binds: binds.collect(),
-        frames,
-        joints,
-        clips: frames::clips(takes),
-        warnings,
-    })
 }
 
 /// Converts an error of ufbx.

@@ -17,6 +17,23 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+/// Bytes of a binary file's header: magic, version and total length.
+const HEADER_BYTES: usize = 12;
+
+/// Supported extensions: they do not concern shapes and motion, or are read (integer positions), or lose their channels
+/// with a warning (pointers).
+const HARMLESS: [&str; 6] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "KHR_lights_",
+    "KHR_mesh_quantization",
+    "KHR_animation_pointer",
+];
+
+/// Most elements that a sparse accessor may leave at zero without data.
+const ZEROS_MAX: usize = 10_000_000;
+
 /// The bytes of each buffer.
 pub(super) type Buffers = Vec<Vec<u8>>;
 
@@ -88,128 +105,9 @@ pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
     serde_json::from_slice(&json).map_err(|error| SceneError::NotGltf { reason: error.to_string() })
 }
 
-/// Bytes of a part of a file.
-type Chunk<'a> = Cow<'a, [u8]>;
-
-/// Returns the JSON of a file, and the binary chunk if the file has one.
-fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
-    if !bytes.starts_with(b"glTF") {
-        return Ok((bytes.into(), None));
-    }
-    let not_gltf = |error: gltf::Error| {
-        let reason = match error {
-            gltf::Error::Binary(gltf::binary::Error::Io(_)) => {
-                "its chunks are cut short".to_owned()
-            }
-            other => other.to_string(),
-        };
-        SceneError::NotGltf { reason }
-    };
-    let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(not_gltf)?;
-    Ok((json, bin))
-}
-
-/// Drops the animation channels without a node, which readers must ignore by the specification, and channels with a
-/// pointer, whose target an extension names. Returns the clips that had such channels.
-fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
-    let mut clips = Vec::new();
-    let animations = tree.get_mut("animations").and_then(Value::as_array_mut);
-    for (number, animation) in animations.into_iter().flatten().enumerate() {
-        let name = animation.get("name").and_then(Value::as_str);
-        let name = name.map_or_else(|| unnamed_clip(number), str::to_owned);
-        let Some(Value::Array(channels)) = animation.get_mut("channels") else { continue };
-        let before = channels.len();
-        channels.retain(|channel| {
-            let Some(target) = channel.get("target") else { return true };
-            target.get("node").is_some() && target.get("path") != Some(&json!("pointer"))
-        });
-        if channels.len() < before {
-            clips.push(name);
-        }
-    }
-    clips
-}
-
 /// Makes a name for a clip that has none.
 pub(super) fn unnamed_clip(number: usize) -> String {
     format!("animation {number}")
-}
-
-/// Adds an empty list to scenes without nodes, because the library expects a list.
-fn state_nodes(tree: &mut Map<String, Value>) {
-    let scenes = tree.get_mut("scenes").and_then(Value::as_array_mut);
-    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
-        scene.entry("nodes").or_insert_with(|| json!([]));
-    }
-}
-
-/// Bytes of a binary file's header: magic, version and total length.
-const HEADER_BYTES: usize = 12;
-
-/// Checks that a file begins as glTF, and that a binary file is as long as its header says.
-fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
-    if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
-        let text = unmarked(bytes).trim_ascii_start();
-        let reason = || "it begins neither with glTF nor, as JSON, with a brace".to_owned();
-        return match text.first() {
-            Some(b'{') => Ok(()),
-            _ => Err(SceneError::NotGltf { reason: reason() }),
-        };
-    }
-    let len = bytes.get(8..HEADER_BYTES).unwrap_or_default();
-    let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
-    match (expected.max(HEADER_BYTES), bytes.len()) {
-        (expected, found) if found < expected => Err(SceneError::CutShort { expected, found }),
-        _ => Ok(()),
-    }
-}
-
-/// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
-/// checking that they exist, and never checks the target and sampler of a channel.
-fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
-    let check = |place: String, what, len: usize, found: usize| {
-        if found < len {
-            return Ok(());
-        }
-        Err(SceneError::NoSuch { place, what, found, len })
-    };
-    for (number, mesh) in json.meshes.iter().enumerate() {
-        for accessor in mesh.primitives.iter().flat_map(|p| p.attributes.values()) {
-            let place = format!("mesh {number}");
-            check(place, "accessor", json.accessors.len(), accessor.value())?;
-        }
-    }
-    for (number, animation) in json.animations.iter().enumerate() {
-        let place = || format!("animation {number}");
-        for channel in &animation.channels {
-            check(place(), "node", json.nodes.len(), channel.target.node.value())?;
-            if channel.target.path == Checked::Invalid {
-                let reason = format!("animation {number} animates an unknown property");
-                return Err(SceneError::NotGltf { reason });
-            }
-            check(place(), "sampler", animation.samplers.len(), channel.sampler.value())?;
-        }
-    }
-    Ok(())
-}
-
-/// Supported extensions: they do not concern shapes and motion, or are read (integer positions), or lose their channels
-/// with a warning (pointers).
-const HARMLESS: [&str; 6] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-    "KHR_mesh_quantization",
-    "KHR_animation_pointer",
-];
-
-fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
-    let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));
-    match json.extensions_required.iter().find(|name| !harmless(name)) {
-        None => Ok(()),
-        Some(name) => Err(SceneError::Extension { name: name.clone() }),
-    }
 }
 
 /// Reads the content of a URI: embedded data, or a file beside `path`.
@@ -279,8 +177,163 @@ pub(super) fn numbers(
     Ok(all)
 }
 
-/// Most elements that a sparse accessor may leave at zero without data.
-const ZEROS_MAX: usize = 10_000_000;
+/// Returns true for a primitive of triangles, and false for points and lines.
+pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
+    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// Lists the corners of a primitive's triangles, as indices of its `vertex_len` vertices.
+///
+/// Strips and fans may repeat a corner to join two parts; triangles with a repeated corner are left out. As in engines,
+/// the largest index of the index type restarts a strip or fan.
+///
+/// # Errors
+/// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
+/// within a triangle.
+pub(super) fn triangles(
+    primitive: &Primitive<'_>,
+    buffers: &Buffers,
+    vertex_len: usize,
+    place: impl Fn() -> String,
+) -> Result<Vec<[usize; 3]>, SceneError> {
+    let mode = primitive.mode();
+    let indices = primitive.indices();
+    let restart = indices.as_ref().and_then(|indices| restart(indices.data_type()));
+    let corners: Vec<usize> = match indices {
+        Some(indices) => numbers(&indices, buffers, 1)?.into_iter().map(|x| x as usize).collect(),
+        None => (0..vertex_len).collect(),
+    };
+    let is_restart = |corner: &usize| mode != Mode::Triangles && Some(*corner) == restart;
+    let missing = |corner: &&usize| **corner >= vertex_len && !is_restart(corner);
+    if let Some(&found) = corners.iter().find(missing) {
+        return Err(SceneError::NoSuch { place: place(), what: "vertex", found, len: vertex_len });
+    }
+    if mode == Mode::Triangles {
+        let (triangles, rest) = corners.as_chunks::<3>();
+        if !rest.is_empty() {
+            let (expected, found) = (3 * triangles.len(), corners.len());
+            let what = "corners in whole triangles";
+            return Err(SceneError::Count { place: place(), what, expected, found });
+        }
+        return Ok(triangles.to_vec());
+    }
+    let runs = corners.split(is_restart);
+    let of_run = |run: &[usize]| -> Vec<[usize; 3]> {
+        let triangle = |(number, own): (usize, &[usize])| match (mode, number % 2) {
+            (Mode::TriangleFan, _) => [own[1], own[2], run[0]],
+            (_, 0) => [own[0], own[1], own[2]],
+            _ => [own[0], own[2], own[1]],
+        };
+        run.windows(3).enumerate().map(triangle).collect()
+    };
+    let all = runs.flat_map(of_run);
+    Ok(all.filter(|[a, b, c]| a != b && b != c && c != a).collect())
+}
+
+/// Bytes of a part of a file.
+type Chunk<'a> = Cow<'a, [u8]>;
+
+/// Returns the JSON of a file, and the binary chunk if the file has one.
+fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((bytes.into(), None));
+    }
+    let not_gltf = |error: gltf::Error| {
+        let reason = match error {
+            gltf::Error::Binary(gltf::binary::Error::Io(_)) => {
+                "its chunks are cut short".to_owned()
+            }
+            other => other.to_string(),
+        };
+        SceneError::NotGltf { reason }
+    };
+    let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(not_gltf)?;
+    Ok((json, bin))
+}
+
+/// Drops the animation channels without a node, which readers must ignore by the specification, and channels with a
+/// pointer, whose target an extension names. Returns the clips that had such channels.
+fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
+    let mut clips = Vec::new();
+    let animations = tree.get_mut("animations").and_then(Value::as_array_mut);
+    for (number, animation) in animations.into_iter().flatten().enumerate() {
+        let name = animation.get("name").and_then(Value::as_str);
+        let name = name.map_or_else(|| unnamed_clip(number), str::to_owned);
+        let Some(Value::Array(channels)) = animation.get_mut("channels") else { continue };
+        let before = channels.len();
+        channels.retain(|channel| {
+            let Some(target) = channel.get("target") else { return true };
+            target.get("node").is_some() && target.get("path") != Some(&json!("pointer"))
+        });
+        if channels.len() < before {
+            clips.push(name);
+        }
+    }
+    clips
+}
+
+/// Adds an empty list to scenes without nodes, because the library expects a list.
+fn state_nodes(tree: &mut Map<String, Value>) {
+    let scenes = tree.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| json!([]));
+    }
+}
+
+/// Checks that a file begins as glTF, and that a binary file is as long as its header says.
+fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
+    if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
+        let text = unmarked(bytes).trim_ascii_start();
+        let reason = || "it begins neither with glTF nor, as JSON, with a brace".to_owned();
+        return match text.first() {
+            Some(b'{') => Ok(()),
+            _ => Err(SceneError::NotGltf { reason: reason() }),
+        };
+    }
+    let len = bytes.get(8..HEADER_BYTES).unwrap_or_default();
+    let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
+    match (expected.max(HEADER_BYTES), bytes.len()) {
+        (expected, found) if found < expected => Err(SceneError::CutShort { expected, found }),
+        _ => Ok(()),
+    }
+}
+
+/// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
+/// checking that they exist, and never checks the target and sampler of a channel.
+fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
+    let check = |place: String, what, len: usize, found: usize| {
+        if found < len {
+            return Ok(());
+        }
+        Err(SceneError::NoSuch { place, what, found, len })
+    };
+    for (number, mesh) in json.meshes.iter().enumerate() {
+        for accessor in mesh.primitives.iter().flat_map(|p| p.attributes.values()) {
+            let place = format!("mesh {number}");
+            check(place, "accessor", json.accessors.len(), accessor.value())?;
+        }
+    }
+    for (number, animation) in json.animations.iter().enumerate() {
+        let place = || format!("animation {number}");
+        for channel in &animation.channels {
+            check(place(), "node", json.nodes.len(), channel.target.node.value())?;
+            if channel.target.path == Checked::Invalid {
+                let reason = format!("animation {number} animates an unknown property");
+                return Err(SceneError::NotGltf { reason });
+            }
+            check(place(), "sampler", animation.samplers.len(), channel.sampler.value())?;
+        }
+    }
+    Ok(())
+}
+
+fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
+    let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));
+    match json.extensions_required.iter().find(|name| !harmless(name)) {
+        None => Ok(()),
+        Some(name) => Err(SceneError::Extension { name: name.clone() }),
+    }
+}
 
 /// A range of elements in a buffer view.
 struct Elements {
@@ -353,59 +406,6 @@ fn index_bytes(kind: &IndexType) -> usize {
 
 fn index(kind: &IndexType, bytes: &[u8]) -> usize {
     bytes[..index_bytes(kind)].iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte))
-}
-
-/// Returns true for a primitive of triangles, and false for points and lines.
-pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
-    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
-}
-
-/// Lists the corners of a primitive's triangles, as indices of its `vertex_len` vertices.
-///
-/// Strips and fans may repeat a corner to join two parts; triangles with a repeated corner are left out. As in engines,
-/// the largest index of the index type restarts a strip or fan.
-///
-/// # Errors
-/// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
-/// within a triangle.
-pub(super) fn triangles(
-    primitive: &Primitive<'_>,
-    buffers: &Buffers,
-    vertex_len: usize,
-    place: impl Fn() -> String,
-) -> Result<Vec<[usize; 3]>, SceneError> {
-    let mode = primitive.mode();
-    let indices = primitive.indices();
-    let restart = indices.as_ref().and_then(|indices| restart(indices.data_type()));
-    let corners: Vec<usize> = match indices {
-        Some(indices) => numbers(&indices, buffers, 1)?.into_iter().map(|x| x as usize).collect(),
-        None => (0..vertex_len).collect(),
-    };
-    let is_restart = |corner: &usize| mode != Mode::Triangles && Some(*corner) == restart;
-    let missing = |corner: &&usize| **corner >= vertex_len && !is_restart(corner);
-    if let Some(&found) = corners.iter().find(missing) {
-        return Err(SceneError::NoSuch { place: place(), what: "vertex", found, len: vertex_len });
-    }
-    if mode == Mode::Triangles {
-        let (triangles, rest) = corners.as_chunks::<3>();
-        if !rest.is_empty() {
-            let (expected, found) = (3 * triangles.len(), corners.len());
-            let what = "corners in whole triangles";
-            return Err(SceneError::Count { place: place(), what, expected, found });
-        }
-        return Ok(triangles.to_vec());
-    }
-    let runs = corners.split(is_restart);
-    let of_run = |run: &[usize]| -> Vec<[usize; 3]> {
-        let triangle = |(number, own): (usize, &[usize])| match (mode, number % 2) {
-            (Mode::TriangleFan, _) => [own[1], own[2], run[0]],
-            (_, 0) => [own[0], own[1], own[2]],
-            _ => [own[0], own[2], own[1]],
-        };
-        run.windows(3).enumerate().map(triangle).collect()
-    };
-    let all = runs.flat_map(of_run);
-    Ok(all.filter(|[a, b, c]| a != b && b != c && c != a).collect())
 }
 
 /// Returns the index that restarts a strip or fan.

@@ -187,6 +187,67 @@ pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
     Ok(parse_shapes(&bytes, path)?)
 }
 
+/// Reads the motion of the nodes that are joints of a character, by name.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(crate) fn read_motion(
+    path: &Path,
+    character: &[String],
+    names: &JointNames<'_>,
+    sampling: &Sampling<'_>,
+) -> Result<Motion, FormatError> {
+    let parsed = file::open(path)?;
+    let Parsed { document, buffers, .. } = &parsed;
+    let nodes = Nodes::read(document)?;
+    if nodes.names.is_empty() {
+        return Err(SceneError::Empty.into());
+    }
+    // Skins that disagree have no common bind pose; the nodes then give the rest pose.
+    let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
+    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
+    // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
+    // joint counts.
+    let below = |node: usize, other: &usize| {
+        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
+        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
+    };
+    let is_joint = |node: usize| match skins.joints.is_empty() {
+        false => skins.joints.contains(&node),
+        true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
+    };
+    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
+    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows[node]).collect();
+    candidates.sort_by_key(|&node| !is_joint(node));
+    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
+    let joints = MotionJoints::find(candidates, character, names)?;
+    let wanted = Wanted { skinned_only: true, default_shape: true };
+    let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
+    let found = &joints.nodes;
+    let mut warnings = Vec::from_iter(parsed.warning());
+    let (clips, moments) = scene.sample(found, sampling, &mut warnings)?;
+    let at_rest = scene.nodes.worlds(&scene.nodes.locals);
+    let mut binds = vec![None; at_rest.len()];
+    for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
+        binds[node] = Some(bind);
+    }
+    let binds = found.iter().map(|&node| bound(scene.nodes.upwards(node), &binds, &at_rest));
+    let frames = moments.iter().flat_map(|moment| {
+        let worlds = scene.nodes.worlds(&scene.at(moment).0);
+        found.iter().map(|&node| worlds[node]).collect::<Vec<_>>()
+    });
+    Ok(Motion {
+        space: Space::GLTF,
+        rest: found.iter().map(|&node| at_rest[node]).collect(),
+        binds: binds.collect(),
+        frames: frames.collect(),
+        joints,
+        clips,
+        warnings,
+    })
+}
+
 fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
     let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
     let tree = file::tree(bytes)?;
@@ -254,65 +315,4 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
 fn normal_matrix(world: &Matrix4<f64>) -> nalgebra::Matrix3<f64> {
     let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
     linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
-}
-
-/// Reads the motion of the nodes that are joints of a character, by name.
-///
-/// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(crate) fn read_motion(
-    path: &Path,
-    character: &[String],
-    names: &JointNames<'_>,
-    sampling: &Sampling<'_>,
-) -> Result<Motion, FormatError> {
-    let parsed = file::open(path)?;
-    let Parsed { document, buffers, .. } = &parsed;
-    let nodes = Nodes::read(document)?;
-    if nodes.names.is_empty() {
-        return Err(SceneError::Empty.into());
-    }
-    // Skins that disagree have no common bind pose; the nodes then give the rest pose.
-    let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
-    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
-    // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
-    // joint counts.
-    let below = |node: usize, other: &usize| {
-        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
-        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
-    };
-    let is_joint = |node: usize| match skins.joints.is_empty() {
-        false => skins.joints.contains(&node),
-        true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
-    };
-    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
-    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows[node]).collect();
-    candidates.sort_by_key(|&node| !is_joint(node));
-    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
-    let joints = MotionJoints::find(candidates, character, names)?;
-    let wanted = Wanted { skinned_only: true, default_shape: true };
-    let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
-    let found = &joints.nodes;
-    let mut warnings = Vec::from_iter(parsed.warning());
-    let (clips, moments) = scene.sample(found, sampling, &mut warnings)?;
-    let at_rest = scene.nodes.worlds(&scene.nodes.locals);
-    let mut binds = vec![None; at_rest.len()];
-    for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
-        binds[node] = Some(bind);
-    }
-    let binds = found.iter().map(|&node| bound(scene.nodes.upwards(node), &binds, &at_rest));
-    let frames = moments.iter().flat_map(|moment| {
-        let worlds = scene.nodes.worlds(&scene.at(moment).0);
-        found.iter().map(|&node| worlds[node]).collect::<Vec<_>>()
-    });
-    Ok(Motion {
-        space: Space::GLTF,
-        rest: found.iter().map(|&node| at_rest[node]).collect(),
-        binds: binds.collect(),
-        frames: frames.collect(),
-        joints,
-        clips,
-        warnings,
-    })
 }

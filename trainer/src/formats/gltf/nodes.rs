@@ -120,41 +120,12 @@ impl Local {
     }
 }
 
-/// Converts a transform of the library.
-fn local(transform: &gltf::scene::Transform) -> Local {
-    match *transform {
-        gltf::scene::Transform::Matrix { matrix } => {
-            Local::Matrix(Matrix4::from_fn(|row, column| f64::from(matrix[column][row])))
-        }
-        gltf::scene::Transform::Decomposed { translation, rotation: [x, y, z, w], scale } => {
-            let [x, y, z, w] = [x, y, z, w].map(f64::from);
-            Local::Parts {
-                translation: translation.map(f64::from).into(),
-                rotation: Quaternion::new(w, x, y, z),
-                scale: scale.map(f64::from).into(),
-            }
-        }
-    }
-}
-
 /// An animation.
 #[derive(Default)]
 pub(super) struct ClipKeys {
     /// Name of the animation; made up if the file has none.
     pub(super) name: String,
     channels: Vec<Channel>,
-}
-
-/// The keys of one property of one node.
-struct Channel {
-    node: usize,
-    property: Property,
-    times: Vec<f64>,
-    /// Numbers in a value: 3, 4, or the number of morph targets of the node's mesh.
-    width: usize,
-    /// Values; for cubic splines, the in-tangent, value and out-tangent of each key.
-    values: Vec<f64>,
-    interpolation: Interpolation,
 }
 
 impl ClipKeys {
@@ -241,6 +212,35 @@ impl ClipKeys {
             }
         }
     }
+}
+
+/// Converts a transform of the library.
+fn local(transform: &gltf::scene::Transform) -> Local {
+    match *transform {
+        gltf::scene::Transform::Matrix { matrix } => {
+            Local::Matrix(Matrix4::from_fn(|row, column| f64::from(matrix[column][row])))
+        }
+        gltf::scene::Transform::Decomposed { translation, rotation: [x, y, z, w], scale } => {
+            let [x, y, z, w] = [x, y, z, w].map(f64::from);
+            Local::Parts {
+                translation: translation.map(f64::from).into(),
+                rotation: Quaternion::new(w, x, y, z),
+                scale: scale.map(f64::from).into(),
+            }
+        }
+    }
+}
+
+/// The keys of one property of one node.
+struct Channel {
+    node: usize,
+    property: Property,
+    times: Vec<f64>,
+    /// Numbers in a value: 3, 4, or the number of morph targets of the node's mesh.
+    width: usize,
+    /// Values; for cubic splines, the in-tangent, value and out-tangent of each key.
+    values: Vec<f64>,
+    interpolation: Interpolation,
 }
 
 impl Channel {

@@ -14,6 +14,10 @@ use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
+/// Extensions that compress vertices, so that only readers of the extension see them.
+const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
 /// A glTF file kept whole, with the places of its meshes and joints.
 #[derive(Clone, Debug)]
 pub(crate) struct RiggedFile {
@@ -53,10 +57,6 @@ pub(crate) struct RiggedMesh {
     /// Whether each primitive consists of triangles, rather than points or lines.
     pub(crate) surfaces: Vec<bool>,
 }
-
-/// Extensions that compress vertices, so that only readers of the extension see them.
-const COMPRESSIONS: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 impl RiggedFile {
     /// Reads a file, its buffers and its images.
@@ -186,47 +186,6 @@ pub(super) fn shown_meshes<'a>(
     all
 }
 
-/// Reads the meshes of a character and their joints.
-fn meshes(
-    document: &Document,
-    buffers: &Buffers,
-    nodes: &Nodes,
-) -> Result<(Vec<RiggedMesh>, Skins), SceneError> {
-    let worlds = nodes.worlds(&nodes.locals);
-    let mut skins = Skins::default();
-    let mut meshes: Vec<RiggedMesh> = Vec::new();
-    for (mesh, node) in shown_meshes(document, nodes) {
-        let name = nodes.names[node.index()].clone();
-        let name = node.name().or(mesh.name()).map_or(name, str::to_owned);
-        let skin = node.skin().map(|skin| skin.index());
-        let to_bind = match node.skin().filter(|skin| !skins.members.contains_key(&skin.index())) {
-            Some(skin) => {
-                let joined = skins.join(&skin, buffers, nodes, &name)?;
-                let shift = joined.shift;
-                skins.members.insert(skin.index(), joined);
-                shift
-            }
-            None => match skin.and_then(|skin| skins.members.get(&skin)) {
-                Some(joined) => joined.shift,
-                None => meshes
-                    .first()
-                    .and_then(|first| worlds[first.node].try_inverse())
-                    .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
-            },
-        };
-        let weights = default_weights(&node, &mesh);
-        let place = || format!("mesh {name}");
-        let positions = mesh
-            .primitives()
-            .map(|primitive| shaped(&primitive, Attribute::Positions, &weights, buffers, place));
-        let positions = positions.collect::<Result<_, SceneError>>()?;
-        let surfaces = mesh.primitives().map(|primitive| is_surface(&primitive)).collect();
-        let (node, mesh) = (node.index(), mesh.index());
-        meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });
-    }
-    Ok((meshes, skins))
-}
-
 /// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
 /// # Errors
@@ -280,6 +239,47 @@ pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, For
     let required = required.into_iter().filter_map(|name| name.as_str().map(str::to_owned));
     appearance.required = required.filter(|name| used.contains(name)).collect();
     Ok(appearance)
+}
+
+/// Reads the meshes of a character and their joints.
+fn meshes(
+    document: &Document,
+    buffers: &Buffers,
+    nodes: &Nodes,
+) -> Result<(Vec<RiggedMesh>, Skins), SceneError> {
+    let worlds = nodes.worlds(&nodes.locals);
+    let mut skins = Skins::default();
+    let mut meshes: Vec<RiggedMesh> = Vec::new();
+    for (mesh, node) in shown_meshes(document, nodes) {
+        let name = nodes.names[node.index()].clone();
+        let name = node.name().or(mesh.name()).map_or(name, str::to_owned);
+        let skin = node.skin().map(|skin| skin.index());
+        let to_bind = match node.skin().filter(|skin| !skins.members.contains_key(&skin.index())) {
+            Some(skin) => {
+                let joined = skins.join(&skin, buffers, nodes, &name)?;
+                let shift = joined.shift;
+                skins.members.insert(skin.index(), joined);
+                shift
+            }
+            None => match skin.and_then(|skin| skins.members.get(&skin)) {
+                Some(joined) => joined.shift,
+                None => meshes
+                    .first()
+                    .and_then(|first| worlds[first.node].try_inverse())
+                    .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
+            },
+        };
+        let weights = default_weights(&node, &mesh);
+        let place = || format!("mesh {name}");
+        let positions = mesh
+            .primitives()
+            .map(|primitive| shaped(&primitive, Attribute::Positions, &weights, buffers, place));
+        let positions = positions.collect::<Result<_, SceneError>>()?;
+        let surfaces = mesh.primitives().map(|primitive| is_surface(&primitive)).collect();
+        let (node, mesh) = (node.index(), mesh.index());
+        meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });
+    }
+    Ok((meshes, skins))
 }
 
 /// Returns an image with its bytes; `None` if they cannot be read or are no known kind of image.

@@ -14,6 +14,9 @@ use std::collections::HashMap;
 /// Share of the largest entry within which two bind matrices of a joint agree; files round them.
 const AGREE: f64 = 1e-4;
 
+/// Blender's name for the joint that it adds for vertices without weights.
+const NEUTRAL: &str = "neutral_bone";
+
 /// The joints of all skins, each once.
 #[derive(Default)]
 pub(super) struct Skins {
@@ -163,54 +166,6 @@ impl Skins {
         let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
         (names, warning)
     }
-}
-
-/// Blender's name for the joint that it adds for vertices without weights.
-const NEUTRAL: &str = "neutral_bone";
-
-/// Checks that every vertex has joints, unless `unbound`, and that the joints exist.
-fn check_influences(
-    influences: &[Vec<(usize, f64)>],
-    joint_len: usize,
-    mesh: &str,
-    unbound: bool,
-) -> Result<(), SceneError> {
-    for (vertex, influences) in influences.iter().enumerate() {
-        if influences.is_empty() && !unbound {
-            return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
-        }
-        if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
-            let (place, what) = (format!("mesh {mesh}"), "joint");
-            return Err(SceneError::NoSuch { place, what, found: joint, len: joint_len });
-        }
-    }
-    Ok(())
-}
-
-/// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.
-fn read_one(
-    skin: &gltf::Skin<'_>,
-    buffers: &Buffers,
-    mesh: &str,
-) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), SceneError> {
-    let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
-    let Some(accessor) = skin.inverse_bind_matrices() else {
-        let own = vec![Matrix4::identity(); joints.len()];
-        return Ok((joints, own));
-    };
-    let own = numbers(&accessor, buffers, 16)?;
-    let own: Vec<_> = own.chunks_exact(16).map(Matrix4::from_column_slice).collect();
-    if own.len() < joints.len() {
-        let (expected, found) = (joints.len(), own.len());
-        let place = format!("the skin of mesh {mesh}");
-        return Err(SceneError::Count { place, what: "inverse bind matrices", expected, found });
-    }
-    Ok((joints, own))
-}
-
-/// Returns whether two bind matrices agree up to rounding.
-fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
-    (a - b).amax() <= AGREE * a.amax()
 }
 
 /// Transforms the vertices and morph targets of a mesh; a mirroring also reverses the triangles' winding.
@@ -372,4 +327,49 @@ impl Scene {
         }
         all
     }
+}
+
+/// Checks that every vertex has joints, unless `unbound`, and that the joints exist.
+fn check_influences(
+    influences: &[Vec<(usize, f64)>],
+    joint_len: usize,
+    mesh: &str,
+    unbound: bool,
+) -> Result<(), SceneError> {
+    for (vertex, influences) in influences.iter().enumerate() {
+        if influences.is_empty() && !unbound {
+            return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
+        }
+        if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
+            let (place, what) = (format!("mesh {mesh}"), "joint");
+            return Err(SceneError::NoSuch { place, what, found: joint, len: joint_len });
+        }
+    }
+    Ok(())
+}
+
+/// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.
+fn read_one(
+    skin: &gltf::Skin<'_>,
+    buffers: &Buffers,
+    mesh: &str,
+) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), SceneError> {
+    let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
+    let Some(accessor) = skin.inverse_bind_matrices() else {
+        let own = vec![Matrix4::identity(); joints.len()];
+        return Ok((joints, own));
+    };
+    let own = numbers(&accessor, buffers, 16)?;
+    let own: Vec<_> = own.chunks_exact(16).map(Matrix4::from_column_slice).collect();
+    if own.len() < joints.len() {
+        let (expected, found) = (joints.len(), own.len());
+        let place = format!("the skin of mesh {mesh}");
+        return Err(SceneError::Count { place, what: "inverse bind matrices", expected, found });
+    }
+    Ok((joints, own))
+}
+
+/// Returns whether two bind matrices agree up to rounding.
+fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
+    (a - b).amax() <= AGREE * a.amax()
 }

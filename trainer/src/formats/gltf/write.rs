@@ -2,6 +2,15 @@
 
 use serde_json::{Map, Value, json};
 
+/// Component types of glTF.
+pub(crate) const U8: u32 = 5121;
+pub(crate) const U16: u32 = 5123;
+pub(crate) const U32: u32 = 5125;
+pub(crate) const F32: u32 = 5126;
+
+/// Bytes of a GLB's header and of the headers of its two chunks.
+const HEADS: usize = 12 + 8 + 8;
+
 /// Reasons why a glTF file cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum GlbError {
@@ -87,13 +96,6 @@ pub(crate) fn before_jumps(times: &[f32]) -> impl Iterator<Item = usize> + '_ {
     (1..times.len()).filter(|&key| times[key - 1].next_up() == times[key]).map(|key| key - 1)
 }
 
-/// Removes the rows of the given keys; `rows` has equally many rows for each of `key_len` keys.
-fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) -> Vec<[f32; N]> {
-    let width = (rows.len() / key_len.max(1)).max(1);
-    let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
-    kept.flat_map(|(_, rows)| rows).copied().collect()
-}
-
 /// Values of one property.
 pub(crate) enum ChannelKeys {
     /// Translations.
@@ -129,12 +131,6 @@ impl ArrayKind {
         Self { component, element: "SCALAR", target: Some(34963) }
     }
 }
-
-/// Component types of glTF.
-pub(crate) const U8: u32 = 5121;
-pub(crate) const U16: u32 = 5123;
-pub(crate) const U32: u32 = 5125;
-pub(crate) const F32: u32 = 5126;
 
 impl Document {
     /// Begins an empty document whose asset carries a note.
@@ -368,8 +364,12 @@ impl Document {
     }
 }
 
-/// Bytes of a GLB's header and of the headers of its two chunks.
-const HEADS: usize = 12 + 8 + 8;
+/// Removes the rows of the given keys; `rows` has equally many rows for each of `key_len` keys.
+fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) -> Vec<[f32; N]> {
+    let width = (rows.len() / key_len.max(1)).max(1);
+    let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
+    kept.flat_map(|(_, rows)| rows).copied().collect()
+}
 
 fn push(items: &mut Vec<Value>, item: Value) -> usize {
     items.push(item);

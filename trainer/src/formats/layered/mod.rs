@@ -24,11 +24,6 @@ pub(crate) struct LayeredPicture {
     content: Content,
 }
 
-enum Content {
-    Ora(ora::Archive),
-    Psd(psd::Document),
-}
-
 /// Whether a file has the ending of a layered picture.
 pub(crate) fn is_layered(file: &Path) -> bool {
     let ending = file.extension().map(|ending| ending.to_ascii_lowercase());
@@ -233,4 +228,9 @@ pub enum LayeredError {
         /// The fault.
         what: String,
     },
+}
+
+enum Content {
+    Ora(ora::Archive),
+    Psd(psd::Document),
 }

@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 /// Characters of a faulty line that an error shows.
 const SHOWN: usize = 60;
 
+/// File stem of the neutral mesh.
+const NEUTRAL: &str = "neutral";
+
 /// Reads a mesh: all vertices and faces of the file, of every object and group.
 ///
 /// # Errors
@@ -50,13 +53,6 @@ pub(in crate::formats) struct Parsed {
     normals: Vec<[f64; 3]>,
 }
 
-/// Indices of a corner of a face, from 0.
-struct Corner {
-    vertex: usize,
-    texture: Option<usize>,
-    normal: Option<usize>,
-}
-
 /// Reads a file without splitting its polygons.
 pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, FileError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read);
@@ -64,97 +60,6 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, FileError> {
         .and_then(|bytes| parse(&bytes).map_err(FormatError::from))
         .map_err(|error| FileError { file: path.to_owned(), error })
 }
-
-/// Parses vertices, texture coordinates, normals and faces; other lines do not concern the shape.
-///
-/// No crate serves here. tobj renumbers vertices by their first use, which loses the order that shapes share. obj loses
-/// faces between some `g` and `o` lines, and panics on some names in them.
-fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
-    let mut positions = Vec::new();
-    let mut texture = Vec::new();
-    let mut normals = Vec::new();
-    let mut corners = Vec::new();
-    let mut polygons = Polygons::default();
-    if bytes.contains(&0) {
-        return Err(ObjError::Binary);
-    }
-    for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
-        let mut words = line.split_ascii_whitespace();
-        let read = match words.next() {
-            Some("v") => numbers(&mut words).map(|position| positions.push(position)),
-            Some("vt") => numbers(&mut words).map(|uv| texture.push(uv)),
-            Some("vn") => numbers(&mut words).map(|normal| normals.push(normal)),
-            Some("f") => {
-                let begin = corners.len();
-                words
-                    .try_for_each(|word| {
-                        let len = [positions.len(), texture.len(), normals.len()];
-                        corners.push(Corner::parse(word, len)?);
-                        Some(())
-                    })
-                    .map(|()| polygons.push(corners[begin..].iter().map(|corner| corner.vertex)))
-            }
-            _ => Some(()),
-        };
-        read.ok_or_else(|| ObjError::Line {
-            line: number + 1,
-            text: line.trim().chars().take(SHOWN).collect(),
-        })?;
-    }
-    // Checked at the end, because faces may precede their vertices.
-    let mut left = corners.iter();
-    for (face, polygon) in polygons.iter().enumerate() {
-        let absent = |what, len| ObjError::Corner { face: face + 1, what, len };
-        for corner in left.by_ref().take(polygon.len()) {
-            if corner.vertex >= positions.len() {
-                return Err(absent("vertex", positions.len()));
-            }
-            if corner.texture.is_some_and(|place| place >= texture.len()) {
-                return Err(absent("texture coordinate", texture.len()));
-            }
-            if corner.normal.is_some_and(|place| place >= normals.len()) {
-                return Err(absent("normal", normals.len()));
-            }
-        }
-    }
-    Ok(Parsed { positions, polygons, corners, texture, normals })
-}
-
-impl Corner {
-    /// Parses `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`. A negative number counts back
-    /// from the items read so far.
-    fn parse(word: &str, [vertex_len, texture_len, normal_len]: [usize; 3]) -> Option<Self> {
-        let mut parts = word.split('/');
-        let vertex = place(parts.next()?, vertex_len)?;
-        let mut named = |len| match parts.next() {
-            None | Some("") => Some(None),
-            Some(part) => place(part, len).map(Some),
-        };
-        Some(Self { vertex, texture: named(texture_len)?, normal: named(normal_len)? })
-    }
-}
-
-/// Turns a number that counts from 1, or back from -1, into an index. A number before the first item gives an index
-/// past the end.
-fn place(word: &str, len: usize) -> Option<usize> {
-    match word.parse::<isize>().ok()? {
-        0 => None,
-        number if number > 0 => Some(number.unsigned_abs() - 1),
-        number => Some(len.checked_sub(number.unsigned_abs()).unwrap_or(usize::MAX)),
-    }
-}
-
-/// Parses N finite numbers; ignores any words behind them.
-fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = words.next()?.parse().ok().filter(|number: &f64| number.is_finite())?;
-    }
-    Some(numbers)
-}
-
-/// File stem of the neutral mesh.
-const NEUTRAL: &str = "neutral";
 
 /// Reads `neutral.obj` and every other OBJ of its folder. Shapes are named after their files and sorted by name.
 ///
@@ -250,14 +155,6 @@ pub(crate) fn with_positions(text: &str, positions: &[[f64; 3]]) -> String {
     out
 }
 
-fn push_line(out: &mut String, word: &str, numbers: &[f64]) {
-    *out += word;
-    for number in numbers {
-        let _ = write!(out, " {}", *number as f32);
-    }
-    out.push('\n');
-}
-
 /// Reasons why an OBJ file, or a folder of them, cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ObjError {
@@ -299,4 +196,107 @@ pub enum ObjError {
         /// Vertices of the shape.
         found: usize,
     },
+}
+
+/// Indices of a corner of a face, from 0.
+struct Corner {
+    vertex: usize,
+    texture: Option<usize>,
+    normal: Option<usize>,
+}
+
+/// Parses vertices, texture coordinates, normals and faces; other lines do not concern the shape.
+///
+/// No crate serves here. tobj renumbers vertices by their first use, which loses the order that shapes share. obj loses
+/// faces between some `g` and `o` lines, and panics on some names in them.
+fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
+    let mut positions = Vec::new();
+    let mut texture = Vec::new();
+    let mut normals = Vec::new();
+    let mut corners = Vec::new();
+    let mut polygons = Polygons::default();
+    if bytes.contains(&0) {
+        return Err(ObjError::Binary);
+    }
+    for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
+        let mut words = line.split_ascii_whitespace();
+        let read = match words.next() {
+            Some("v") => numbers(&mut words).map(|position| positions.push(position)),
+            Some("vt") => numbers(&mut words).map(|uv| texture.push(uv)),
+            Some("vn") => numbers(&mut words).map(|normal| normals.push(normal)),
+            Some("f") => {
+                let begin = corners.len();
+                words
+                    .try_for_each(|word| {
+                        let len = [positions.len(), texture.len(), normals.len()];
+                        corners.push(Corner::parse(word, len)?);
+                        Some(())
+                    })
+                    .map(|()| polygons.push(corners[begin..].iter().map(|corner| corner.vertex)))
+            }
+            _ => Some(()),
+        };
+        read.ok_or_else(|| ObjError::Line {
+            line: number + 1,
+            text: line.trim().chars().take(SHOWN).collect(),
+        })?;
+    }
+    // Checked at the end, because faces may precede their vertices.
+    let mut left = corners.iter();
+    for (face, polygon) in polygons.iter().enumerate() {
+        let absent = |what, len| ObjError::Corner { face: face + 1, what, len };
+        for corner in left.by_ref().take(polygon.len()) {
+            if corner.vertex >= positions.len() {
+                return Err(absent("vertex", positions.len()));
+            }
+            if corner.texture.is_some_and(|place| place >= texture.len()) {
+                return Err(absent("texture coordinate", texture.len()));
+            }
+            if corner.normal.is_some_and(|place| place >= normals.len()) {
+                return Err(absent("normal", normals.len()));
+            }
+        }
+    }
+    Ok(Parsed { positions, polygons, corners, texture, normals })
+}
+
+impl Corner {
+    /// Parses `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`. A negative number counts back
+    /// from the items read so far.
+    fn parse(word: &str, [vertex_len, texture_len, normal_len]: [usize; 3]) -> Option<Self> {
+        let mut parts = word.split('/');
+        let vertex = place(parts.next()?, vertex_len)?;
+        let mut named = |len| match parts.next() {
+            None | Some("") => Some(None),
+            Some(part) => place(part, len).map(Some),
+        };
+        Some(Self { vertex, texture: named(texture_len)?, normal: named(normal_len)? })
+    }
+}
+
+/// Turns a number that counts from 1, or back from -1, into an index. A number before the first item gives an index
+/// past the end.
+fn place(word: &str, len: usize) -> Option<usize> {
+    match word.parse::<isize>().ok()? {
+        0 => None,
+        number if number > 0 => Some(number.unsigned_abs() - 1),
+        number => Some(len.checked_sub(number.unsigned_abs()).unwrap_or(usize::MAX)),
+    }
+}
+
+/// Parses N finite numbers; ignores any words behind them.
+fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = words.next()?.parse().ok().filter(|number: &f64| number.is_finite())?;
+    }
+    Some(numbers)
+}
+
+fn push_line(out: &mut String, word: &str, numbers: &[f64]) {
+    *out += word;
+    for number in numbers {
+        let _ = write!(out, " {}", *number as f32);
+    }
+    out.push('\n');
 }

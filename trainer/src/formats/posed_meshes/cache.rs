@@ -17,6 +17,12 @@ const VERSION: i32 = 1;
 /// Bytes before the points: magic, version, points, first frame, step, frames.
 const PC2_HEADER_BYTES: usize = 32;
 
+/// Bytes before the times: the counts of frames and of points.
+const MDD_HEADER_BYTES: usize = 8;
+
+/// Bytes of a point.
+const POINT_BYTES: u64 = 12;
+
 /// Reads a `.pc2` file.
 ///
 /// # Errors
@@ -64,32 +70,6 @@ pub fn save_pc2(path: &Path, vertex_len: usize, vertices: &[[f64; 3]]) -> Result
         .map_err(|error| FileError { file: path.to_owned(), error: FormatError::Write(error) })
 }
 
-fn encode(vertex_len: usize, vertices: &[[f64; 3]]) -> io::Result<Vec<u8>> {
-    let refuse = |reason: String| io::Error::new(io::ErrorKind::InvalidInput, reason);
-    let len = vertices.len();
-    if vertex_len == 0 || len == 0 || !len.is_multiple_of(vertex_len) {
-        return Err(refuse(format!("{len} positions are no whole frames of {vertex_len}")));
-    }
-    let count = |len: usize| {
-        i32::try_from(len).map_err(|_| refuse(format!("{len} is more than a .pc2 can count")))
-    };
-    let (points, frames) = (count(vertex_len)?, count(len / vertex_len)?);
-    let mut bytes = Vec::with_capacity(PC2_HEADER_BYTES + 12 * len);
-    bytes.extend(MAGIC);
-    bytes.extend(VERSION.to_le_bytes());
-    bytes.extend(points.to_le_bytes());
-    bytes.extend(0f32.to_le_bytes());
-    bytes.extend(1f32.to_le_bytes());
-    bytes.extend(frames.to_le_bytes());
-    for number in vertices.as_flattened() {
-        bytes.extend((*number as f32).to_le_bytes());
-    }
-    Ok(bytes)
-}
-
-/// Bytes before the times: the counts of frames and of points.
-const MDD_HEADER_BYTES: usize = 8;
-
 /// Reads an `.mdd` file.
 ///
 /// # Errors
@@ -111,9 +91,6 @@ pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     let counts = Counts::new(i32::from_be_bytes([e, f, g, h]), frames)?;
     counts.read(bytes, MDD_HEADER_BYTES as u64 + 4 * counts.frame_len(), f32::from_be_bytes)
 }
-
-/// Bytes of a point.
-const POINT_BYTES: u64 = 12;
 
 /// The numbers of points and frames in a header, at least 1 each.
 #[derive(Clone, Copy)]
@@ -160,4 +137,27 @@ impl Counts {
         let vertices = points.par_iter().map(point).collect();
         Ok(PosedMeshes::bare(self.vertex_len as usize, vertices))
     }
+}
+
+fn encode(vertex_len: usize, vertices: &[[f64; 3]]) -> io::Result<Vec<u8>> {
+    let refuse = |reason: String| io::Error::new(io::ErrorKind::InvalidInput, reason);
+    let len = vertices.len();
+    if vertex_len == 0 || len == 0 || !len.is_multiple_of(vertex_len) {
+        return Err(refuse(format!("{len} positions are no whole frames of {vertex_len}")));
+    }
+    let count = |len: usize| {
+        i32::try_from(len).map_err(|_| refuse(format!("{len} is more than a .pc2 can count")))
+    };
+    let (points, frames) = (count(vertex_len)?, count(len / vertex_len)?);
+    let mut bytes = Vec::with_capacity(PC2_HEADER_BYTES + 12 * len);
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(points.to_le_bytes());
+    bytes.extend(0f32.to_le_bytes());
+    bytes.extend(1f32.to_le_bytes());
+    bytes.extend(frames.to_le_bytes());
+    for number in vertices.as_flattened() {
+        bytes.extend((*number as f32).to_le_bytes());
+    }
+    Ok(bytes)
 }

@@ -11,6 +11,13 @@ const SAME: f64 = 1e-9;
 /// Allowed frames a second of an animation.
 pub const RATES: RangeInclusive<f64> = 0.001..=10_000.0;
 
+/// Seconds below which two keys count as one: files store times in single precision.
+pub(super) const SAME_TIME: f64 = 1e-5;
+/// Largest relative difference of steps between keys that count as even.
+pub(crate) const EVEN: f64 = 0.01;
+/// Most frames of a clip: ten hours at 30 a second.
+const FRAMES_MAX: f64 = 1_080_000.0;
+
 /// Consecutive frames of one animation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clip {
@@ -129,13 +136,6 @@ impl Sampling<'_> {
         }
     }
 }
-
-/// Seconds below which two keys count as one: files store times in single precision.
-pub(super) const SAME_TIME: f64 = 1e-5;
-/// Largest relative difference of steps between keys that count as even.
-pub(crate) const EVEN: f64 = 0.01;
-/// Most frames of a clip: ten hours at 30 a second.
-const FRAMES_MAX: f64 = 1_080_000.0;
 
 /// Chooses the times at which the clip `name` is sampled, in seconds, ascending: its keys, or a given rate from the
 /// first key to the last.

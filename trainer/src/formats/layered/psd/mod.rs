@@ -10,6 +10,20 @@ use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
 use std::ops::Range;
 
+/// Names and keys of blocks that change the look of a layer and are not supported.
+const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
+    ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
+    ("a vector mask", &[b"vmsk", b"vsms"]),
+    ("a fill", &[b"SoCo", b"GdFl", b"PtFl"]),
+    (
+        "an adjustment",
+        &[
+            b"levl", b"curv", b"hue2", b"hue ", b"brit", b"blnc", b"selc", b"thrs", b"nvrt",
+            b"post", b"grdm", b"phfl", b"mixr", b"expA", b"vibA", b"clrL", b"blwh",
+        ],
+    ),
+];
+
 /// A Photoshop file, with the records of its layers.
 pub(super) struct Document {
     bytes: Vec<u8>,
@@ -161,20 +175,6 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
         _ => Err(LayeredError::Damaged("a group has no end".to_owned())),
     }
 }
-
-/// Names and keys of blocks that change the look of a layer and are not supported.
-const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
-    ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
-    ("a vector mask", &[b"vmsk", b"vsms"]),
-    ("a fill", &[b"SoCo", b"GdFl", b"PtFl"]),
-    (
-        "an adjustment",
-        &[
-            b"levl", b"curv", b"hue2", b"hue ", b"brit", b"blnc", b"selc", b"thrs", b"nvrt",
-            b"post", b"grdm", b"phfl", b"mixr", b"expA", b"vibA", b"clrL", b"blwh",
-        ],
-    ),
-];
 
 /// A layer, the end of a group, or the beginning of a group.
 struct Record {
