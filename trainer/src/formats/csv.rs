@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_parted_as_the_names_are() {
+    fn cells_are_separated_as_the_names_are() {
         let expected = "[(2, [1.5, -2.0]), (3, [3.0, 0.25])]";
         for text in [
             "a,b\n1.5,-2\n3,0.25\n",
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn separators_at_the_end_of_a_line_part_off_nothing() {
+    fn separators_at_the_end_of_a_line_make_no_column() {
         let expected = "[(2, [1.0, 2.0]), (3, [3.0, 4.0])]";
         for text in ["a,b,\n1,2,\n3,4,\n", "a,b\n1,2,\n3,4,,\n", "a,b,,\n1,2\n3,4\n"] {
             assert_eq!(message_of(text), expected, "{text:?}");
@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_by_line() {
+    fn errors_name_the_line() {
         for (text, expected) in [
             ("a,b\n1,2\n3\n", "line 3: expected 2 columns, found 1"),
             ("a,b\n1,2,3\n", "line 2: expected 2 columns, found 3"),

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_or_crosses_itself_becomes_as_many_triangles() {
+    fn polygons_without_area_or_with_crossings_become_as_many_triangles() {
         let star = |corner: usize| {
             let angle = corner as f64 * 0.8 * std::f64::consts::PI;
             [angle.cos(), angle.sin(), 0.0]

@@ -100,39 +100,6 @@ impl Corners {
     }
 }
 
-/// Triangles with texture coordinates.
-pub(super) struct Textured<'a> {
-    /// Positions of the vertices.
-    pub(super) positions: &'a [[f64; 3]],
-    /// The vertex at each corner, C.
-    pub(super) vertices: &'a [usize],
-    /// Normals of the corners, of length 1, C.
-    pub(super) normals: &'a [[f64; 3]],
-    /// Texture coordinates of the corners, C.
-    pub(super) uv: &'a [[f64; 2]],
-    /// Corners of each triangle, T.
-    pub(super) triangles: &'a [[usize; 3]],
-}
-
-impl Textured<'_> {
-    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
-    pub(super) fn tangents(&self) -> Vec<[f64; 4]> {
-        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
-        // The checks of the examples report numbers that are not finite.
-        if !self.is_finite() {
-            return faces.found;
-        }
-        // `Faces` returns no error, so neither can the generator.
-        let _ = generate_tangents(&mut faces);
-        faces.found
-    }
-
-    fn is_finite(&self) -> bool {
-        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
-        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
-    }
-}
-
 impl EngineMesh {
     /// Makes the engine vertices of a mesh from texture coordinates at the corners of triangles, 3T.
     pub fn of_corners(positions: &[[f64; 3]], triangles: &[[usize; 3]], uv: Vec<[f64; 2]>) -> Self {
@@ -207,6 +174,39 @@ fn gather<T: Copy + Default>(all: &[T], corners: &[Option<usize>]) -> Vec<T> {
     corners.iter().map(|corner| corner.map(|corner| all[corner]).unwrap_or_default()).collect()
 }
 
+/// Triangles with texture coordinates.
+struct Textured<'a> {
+    /// Positions of the vertices.
+    positions: &'a [[f64; 3]],
+    /// The vertex at each corner, C.
+    vertices: &'a [usize],
+    /// Normals of the corners, of length 1, C.
+    normals: &'a [[f64; 3]],
+    /// Texture coordinates of the corners, C.
+    uv: &'a [[f64; 2]],
+    /// Corners of each triangle, T.
+    triangles: &'a [[usize; 3]],
+}
+
+impl Textured<'_> {
+    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
+    fn tangents(&self) -> Vec<[f64; 4]> {
+        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
+        // The checks of the examples report numbers that are not finite.
+        if !self.is_finite() {
+            return faces.found;
+        }
+        // `Faces` returns no error, so neither can the generator.
+        let _ = generate_tangents(&mut faces);
+        faces.found
+    }
+
+    fn is_finite(&self) -> bool {
+        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
+        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
+    }
+}
+
 struct Faces<'a> {
     mesh: &'a Textured<'a>,
     found: Vec<[f64; 4]>,
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn alike_corners_are_one_vertex_in_the_mesh_s_order() {
+    fn equal_corners_are_one_vertex_in_the_mesh_s_order() {
         let plain = split(corners());
         assert!(plain.is_plain());
         assert_eq!(plain.triangles, [[2, 0, 1], [0, 2, 4]]);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_part_a_vertex_unless_rounding_does() {
+    fn normals_split_a_vertex_unless_they_differ_by_rounding() {
         let leaning = |x: f64| vec![[x, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 1.0]];
         let with = |x: f64| {
             let normals = [vec![[0.0, 0.0, 1.0]; 3], leaning(x)].concat();
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_texture_parts_a_vertex_by_its_tangents() {
+    fn mirrored_texture_splits_a_vertex_by_its_tangents() {
         // A sheet whose halves share one picture: on both sides u grows away from the edge between 0 and 2.
         let uv = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         let mesh = split(Corners { uv: Some(uv.to_vec()), ..corners() });
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn authored_tangents_part_a_vertex_but_none_joins_any() {
+    fn authored_tangents_split_a_vertex_unless_zero() {
         let mut tangents = vec![[1.0, 0.0, 0.0, 1.0]; 6];
         tangents[4][3] = -1.0;
         let mesh = split(Corners { tangents: Some(tangents.clone()), ..corners() });

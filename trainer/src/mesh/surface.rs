@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_share_what_their_vertex_has() {
+    fn copies_share_the_values_of_their_vertex() {
         let engine = EngineMesh {
             copy_of: vec![0, 1, 1, 2],
             triangles: vec![[0, 1, 3], [0, 3, 2]],

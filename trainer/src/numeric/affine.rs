@@ -102,7 +102,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     #[test]
-    fn a_tangent_is_of_length_1_and_square_to_its_normal() {
+    fn a_tangent_has_length_1_and_is_orthogonal_to_its_normal() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(2);
         let any = |_| Vector3::from_fn(|_, _| random.random_range(-1.0..1.0)).normalize();
         let poles = [Vector3::z(), -Vector3::z(), Vector3::x(), -Vector3::y()];

@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_apart_are_groups_apart() {
+    fn distant_points_are_in_different_groups() {
         let points = Mat::from_fn(2, 30, |r, i| (i / 10 * 10) as f64 + 0.1 * ((r + i) % 7) as f64);
         let group = cluster(&points, 3);
         for i in 0..30 {
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_no_more_groups_than_points_that_differ() {
+    fn there_are_at_most_as_many_groups_as_distinct_points() {
         let points = Mat::from_fn(2, 8, |_, i| (i % 2) as f64);
         let group = cluster(&points, 5);
         assert!(group.iter().all(|&g| g < 2) && group[0] != group[1] && group[0] == group[2]);

@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn coinciding_columns_and_nothing_but_rounding_are_no_trouble() {
+    fn coinciding_columns_and_pure_rounding_noise_have_a_solution() {
         let mut noise = gram(&[[0.0; 3]; 12], [0.0; 3]);
         for i in 0..12 {
             for j in 0..12 {

@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_are_where_they_were_put() {
+    fn shapes_are_at_their_positions() {
         let picture = drawing().picture();
         assert_eq!(picture.colour([0, 0]), [255; 3]);
         assert_eq!(picture.colour([15, 15]), [10, 20, 30]);

@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn digits_stand_in_threes() {
+    fn digits_are_grouped_by_three() {
         for (number, expected) in [(0, "0"), (999, "999"), (1000, "1 000"), (26_756, "26 756")] {
             assert_eq!(grouped(number).replace('\u{202f}', " "), expected);
         }

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_beyond_the_picture_are_left_alone() {
+    fn pixels_outside_the_picture_are_ignored() {
         let mut picture = Picture::filled(2, 2, [0; 3]);
         picture.mix([2, 0], [255; 3], 1.0);
         picture.mix([1, 1], [200; 3], 0.5);

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_covers_the_pixels_whose_middle_it_holds() {
+    fn a_triangle_covers_the_pixels_whose_centre_lies_inside() {
         let corners = [[0.2, 0.2, 0.0], [8.2, 0.2, 0.0], [0.2, 8.2, 0.0]];
         for triangle in [[0, 1, 2], [0, 2, 1]] {
             let hits = mesh(&corners, &[triangle]).hits(&camera(10, 9));
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_counts_by_pixels_on_the_outside_alone() {
+    fn only_the_visible_outside_counts() {
         let corners = [[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
         let seen = |triangle| mesh(&corners, &[triangle]).seen(&[3.0; 3], &camera(9, 9));
         // Pixel centres with x + y <= 8: 8 + 7 + … + 1.

@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_not_guessed() {
+    fn unknown_axes_and_units_are_not_guessed() {
         let unknown = Space::default();
         assert_eq!(Conversion::between(&unknown, &UNREAL), None);
         assert_eq!(Conversion::between(&UNREAL, &unknown), None);

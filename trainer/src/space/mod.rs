@@ -123,7 +123,7 @@ mod tests {
     const GLTF: Space = Space::GLTF;
 
     #[test]
-    fn spaces_that_cannot_be_are_refused() {
+    fn contradictory_spaces_are_refused() {
         for (up, forward) in [(Axis::Z, Axis::Z), (Axis::Z, Axis::MinusZ), (Axis::MinusY, Axis::Y)]
         {
             let request =

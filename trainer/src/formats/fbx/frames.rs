@@ -195,7 +195,7 @@ pub(super) fn node_names(
 }
 
 /// Returns, for each of some nodes, the nearest of these nodes above it; several may have none.
-pub(super) fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
+fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
     let of = |place: usize| nodes.iter().position(|&node| node == place);
     nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
 }

@@ -66,29 +66,26 @@ pub(super) fn join(
 ) -> Geometry {
     let mut rest = Vec::new();
     let (mut triangles, mut places) = (Vec::new(), Vec::new());
-    let mut corners = CornerLists::default();
+    let mut corners = Corners::default();
     let mut ranges = Vec::new();
     for part in parts {
         let (mesh, first) = (&scene.meshes[part.mesh], rest.len());
         let vertices = rest_vertices(scene, mesh);
-        let positions: Vec<[f64; 3]> = vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
+        let positions: Vec<[f64; 3]> = vertices.iter().map(|&v| array(v)).collect();
         let mirrored = ufbx::matrix_determinant(&part.rest) < 0.0;
         let polygons = polygons(mesh);
-        let (own, begin) = (polygons.corners(), corners.len());
+        let (own, begin) = (polygons.corners(), corners.vertices.len());
         for [a, b, c] in polygons.corner_triangles(&positions) {
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             triangles.push(corners.map(|corner| own[corner] + first));
             places.push(corners.map(|corner| corner + begin));
         }
-        corners.add(mesh, first, &part.rest);
-        let place = |&v: &ufbx::Vec3| {
-            let v = ufbx::transform_position(&part.rest, v);
-            [v.x, v.y, v.z]
-        };
+        add_corners(&mut corners, mesh, first, &part.rest);
+        let place = |&v: &Vec3| array(ufbx::transform_position(&part.rest, v));
         rest.extend(vertices.iter().map(place));
         ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
     }
-    let (engine, count) = corners.finish().engine_mesh(&rest, &places);
+    let (engine, count) = corners.engine_mesh(&rest, &places);
     if count > 0 {
         warnings.push(FormatWarning::NormalsRepaired { count });
     }
@@ -182,10 +179,7 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
             continue;
         }
         let first = out.positions.len();
-        let place = |v: &ufbx::Vec3| {
-            let v = ufbx::transform_position(&part.rest, *v);
-            [v.x, v.y, v.z]
-        };
+        let place = |&v: &Vec3| array(ufbx::transform_position(&part.rest, v));
         out.positions.extend(mesh.vertices.iter().map(place));
         let mut corner = 0;
         let first_uv = out.uv.len();
@@ -220,8 +214,7 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
             let moved = moved.filter(|(vertex, _)| (**vertex as usize) < len);
             let moved: Vec<_> = moved
                 .map(|(&vertex, &by)| {
-                    let by = ufbx::transform_direction(&part.rest, by);
-                    (first + vertex as usize, [by.x, by.y, by.z])
+                    (first + vertex as usize, array(ufbx::transform_direction(&part.rest, by)))
                 })
                 .collect();
             out.add(&name, moved.into_iter());
@@ -247,7 +240,7 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
 ///
 /// A channel that no clip animates is constant, so its offsets belong to the rest mesh. An animated channel is off at
 /// rest: its stored weight is that of the frame in which the scene was saved.
-pub(super) fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
+fn rest_vertices(scene: &Scene, mesh: &Mesh) -> Vec<Vec3> {
     let mut vertices = mesh.vertices.to_vec();
     for channel in channels(mesh).filter(|channel| !is_keyed(scene, channel)) {
         for keyframe in &channel.keyframes {
@@ -270,65 +263,13 @@ pub(super) fn channels(mesh: &Mesh) -> impl Iterator<Item = &BlendChannel> {
 }
 
 /// Returns the faces of a mesh.
-pub(super) fn polygons(mesh: &Mesh) -> Polygons {
+fn polygons(mesh: &Mesh) -> Polygons {
     let mut polygons = Polygons::default();
     for face in &mesh.faces {
         let corners = mesh.vertex_indices.iter().skip(face.index_begin as usize);
         polygons.push(corners.take(face.num_indices as usize).map(|&vertex| vertex as usize));
     }
     polygons
-}
-
-/// The corners of several meshes, one after another.
-#[derive(Default)]
-pub(super) struct CornerLists {
-    all: Corners,
-}
-
-impl CornerLists {
-    /// Counts the corners so far.
-    pub(super) fn len(&self) -> usize {
-        self.all.vertices.len()
-    }
-
-    /// Appends the corners of a mesh's faces.
-    ///
-    /// - `first`: index of the mesh's first vertex among all vertices.
-    /// - `rest`: from the mesh to its bind pose.
-    pub(super) fn add(&mut self, mesh: &Mesh, first: usize, rest: &Matrix) {
-        let begin = self.len();
-        let corners: Vec<usize> = mesh
-            .faces
-            .iter()
-            .flat_map(|face| face.index_begin..face.index_begin + face.num_indices)
-            .map(|corner| corner as usize)
-            .collect();
-        let vertices = corners.iter().map(|&corner| first + mesh.vertex_indices[corner] as usize);
-        self.all.vertices.extend(vertices);
-        let turn = ufbx::matrix_for_normals(rest);
-        let normal = |corner| {
-            at(&mesh.vertex_normal, corner).map(|n| array(ufbx::transform_direction(&turn, n)))
-        };
-        let tangent = |corner| {
-            let tangent = at(&mesh.vertex_tangent, corner)?;
-            let [x, y, z] = array(ufbx::transform_direction(rest, tangent));
-            Some([x, y, z, handedness(mesh, corner, tangent)])
-        };
-        let uv = |corner: usize| {
-            let uv = &mesh.vertex_uv;
-            let place = *uv.indices.get(corner)? as usize;
-            uv.values.get(place).map(|uv| [uv.x, uv.y])
-        };
-        let corners = corners.as_slice();
-        extend(&mut self.all.normals, begin, corners, normal);
-        extend(&mut self.all.tangents, begin, corners, tangent);
-        extend(&mut self.all.uv, begin, corners, uv);
-    }
-
-    /// Returns the corners.
-    pub(super) fn finish(self) -> Corners {
-        self.all
-    }
 }
 
 fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
@@ -360,6 +301,39 @@ fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
         let has_keys = curves.iter().flatten().any(|curve| !curve.keyframes.is_empty());
         own && *property.prop_name == *WEIGHT && has_keys
     })
+}
+
+/// Appends the corners of a mesh's faces.
+///
+/// - `first`: index of the mesh's first vertex among all vertices.
+/// - `rest`: from the mesh to its bind pose.
+fn add_corners(all: &mut Corners, mesh: &Mesh, first: usize, rest: &Matrix) {
+    let begin = all.vertices.len();
+    let corners: Vec<usize> = mesh
+        .faces
+        .iter()
+        .flat_map(|face| face.index_begin..face.index_begin + face.num_indices)
+        .map(|corner| corner as usize)
+        .collect();
+    let vertices = corners.iter().map(|&corner| first + mesh.vertex_indices[corner] as usize);
+    all.vertices.extend(vertices);
+    let turn = ufbx::matrix_for_normals(rest);
+    let normal = |corner| {
+        at(&mesh.vertex_normal, corner).map(|n| array(ufbx::transform_direction(&turn, n)))
+    };
+    let tangent = |corner| {
+        let tangent = at(&mesh.vertex_tangent, corner)?;
+        let [x, y, z] = array(ufbx::transform_direction(rest, tangent));
+        Some([x, y, z, handedness(mesh, corner, tangent)])
+    };
+    let uv = |corner: usize| {
+        let uv = &mesh.vertex_uv;
+        let place = *uv.indices.get(corner)? as usize;
+        uv.values.get(place).map(|uv| [uv.x, uv.y])
+    };
+    extend(&mut all.normals, begin, &corners, normal);
+    extend(&mut all.tangents, begin, &corners, tangent);
+    extend(&mut all.uv, begin, &corners, uv);
 }
 
 /// Appends an attribute of a mesh's corners; 0 for corners and earlier meshes without the attribute.

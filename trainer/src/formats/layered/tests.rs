@@ -244,7 +244,7 @@ fn a_clipped_layer_is_as_opaque_as_its_base() {
 }
 
 #[test]
-fn layers_whose_pixels_are_not_all_are_refused() {
+fn layers_with_effects_are_refused() {
     let folder = Folder::new("layered-unread");
     let rows: [Row<'_>; 1] = [("a", [255, 0], 0, b"norm")];
     for (key, what) in

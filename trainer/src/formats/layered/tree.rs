@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_take_over_from_their_groups() {
+    fn layers_inherit_from_their_groups() {
         let inner = vec![
             node("a", false, None),
             node("b", true, None),

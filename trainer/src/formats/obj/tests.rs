@@ -47,7 +47,7 @@ fn vertices_keep_their_order_and_numbers_count_from_either_end() {
 }
 
 #[test]
-fn a_seam_splits_the_engine_s_vertices_alone() {
+fn a_seam_splits_only_the_engine_s_vertices() {
     let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nvt 1 0\n";
     let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let faces = "f 1/1 2/2 3/3\nf 2/5 4/4 3/3\n";
@@ -92,7 +92,7 @@ fn a_comment_in_another_encoding_does_no_harm() {
 }
 
 #[test]
-fn what_is_no_text_is_called_so() {
+fn binary_files_are_refused() {
     let folder = Folder::new("obj-binary");
     let error = load(&folder.write("a.obj", b"PK\x03\x04\0\0v \xff")).unwrap_err();
     assert!(error.to_string().ends_with("is no text, as an OBJ file is"), "{error}");
@@ -125,7 +125,7 @@ fn bad_lines_are_named() {
 }
 
 #[test]
-fn faces_that_name_what_is_not_there_are_named() {
+fn faces_with_missing_items_are_refused() {
     for bad in
         ["f 1 2 5", "f -5 1 2", &format!("f 1 2 {}", i64::MAX), &format!("f 1 2 {}", i64::MIN)]
     {
@@ -216,7 +216,7 @@ fn files_beside_the_neutral_one_are_shapes_by_name() {
 }
 
 #[test]
-fn what_is_no_face_is_told() {
+fn folders_that_are_not_faces_are_refused() {
     let folder = Folder::new("obj-none");
     assert!(said(&folder).contains("has no neutral.obj"), "{}", said(&folder));
     folder.write("neutral.obj", NEUTRAL_TEXT);
@@ -234,7 +234,7 @@ fn what_is_no_face_is_told() {
 }
 
 #[test]
-fn what_is_written_is_read_again_and_moved_alone() {
+fn a_written_mesh_reads_back_and_takes_other_positions() {
     let positions = [[0.0, 0.5, 0.0], [1.0, 0.0, -2.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let (uv, faces) = ([[0.0, 0.25], [1.0, 0.0]], vec![vec![0, 1, 2, 3], vec![2, 1, 0]]);
     let uv_faces = vec![vec![0, 1, 1, 0], vec![1, 1, 1]];
@@ -250,7 +250,7 @@ fn what_is_written_is_read_again_and_moved_alone() {
 }
 
 #[test]
-fn faces_without_texture_are_numbers_alone() {
+fn faces_without_texture_have_only_vertex_numbers() {
     let text = text(&[[0.0; 3]; 3], &[], &[vec![0, 1, 2]], &[]);
     assert_eq!(text, "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
 }

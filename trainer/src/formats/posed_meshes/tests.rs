@@ -55,7 +55,7 @@ fn point_caches_are_read_in_either_order_of_bytes() {
 }
 
 #[test]
-fn what_is_saved_as_pc2_is_read_again() {
+fn a_saved_pc2_reads_back() {
     let folder = Folder::new("save-pc2");
     let file = folder.0.join("b.pc2");
     save_pc2(&file, 3, &FRAMES).unwrap();
@@ -78,7 +78,7 @@ fn what_is_saved_as_pc2_is_read_again() {
 }
 
 #[test]
-fn headers_that_lie_are_refused_before_anything_is_made() {
+fn wrong_headers_are_refused_before_allocation() {
     let fault = |result: Result<PosedMeshes, PointCacheError>| result.unwrap_err().to_string();
     let found = fault(cache::parse_pc2(&pc2_bytes(4, 2, 1)));
     assert_eq!(
@@ -113,7 +113,7 @@ fn headers_that_lie_are_refused_before_anything_is_made() {
 }
 
 #[test]
-fn cut_caches_and_bytes_after_the_end_are_refused_and_none_panics() {
+fn truncated_and_too_long_caches_are_refused_without_panic() {
     let (mut pc2, mut mdd) = (pc2_bytes(3, 2, 1), mdd_bytes(3, 2));
     for len in 0..pc2.len() {
         assert!(cache::parse_pc2(&pc2[..len]).is_err(), "{len}");
@@ -185,7 +185,7 @@ fn two_meshes_of_one_number_are_refused() {
 }
 
 #[test]
-fn what_a_sequence_leaves_out_is_named_as_its_neighbours_are() {
+fn missing_files_are_named_like_their_neighbours() {
     let leaves_out = |files: &[&str]| missing(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
     assert_eq!(leaves_out(&["leg0048.obj", "leg0049.obj", "leg0051.obj"]), ["leg0050.obj"]);
     assert_eq!(

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mismatch_is_named_with_the_option_that_mends_it() {
+    fn a_mismatch_names_the_option_that_helps() {
         let own = ["root", "mid", "tip"];
         let with = |prefix: &str| own.map(|name| format!("{prefix}{name}"));
         for (prefix, option) in [

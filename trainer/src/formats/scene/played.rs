@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_turn_needs_its_keys_alone() {
+    fn an_even_turn_needs_only_its_keys() {
         assert_eq!(times(&sampled(&[0.0, 1.0, 2.5], None, |time| time)), [0.0, 1.0, 2.5]);
     }
 
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_a_baked_file_are_not_parted() {
+    fn baked_frames_are_not_subdivided() {
         let sampling =
             Sampling { fps: None, clips: &[], shapes: false, still: false, played: true };
         // A turn over one baked frame at 24 frames a second, then a curve over ten frames.
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_has_as_many_as_bring_it_near() {
+    fn a_curve_has_enough_samples() {
         let curve = |time: f64| time * time;
         let found = sampled(&[0.0, 1.0], None, curve);
         let measure =

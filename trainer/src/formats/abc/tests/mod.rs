@@ -99,7 +99,7 @@ fn transforms_above_a_mesh_move_it_frame_by_frame() {
 }
 
 #[test]
-fn a_transform_may_stand_for_itself() {
+fn a_transform_may_not_inherit() {
     let far = moving("Far", &[0x10], &[vec![9.0, 9.0, 9.0]]);
     let operations = scalar(".ops", 1, 1, vec![0x50]);
     // Angles about y, as an array of one.
@@ -156,7 +156,7 @@ fn small() -> Vec<u8> {
 }
 
 #[test]
-fn what_is_no_archive_is_told_apart() {
+fn files_that_are_not_archives_are_refused() {
     let hdf5 = "is Alembic in an HDF5 container, which is not read; export it again with Ogawa";
     refused(b"\x89HDF\r\n\x1a\n\0\0\0", hdf5);
     let none = "is no Alembic archive of Ogawa's version 1: it does not begin with Ogawa";
@@ -183,7 +183,7 @@ fn an_archive_without_a_mesh_is_refused() {
 }
 
 #[test]
-fn what_changes_over_time_and_may_not_is_named_with_its_frame() {
+fn forbidden_changes_over_time_are_named_with_their_frame() {
     let mut frames: Vec<_> = [0., 0., 0., 1., 2.].map(quad).to_vec();
     frames[3].pop();
     let words = "mesh Leg has 4 vertices in frame 3, expected 5 as in the first; export it without";
@@ -203,7 +203,7 @@ fn what_changes_over_time_and_may_not_is_named_with_its_frame() {
 }
 
 #[test]
-fn faces_and_transforms_must_fit_what_they_name() {
+fn faces_and_transforms_must_fit_their_data() {
     let of = |counts: Vec<i32>, corners: Vec<i32>| {
         let faces = [wholes(".faceCounts", &[counts]), wholes(".faceIndices", &[corners])];
         archive(vec![mesh("Leg", faces.into_iter().chain([points("P", &[quad(0.)])]).collect())])
@@ -224,7 +224,7 @@ fn faces_and_transforms_must_fit_what_they_name() {
 }
 
 #[test]
-fn counts_that_lie_are_refused_before_anything_is_made() {
+fn wrong_counts_are_refused_before_allocation() {
     let claiming = |counts| {
         let points = points("P", &[0., 1., 2.].map(quad)).claiming(counts);
         archive(vec![mesh("Leg", faces().into_iter().chain([points]).collect())])
@@ -241,7 +241,7 @@ fn counts_that_lie_are_refused_before_anything_is_made() {
 }
 
 #[test]
-fn objects_that_name_themselves_come_to_an_end() {
+fn cyclic_objects_are_refused() {
     let mut chain = posed("Leg", &[quad(0.0)]);
     for _ in 0..300 {
         chain = other("x").over(chain);
@@ -283,7 +283,7 @@ fn put(bytes: &mut [u8], place: usize, child: usize, other: usize) {
 }
 
 #[test]
-fn spoiled_files_do_no_harm() {
+fn spoiled_files_do_not_panic() {
     let bytes = small();
     assert_eq!(parse(&bytes).unwrap().vertices.len(), 30);
     for len in 0..bytes.len() {
@@ -354,7 +354,7 @@ fn an_archive_from_blender_holds_its_meshes() {
 }
 
 #[test]
-fn spoiled_real_archives_do_no_harm() {
+fn spoiled_real_archives_do_not_panic() {
     let Some(file) = shared("dem-bones/Bone_Anim.abc") else { return };
     let mut bytes = std::fs::read(file).unwrap();
     let len = bytes.len();

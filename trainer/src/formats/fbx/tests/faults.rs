@@ -13,7 +13,7 @@ fn says(fault: &SceneError, expected: &str) {
 }
 
 #[test]
-fn what_is_no_fbx_is_refused_and_named() {
+fn files_that_are_not_fbx_are_refused() {
     let folder = Folder::new("fbx");
     for bytes in [&b""[..], b"garbage", b"v 0 0 0\n", b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0"] {
         let path = folder.write("a.fbx", bytes);
@@ -46,7 +46,7 @@ fn a_scene_without_a_mesh_a_joint_or_an_animation_is_refused() {
 }
 
 #[test]
-fn clips_that_are_not_there_or_move_nothing_are_refused() {
+fn missing_and_idle_clips_are_refused() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("empty");
     let fault = |clip: &str| {
@@ -124,7 +124,7 @@ fn spoiled_scenes_do_not_panic() {
 }
 
 #[test]
-fn numbers_that_are_none_do_not_panic() {
+fn numbers_that_are_not_finite_do_not_panic() {
     let text = Arm::skinned("Linear").scene.text();
     for number in ["nan", "inf", "-inf", "1e308", "-1e308", "99999999999"] {
         for place in text.match_indices("a: ").map(|(place, _)| place + 3) {

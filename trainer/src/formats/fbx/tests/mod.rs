@@ -141,7 +141,7 @@ fn blendshapes_move_before_the_skin_through_the_shapes_between() {
 
 /// An animated channel is off at rest: its stored weight is that of the frame in which the file was saved.
 #[test]
-fn a_channel_that_no_clip_weighs_belongs_to_the_rest_mesh() {
+fn a_channel_without_keys_belongs_to_the_rest_mesh() {
     let mut arm = Arm::skinned("Linear");
     let fat = arm.scene.channel(arm.mesh, "fat", &[(100.0, 3, [0.0, 0.0, 2.0])]);
     let smile = arm.scene.channel(arm.mesh, "smile", &[(100.0, 1, [0.0, 1.0, 0.0])]);
@@ -185,7 +185,7 @@ fn keys_that_hold_jump_where_they_are_played() {
 }
 
 #[test]
-fn joints_of_equal_names_are_told_apart() {
+fn joints_of_equal_names_get_different_names() {
     let mut arm = Arm::skinned("Linear");
     let [left, right] =
         ["left", "right"].map(|name| arm.scene.node(name, "LimbNode", arm.root, &[]));
@@ -205,7 +205,7 @@ fn joints_of_equal_names_are_told_apart() {
 }
 
 #[test]
-fn a_mesh_stands_where_it_is_bound_whatever_its_node_does() {
+fn the_bind_pose_places_a_mesh_whatever_its_node_does() {
     let mut arm = Arm::bare();
     let placed = [
         ("GeometricTranslation", [0.0, 2.0, 0.0]),
@@ -226,7 +226,7 @@ fn a_mesh_stands_where_it_is_bound_whatever_its_node_does() {
 }
 
 #[test]
-fn bones_above_bound_joints_are_joints_and_what_is_no_bone_moves_them() {
+fn bones_above_bound_joints_are_joints_and_other_nodes_move_them() {
     let mut scene = Scene::default();
     let group = scene.node("group", "Null", 0, &[("Lcl Translation", [0.0, 0.0, 1.0])]);
     let hip = scene.node("hip", "LimbNode", group, &[]);
@@ -345,7 +345,7 @@ fn without_a_skin_bones_and_a_mesh_in_its_place_are_enough() {
 }
 
 #[test]
-fn a_seam_splits_the_engine_s_vertices_alone() {
+fn a_seam_splits_only_the_engine_s_vertices() {
     let texture = |indices: &str| {
         format!(
             "LayerElementUV: 0 {{\nMappingInformationType: \"ByPolygonVertex\"\n\
@@ -401,7 +401,7 @@ fn normals_by_corner_go_where_the_mesh_is_bound() {
 }
 
 #[test]
-fn animations_are_clips_by_name_or_all_and_empty_ones_are_passed_over() {
+fn animations_are_clips_and_empty_ones_are_skipped() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("Take 001");
     let layer = arm.scene.animation("walk");
@@ -436,7 +436,7 @@ fn a_mesh_of_a_point_cache_has_no_shapes_of_the_scene_s_own() {
 }
 
 #[test]
-fn the_same_file_gives_the_same_frames_on_any_number_of_threads() {
+fn frames_do_not_depend_on_the_number_of_threads() {
     let mut arm = Arm::skinned("Linear");
     let keys: Vec<(i64, f64)> = (1..60).map(|frame| (frame, (frame as f64).sin())).collect();
     arm.scene.keys(arm.layer, arm.tip, "Lcl Translation", "d|Y", &keys);

@@ -19,7 +19,7 @@ fn refuses(test: &str, change: impl FnOnce(&mut Value), words: &str) {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_parts_are_named() {
     let remove =
         |key: &'static str| move |json: &mut Value| drop(json.as_object_mut().unwrap().remove(key));
     refuses("no-animation", remove("animations"), "holds no animation");
@@ -49,7 +49,7 @@ fn what_is_missing_is_named() {
 }
 
 #[test]
-fn what_goes_beyond_the_format_is_named() {
+fn unsupported_features_are_named() {
     refuses(
         "draco",
         |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
@@ -158,7 +158,7 @@ fn keys_out_of_order_are_named() {
 }
 
 #[test]
-fn an_unknown_clip_is_answered_with_those_there_are() {
+fn an_unknown_clip_lists_the_known_clips() {
     let file = Made::scene().write("unknown-clip");
     let error = load(&Source { clips: &["walk".to_owned()], ..Source::file(&file) }).unwrap_err();
     assert!(error.to_string().ends_with("has no clip walk, there are: bend"), "{error}");

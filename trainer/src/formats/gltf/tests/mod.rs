@@ -79,7 +79,7 @@ fn a_joint_carries_its_vertices() {
 }
 
 #[test]
-fn a_joint_that_only_blender_knows_is_told_of() {
+fn blender_s_extra_joint_gives_a_warning() {
     let mut made = Made::scene();
     made.json["nodes"][2]["name"] = json!("neutral_bone");
     let Loaded { warnings, .. } = loaded(&made, "neutral");
@@ -130,7 +130,7 @@ fn posed_meshes_that_nothing_shapes_are_refused() {
 }
 
 #[test]
-fn keys_are_interpolated_as_they_say() {
+fn keys_are_interpolated_by_their_mode() {
     let mut made = Made::scene();
     let times = made.floats(&[[0.0], [1.0]]);
     let ends = made.floats(&[[2.0, 0.0, 0.0], [2.0, 4.0, 0.0]]);
@@ -253,7 +253,7 @@ fn seamed() -> (Made, usize) {
 }
 
 #[test]
-fn vertices_of_one_place_are_copies_of_one_in_the_file_s_order() {
+fn vertices_at_one_position_are_copies_in_the_file_s_order() {
     let (made, _) = seamed();
     let Loaded { examples, .. } = loaded(&made, "welded");
     assert_eq!((examples.vertex_len(), &examples.triangles[..]), (4, &[[0, 1, 2], [2, 1, 3]][..]));

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn what_inflates_without_end_is_cut_off() {
+    fn inflating_stops_at_the_expected_length() {
         let bomb = deflated(2, &vec![5; 1 << 22]);
         assert!(bomb.len() < 1 << 13);
         assert_eq!(decode(&bomb, [2, 2], 1).unwrap(), [5; 4]);
