@@ -25,7 +25,7 @@ pub struct Mesh {
 pub struct MeshFile {
     /// All meshes of the file, joined, in the rest pose.
     pub mesh: Mesh,
-    /// Axes and unit, as far as the file states them.
+    /// Axes and unit, if the format states them.
     pub space: Option<Space>,
     /// Data that was left out.
     pub warnings: Vec<FormatWarning>,

@@ -1,6 +1,6 @@
 //! File formats: readers that return plain structs, and the errors of each format.
 //!
-//! Nothing here knows of examples; [`examples`](crate::examples) joins what the readers return. The baked file belongs
+//! Nothing here knows of examples; [`examples`](crate::examples) joins their results. The baked file belongs
 //! to [`sinew_runtime::format`].
 //!
 //! A new format takes these steps:

@@ -323,7 +323,7 @@ pub enum ArrayError {
     /// A required array is missing.
     #[error("array {array} is missing")]
     Missing {
-        /// The array, or the arrays of which one is required.
+        /// Name of the array; several names if any of them suffices.
         array: &'static str,
     },
     /// An array has another kind of numbers.
@@ -341,7 +341,7 @@ pub enum ArrayError {
     WrongShape {
         /// The array.
         array: String,
-        /// The expected shape; a letter stands for any count.
+        /// The expected shape; a letter means any count.
         expected: String,
         /// The shape found.
         found: Vec<u64>,

@@ -4,7 +4,7 @@ use super::colour::{Scale, heat};
 use super::html::text;
 use std::fmt::Write;
 
-/// Margins in pixels; the numbers of the left side stand in the left one.
+/// Margins in pixels; the left margin holds the numbers of the left side.
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 26.0;

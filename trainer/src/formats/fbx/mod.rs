@@ -26,7 +26,7 @@ use ufbx::{
 };
 
 /// Memory that reading a file may take, in bytes for each byte of the file, with a lower and an upper limit. The factor
-/// is the most that the file's compression can hide.
+/// is the highest compression ratio of the format.
 const MEMORY_A_BYTE: usize = 1100;
 const MEMORY_LEAST: usize = 64 << 20;
 const MEMORY_MOST: usize = 4 << 30;

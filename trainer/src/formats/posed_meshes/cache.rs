@@ -58,8 +58,8 @@ pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     Counts::new(whole(16), whole(28))?.read(bytes, PC2_HEADER_BYTES as u64, f32::from_le_bytes)
 }
 
-/// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, with first frame 0 and step
-/// 1. Equal positions give equal bytes.
+/// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, first frame 0, step 1.
+/// Equal positions give equal bytes.
 ///
 /// # Errors
 /// A [`FileError`] that names the file: it cannot be written, `vertices` are not whole frames of `vertex_len`, or the

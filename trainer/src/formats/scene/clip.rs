@@ -62,7 +62,7 @@ impl Clip {
         Self { name, first, times: times.to_vec(), numbers: None }
     }
 
-    /// Sets the frame rate, counted in frames of the source: if it numbers every second frame, each frame lasts twice
+    /// Sets the frame rate, counted in frames of the source: if the source numbers every second frame, each frame lasts twice
     /// as long.
     pub fn play_at(&mut self, fps: f64) {
         self.times = self.places().map(|place| place / fps).collect();

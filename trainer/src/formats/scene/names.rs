@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names, as in `left
-/// arm/hand` and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
+/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names: `left arm/hand`
+/// and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
 ///
 /// - `names`, `parents`: of all nodes.
 /// - `is_joint`: whether a node is a joint; other nodes keep their names.

@@ -100,7 +100,7 @@ fn morph_targets_are_skinned() {
     assert_eq!(examples.frame(3), examples.rest);
 }
 
-/// Targets from a file are what a viewer shows: shapes moved by the joints.
+/// Targets from a file are its shapes, moved by the joints, as a viewer shows them.
 #[test]
 fn posed_meshes_are_skinned_where_they_have_a_skin() {
     let mut made = Made::scene();
