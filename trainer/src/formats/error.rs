@@ -166,7 +166,7 @@ impl fmt::Display for FormatWarning {
             FormatWarning::ShapesBetween { channels } => {
                 write!(
                     f,
-                    "shapes between are left out, the last of each channel is taken: {}",
+                    "in-between shapes are left out, the last shape of each channel is kept: {}",
                     channels.join(", ")
                 )
             }

@@ -40,7 +40,7 @@ pub enum AlembicError {
         reason: String,
     },
     /// The program that wrote the file did not finish it.
-    #[error("was not closed by what wrote it; export it again, to the end")]
+    #[error("is incomplete: the program that wrote it did not finish; export it again")]
     Unfinished,
     /// The file contradicts itself.
     #[error("is damaged: {what}; export it again")]
@@ -69,7 +69,7 @@ pub enum AlembicError {
     /// The number of vertices of a mesh changes over time.
     #[error(
         "mesh {mesh} has {found} vertices in frame {frame}, expected {expected} as in the first; export it \
-         without what changes its vertices over time"
+         without modifiers that change its vertices over time"
     )]
     OtherVertices {
         /// The mesh.
@@ -83,8 +83,8 @@ pub enum AlembicError {
     },
     /// The faces of a mesh change over time.
     #[error(
-        "mesh {mesh} has other faces in frame {frame} than in the first; export it without what changes its \
-         faces over time"
+        "mesh {mesh} has other faces in frame {frame} than in the first; export it without modifiers that \
+         change its faces over time"
     )]
     OtherFaces {
         /// The mesh.

@@ -170,7 +170,7 @@ pub enum ObjError {
         text: String,
     },
     /// A face refers to a missing item.
-    #[error("face {face} names a {what} that is none of the {len} there are")]
+    #[error("face {face} refers to a missing {what}; the file has {len}")]
     Corner {
         /// Face number, from 1.
         face: usize,

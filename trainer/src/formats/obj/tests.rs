@@ -129,14 +129,11 @@ fn faces_with_missing_items_are_refused() {
     for bad in
         ["f 1 2 5", "f -5 1 2", &format!("f 1 2 {}", i64::MAX), &format!("f 1 2 {}", i64::MIN)]
     {
-        refused(
-            &format!("{SQUARE}{bad}\n"),
-            "face 3 names a vertex that is none of the 4 there are",
-        );
+        refused(&format!("{SQUARE}{bad}\n"), "face 3 refers to a missing vertex; the file has 4");
     }
-    let expected = "face 3 names a texture coordinate that is none of the 2 there are";
+    let expected = "face 3 refers to a missing texture coordinate; the file has 2";
     refused(&format!("{SQUARE}f 1/1 2/3 3/1\n"), expected);
-    let expected = "face 3 names a normal that is none of the 1 there are";
+    let expected = "face 3 refers to a missing normal; the file has 1";
     refused(&format!("{SQUARE}f 1//1 2//2 3//1\n"), expected);
 }
 

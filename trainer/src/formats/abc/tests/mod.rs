@@ -165,7 +165,7 @@ fn files_that_are_not_archives_are_refused() {
     refused(b"Ogawa\xff\0\x01", "is damaged: it ends in its header");
     let mut bytes = small();
     bytes[5] = 0;
-    refused(&bytes, "was not closed by what wrote it; export it again, to the end");
+    refused(&bytes, "is incomplete: the program that wrote it did not finish; export it again");
     (bytes[5], bytes[7]) = (0xff, 2);
     refused(&bytes, "is no Alembic archive of Ogawa's version 1: it is of version 2");
     let wholes = |number: u8| Node::Data(vec![number, 0, 0, 0]);
