@@ -4,49 +4,50 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A file that is written beside its place and moved there when it is whole; until then whoever
-/// opens the place finds the old content. Dropped unfinished, it leaves nothing.
+/// A file under construction, written next to its destination and moved there once complete.
+///
+/// Until then the destination keeps its old content. Dropping an unfinished file removes it.
 pub struct PendingFile {
     file: File,
     path: PathBuf,
-    place: PathBuf,
-    moved: bool,
+    destination: PathBuf,
+    finished: bool,
 }
 
 impl PendingFile {
-    /// Begins a file, under a name of this process's own.
+    /// Creates the file, under a name that only this process uses.
     ///
     /// # Errors
-    /// Any of the file system.
-    pub fn create(place: &Path) -> io::Result<Self> {
-        let mut path = place.as_os_str().to_owned();
+    /// Any error of the file system.
+    pub fn create(destination: &Path) -> io::Result<Self> {
+        let mut path = destination.as_os_str().to_owned();
         path.push(format!(".{}.tmp", std::process::id()));
         let path = PathBuf::from(path);
         let file = File::create_new(&path)?;
-        Ok(Self { file, path, place: place.to_owned(), moved: false })
+        Ok(Self { file, path, destination: destination.to_owned(), finished: false })
     }
 
-    /// What to write to.
+    /// Returns the file to write to.
     pub fn file(&mut self) -> &mut File {
         &mut self.file
     }
 
-    /// Moves the file to its place.
+    /// Moves the file to its destination.
     ///
     /// # Errors
-    /// Any of the file system; the old content is then still there.
+    /// Any error of the file system; the destination then keeps its old content.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.sync_all()?;
-        fs::rename(&self.path, &self.place)?;
-        self.moved = true;
+        fs::rename(&self.path, &self.destination)?;
+        self.finished = true;
         Ok(())
     }
 }
 
 impl Drop for PendingFile {
     fn drop(&mut self) {
-        if !self.moved {
-            // The error that led here is the one to report.
+        if !self.finished {
+            // Whatever error led here is reported instead.
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -55,9 +56,9 @@ impl Drop for PendingFile {
 /// Writes a whole file.
 ///
 /// # Errors
-/// Any of the file system; the old content is then still there.
-pub fn write(place: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut part = PendingFile::create(place)?;
+/// Any error of the file system; the old content then remains.
+pub fn write(destination: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut part = PendingFile::create(destination)?;
     part.file().write_all(bytes)?;
     part.finish()
 }

@@ -1,19 +1,16 @@
-//! Learns how a character's skin moves from examples, and bakes what it learned into a model for
-//! [`sinew_runtime`].
+//! Learns how a character's skin moves from examples, and bakes the result into a model for [`sinew_runtime`].
 //!
-//! The way through: files are read by their [`formats`] and become [`examples`]; an [`envelope`] is
-//! checked, fitted to them and baked into a file by [`bake`]; the runtime measures that file, a report
-//! made of [`page`] shows where the error is, and an export hands it to engines. A [`face`] is a skin of its own: its
-//! shapes are given, and what a take teaches is how they go together. Samples of a
-//! [`signal`] become a filter that makes it finer.
+//! **The path of data.** [`formats`] read files, which become [`examples`]. An [`envelope`] is checked, fitted to the
+//! examples and baked into a file by [`bake`]. The runtime evaluates that file to measure it. A report made with
+//! [`page`] shows where the error is, and an export hands the model to engines. A [`face`] is a separate kind of skin:
+//! its shapes are given, and a take teaches how they combine. Samples of a [`signal`] become a filter that refines it.
 //!
-//! **A new part plugs in** with a folder of its own, as [`envelope`] is one: its model in f64, its fit,
-//! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs`
-//! learns of its commands in one line; a part that stands in one file with an envelope is a field of
-//! [`envelope::model::FileModel`], written in `envelope/bake/file.rs` and named in
-//! `cli/envelope/inspect.rs`. What the runtime asks for is in the doc of its `format/mod.rs`.
-//! [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part. The
-//! numbers that a fit is set to are in [`settings`].
+//! **A new part** gets a folder, as [`envelope`] has: its model in f64, its fit, its `bake` (which makes a
+//! [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs` lists its commands in one
+//! line. A part that shares a file with an envelope is a field of [`envelope::model::FileModel`]; it is written in
+//! `envelope/bake/file.rs` and printed in `cli/envelope/describe.rs`. The doc of the runtime's `format/mod.rs` says
+//! which files the runtime accepts. [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`]
+//! know no part. The numbers that set a fit are in [`envelope::Settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;

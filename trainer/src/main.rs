@@ -1,4 +1,4 @@
-//! `sinew`: learns how a skin moves, measures what it learned, and shows what a model holds.
+//! `sinew`: learns how a skin moves, measures the result, and prints the contents of a model.
 
 mod cli;
 

@@ -1,16 +1,16 @@
-//! What a long fit tells whoever waits for it.
+//! Progress reports of a long fit.
 
-/// Hears of the steps of a fit. Calls may come from several threads.
+/// Receives the steps of a fit. Calls may come from several threads.
 pub trait Progress: Sync {
-    /// The fit of one of so many candidates begins.
+    /// The fit of candidate `number` out of `of` begins.
     fn part(&self, number: usize, of: usize);
-    /// A step of so many items begins; the last one is over.
+    /// A step of `items` items begins; the step before is complete.
     fn step(&self, name: &'static str, items: usize);
-    /// So many more items are done.
+    /// `items` more items are complete.
     fn advance(&self, items: usize);
 }
 
-/// Hears nothing.
+/// Ignores all reports.
 pub struct Silent;
 
 impl Progress for Silent {

@@ -1,10 +1,153 @@
-//! The container: the only writer of the file that [`sinew_runtime`] reads. It knows a part as its kind
-//! and its sections; what they hold is the part's own to say.
+//! The container: the only writer of the file that [`sinew_runtime`] reads.
+//!
+//! The container knows each part as a kind and a list of sections. The parts decide what their sections hold.
 
-mod container;
-mod error;
 pub(crate) mod sections;
 
-pub use container::{Part, bake};
-pub use error::BakeError;
 pub use sections::Sections;
+
+use sections::narrow;
+use sinew_runtime::format::{
+    ALIGNMENT, CHECKSUM_OFFSET, Element, FEATURES, File, MAGIC, PartKind, PartRow, SectionKind,
+    SectionRow, Space, VERSION, checksum,
+};
+use sinew_runtime::{FileError, Model};
+
+/// A part of a file, ready to write.
+pub struct Part {
+    /// Kind of the part.
+    pub kind: PartKind,
+    /// Sections, in the order that the kind prescribes.
+    pub sections: Sections,
+    /// Element type of the sections whose kind allows several.
+    pub element: Element,
+}
+
+/// Writes a file of parts, and loads it once to make sure that the runtime accepts it.
+///
+/// # Errors
+/// - [`BakeError::Size`]: an index or a size does not fit the file.
+/// - [`BakeError::Refused`]: the runtime refuses the file, for example for a number that is not finite.
+pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
+    let bytes = assemble(space, parts)?;
+    Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
+    Ok(bytes)
+}
+
+/// Why a model could not be baked.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum BakeError {
+    /// An array does not fit the others.
+    #[error("{what}: expected {expected} elements, found {found}")]
+    Length {
+        /// The array.
+        what: &'static str,
+        /// Length that the other arrays imply.
+        expected: usize,
+        /// Length of the array.
+        found: usize,
+    },
+    /// A number is too large for its field in the file.
+    #[error("{what}: {found} does not fit the file")]
+    Size {
+        /// Name of the count or index.
+        what: &'static str,
+        /// The number.
+        found: usize,
+    },
+    /// A joint does not descend from the root.
+    #[error("joint {joint} does not descend from the root")]
+    Hierarchy {
+        /// The joint.
+        joint: usize,
+    },
+    /// A rest frame has no inverse.
+    #[error("the rest frame of joint {joint} cannot be inverted")]
+    RestFrame {
+        /// The joint.
+        joint: usize,
+    },
+    /// The weights of a vertex do not have a positive sum.
+    #[error("the weights of vertex {vertex} sum to {sum}, expected 1")]
+    Weights {
+        /// The vertex.
+        vertex: usize,
+        /// Their sum.
+        sum: f64,
+    },
+    /// The covariance of a prior has no inverse.
+    #[error("the covariance of the weights has no inverse")]
+    Covariance,
+    /// A skin names an envelope that does not exist.
+    #[error("skin {skin} follows envelope {envelope}, of {found}")]
+    NoEnvelope {
+        /// Index of the skin.
+        skin: usize,
+        /// Index of the envelope that the skin names.
+        envelope: usize,
+        /// Number of envelopes.
+        found: usize,
+    },
+    /// The runtime refuses the written file.
+    #[error("the runtime refuses the baked model: {0}")]
+    Refused(FileError),
+}
+
+/// Lays out the sections in a blob, writes the message, and seals it with its checksum.
+fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
+    let (mut part_rows, mut rows, mut blob) = (Vec::new(), Vec::new(), Vec::new());
+    for (part, Part { kind, sections, element }) in parts.iter().enumerate() {
+        part_rows.extend(PartRow::new(*kind).to_bytes());
+        for (kind, required, content) in sections {
+            blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);
+            let row = SectionRow {
+                kind: kind.number(),
+                part: narrow("parts", part)?,
+                element: chosen(*kind, *element).number(),
+                flags: u8::from(*required),
+                reserved: 0,
+                offset: narrow("blob bytes", blob.len())?,
+                bytes: narrow("section bytes", content.len())?,
+            };
+            rows.extend(row.to_bytes());
+            blob.extend(content);
+        }
+    }
+    let mut file = File {
+        magic: MAGIC,
+        version: VERSION,
+        features: FEATURES.to_le_bytes(),
+        checksum: [0; 4],
+        space: space.to_bytes(),
+        parts: &part_rows,
+        sections: &rows,
+        padding: &[],
+        blob: &[],
+    };
+    let zeros = [0; ALIGNMENT];
+    let blob_len = serialize(&blob.len()).len();
+    let padding = (0..zeros.len()).map(|len| &zeros[..len]).find(|&padding| {
+        // The head holds one byte for the length of its empty blob.
+        (serialize(&File { padding, ..file }).len() - 1 + blob_len).is_multiple_of(ALIGNMENT)
+    });
+    file.padding = padding.unwrap_or_default();
+    file.blob = &blob;
+    let mut bytes = serialize(&file);
+    let sum = checksum(&bytes).to_le_bytes();
+    if let Some(field) = bytes.get_mut(CHECKSUM_OFFSET..CHECKSUM_OFFSET + 4) {
+        field.copy_from_slice(&sum);
+    }
+    Ok(bytes)
+}
+
+/// Returns the element type of a section: the part's, or the only type that the section's kind allows.
+fn chosen(kind: SectionKind, of_part: Element) -> Element {
+    let elements = kind.elements();
+    if elements.contains(&of_part) { of_part } else { elements.first().copied().unwrap_or(of_part) }
+}
+
+fn serialize(value: &impl serde::Serialize) -> Vec<u8> {
+    // Cannot fail: a Vec takes any number of bytes, and every length is known. If it did fail, the runtime would refuse
+    // the empty file.
+    postcard::to_extend(value, Vec::new()).unwrap_or_default()
+}

@@ -1,14 +1,14 @@
-//! Contents of sections: what every part writes them of.
+//! Encoders for the contents of sections.
 
-use super::error::BakeError;
+use super::BakeError;
 use faer::{Mat, MatRef};
 use half::f16;
 use sinew_runtime::format::SectionKind;
 
-/// The sections of a part: kind, whether a reader must know it, and content.
+/// Sections of a part: kind, whether a reader must know the section, and content.
 pub type Sections = Vec<(SectionKind, bool, Vec<u8>)>;
 
-/// Writes the end of each name, then the names.
+/// Writes the end offset of each name, then all names.
 pub(crate) fn names<'a>(all: impl Iterator<Item = &'a String>) -> Result<Vec<u8>, BakeError> {
     let (mut ends, mut text) = (Vec::new(), Vec::<u8>::new());
     for name in all {
@@ -23,7 +23,7 @@ pub(crate) fn words(values: &[u32]) -> Vec<u8> {
     values.iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-/// Cuts a matrix into blocks of 8 rows, column-major, the last padded with zeros.
+/// Writes a matrix in blocks of 8 rows, each column-major; zeros pad the last block.
 pub(crate) fn blocks(matrix: MatRef<'_, f64>) -> Vec<u8> {
     let mut out = Vec::new();
     for first in (0..matrix.nrows()).step_by(8) {
@@ -40,12 +40,12 @@ pub(crate) fn floats(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect()
 }
 
-/// Writes numbers in half precision, those too small for a normal one as 0.
+/// Writes numbers in half precision; numbers below the smallest normal one become 0.
 pub(crate) fn halves(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
     values.into_iter().flat_map(|x| half(x).to_le_bytes()).collect()
 }
 
-/// Rounds a number to half precision, one too small for a normal one to 0.
+/// Rounds a number to half precision; a number below the smallest normal one becomes 0.
 pub(crate) fn half(x: f64) -> f16 {
     let half = f16::from_f64_const(x);
     if half.is_normal() || half.is_infinite() || half.is_nan() { half } else { f16::ZERO }
@@ -59,7 +59,7 @@ pub(crate) fn check_len(
     if found == expected { Ok(()) } else { Err(BakeError::Length { what, expected, found }) }
 }
 
-/// Checks the rows and columns of a matrix, by their names.
+/// Checks the rows and columns of a matrix against expected counts; `what` names both.
 pub(crate) fn check_shape(
     what: [&'static str; 2],
     expected: [usize; 2],
@@ -87,7 +87,7 @@ mod tests {
             (65_504.0, 0x7bff),
             (2.0_f64.powi(-14), 0x0400),
             (-(2.0_f64.powi(-15)), 0),
-            // Half-way between two: the even one.
+            // Half-way between two numbers: rounds to even.
             (1.0 + 2.0_f64.powi(-11), 0x3c00),
             (1.0 + 3.0 * 2.0_f64.powi(-11), 0x3c02),
         ] {

@@ -7,7 +7,7 @@ use super::finding::{Finding, Kind, Severity};
 use super::thresholds::{MISPLACED, RIGHTED};
 use crate::examples::{Examples, Split, spread};
 use crate::numeric::affine::from_rows;
-use crate::space::axes;
+use crate::space::{axis_names, rotations};
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rayon::prelude::*;
 
@@ -139,7 +139,7 @@ impl Sample {
         let mut remedies = Vec::new();
         for &odd in odd {
             for scale in SCALES {
-                let turns = axes::rotations();
+                let turns = rotations();
                 remedies.extend(turns.map(|turn| Remedy { odd, turn: turn * scale, ..as_it_is }));
             }
         }
@@ -269,8 +269,8 @@ impl Remedy {
             return format!("{what} should be moved by ({x:.4}, {y:.4}, {z:.4}) to fit {against}");
         }
         let units = format!("{what} should be {scale} times the size");
-        let axes = axes::names(&turn);
-        let unturned = axes == axes::names(&Matrix3::identity());
+        let axes = axis_names(&turn);
+        let unturned = axes == axis_names(&Matrix3::identity());
         match self.kind() {
             Kind::OtherUnits if unturned => format!("{units} to fit {against}"),
             Kind::OtherUnits => format!("{units}, with axes {axes}, to fit {against}"),

@@ -3,7 +3,7 @@
 use super::EvaluateError;
 use crate::envelope::posed::rest;
 use crate::examples::Examples;
-use crate::numeric::points::{apart, apart_unordered};
+use crate::numeric::affine::{apart, apart_unordered};
 use sinew_runtime::format::Space;
 use sinew_runtime::{Envelope, Model, Skin};
 

@@ -2,8 +2,7 @@
 
 use super::validate::{is_weight, same};
 use super::{Examples, ExamplesError, LoadError};
-use crate::formats::numbers;
-use std::path::Path;
+use crate::formats::npz::read_numbers;
 
 /// Largest weight of a frame.
 const MOST: f64 = 100.0;
@@ -97,7 +96,7 @@ impl Examples {
 /// # Errors
 /// [`LoadError`] if the file cannot be read or contains anything else.
 pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
-    let numbers = numbers::read(path, "importance");
+    let numbers = read_numbers(path, "importance");
     numbers.map_err(|error| LoadError { file: path.to_owned(), error: error.into() })
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde_json::{Value, json};
 
 use super::mesh::SkinnedMesh;
-use crate::formats::appearance::{Appearance, image};
+use crate::formats::appearance::{Appearance, image_kind};
 use crate::formats::gltf::write::Document;
 
 /// A part of a mesh: its name, its vertices, and the triangles of each of its materials.
@@ -70,7 +70,7 @@ impl Document {
         let Appearance { materials, textures, samplers, images, required, .. } = appearance;
         let picture = |image: crate::formats::appearance::Image| {
             let mut members = image.members;
-            if let Some(kind) = image::kind(&image.bytes) {
+            if let Some(kind) = image_kind(&image.bytes) {
                 members.insert("mimeType".to_owned(), json!(kind));
             }
             members.insert("bufferView".to_owned(), json!(self.view(image.bytes)));

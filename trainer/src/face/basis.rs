@@ -1,10 +1,9 @@
 //! A face's basis: the neutral mesh, its shapes and identities.
 
 use super::error::FaceError;
-use crate::envelope::model::{ShapeNumbers, Shapes, SkinModel};
-use crate::formats::{ShapedMesh, numbers};
-use crate::mesh::{EngineMesh, Surface, normals};
-use std::collections::{HashMap, HashSet};
+use crate::formats::ShapedMesh;
+use crate::formats::npz::read_numbers;
+use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
 
@@ -79,7 +78,7 @@ impl Basis {
                 Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len })
             }
         };
-        let numbers = numbers::read(path, "landmarks")?;
+        let numbers = read_numbers(path, "landmarks")?;
         self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;
         Ok(())
     }

@@ -3,7 +3,7 @@
 
 use super::basis::Basis;
 use super::error::FaceError;
-use crate::formats::obj::{self, ObjError, write};
+use crate::formats::obj::{self, ObjError};
 use crate::formats::{FileError, FormatError, Mesh};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub fn beside(face: &Path) -> PathBuf {
 /// Formats the mesh beside a face as OBJ.
 pub fn text(basis: &Basis) -> String {
     let mesh = &basis.mesh;
-    let mut text = write::text(&mesh.positions, &mesh.uv, &mesh.faces, &mesh.uv_faces);
+    let mut text = obj::text(&mesh.positions, &mesh.uv, &mesh.faces, &mesh.uv_faces);
     for vertex in &basis.landmarks {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "p {}", vertex + 1);
@@ -75,6 +75,6 @@ impl Outline {
 
     /// Formats the mesh with new positions, V.
     pub fn moved(&self, positions: &[[f64; 3]]) -> String {
-        write::moved(&self.text, positions)
+        obj::with_positions(&self.text, positions)
     }
 }

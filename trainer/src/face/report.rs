@@ -4,7 +4,7 @@ use super::baked::{BakedFace, Shaped, SolveOptions};
 use super::error::FaceError;
 use super::evaluate::{Evaluation, Gram, Protocol, Row};
 use super::picture::{Paint, Photographer};
-use crate::page::bars::colour_bar;
+use crate::page::chart::colour_bar;
 use crate::page::colour::Scale;
 use crate::page::html::{self, figure, paragraph, section, side_by_side, table, text};
 use png::EncodingError;

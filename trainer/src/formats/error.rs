@@ -1,4 +1,4 @@
-//! What can be wrong with a file, whatever its format.
+//! Errors of files of any format, and warnings about data that a reader leaves out.
 
 use super::abc::AlembicError;
 use super::csv::CsvError;
@@ -7,19 +7,20 @@ use super::npz::ArrayError;
 use super::obj::ObjError;
 use super::posed_meshes::{PointCacheError, SequenceError};
 use super::scene::SceneError;
+use std::fmt;
 use std::path::PathBuf;
 
 /// A file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {error}", file.display())]
 pub struct FileError {
-    /// The file at fault.
+    /// The faulty file.
     pub file: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub error: FormatError,
 }
 
-/// What is wrong with a file.
+/// Faults of a file.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// The file cannot be opened or read.
@@ -28,56 +29,184 @@ pub enum FormatError {
     /// The file cannot be written.
     #[error("cannot be written: {0}")]
     Write(std::io::Error),
-    /// The file's name does not end as any format that is read here.
+    /// No reader exists for the file's ending.
     #[error("expected a file that ends in {expected}, found {found}")]
     UnknownFormat {
-        /// The endings that are read.
+        /// The supported endings.
         expected: &'static str,
-        /// The ending found.
+        /// The ending of the file.
         found: String,
     },
-    /// The file is of a format that is not read.
+    /// The format is known but not supported.
     #[error("is {format}, which is not read: {remedy}")]
     Unread {
         /// The format.
         format: &'static str,
-        /// What to do.
+        /// The way to a supported format.
         remedy: &'static str,
     },
-    /// There is nothing in the file.
+    /// The file is empty.
     #[error("is empty")]
     Empty,
-    /// The file is a baked model, where examples are read.
+    /// The file is a baked model instead of examples.
     #[error("is a baked model, expected examples: commands take the model first")]
     Model,
-    /// The file holds what another ending stands for.
+    /// The content belongs to another ending.
     #[error("holds what a .{ending} file holds: give it that ending")]
     OtherContent {
-        /// The ending of what it holds.
+        /// The ending that fits the content.
         ending: &'static str,
     },
-    /// A scene is damaged, or lacks what a rigged character has.
+    /// A scene is damaged, or lacks a part of a rigged character.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Arrays are missing, damaged or others than expected.
+    /// Arrays are missing, damaged or of another kind than expected.
     #[error(transparent)]
     Array(#[from] ArrayError),
-    /// A point cache is damaged or none.
+    /// A point cache is damaged, or the file is no point cache.
     #[error(transparent)]
     PointCache(#[from] PointCacheError),
-    /// An Alembic archive is damaged, or its meshes are not of one mesh.
+    /// An Alembic archive is damaged, or its meshes change over time.
     #[error(transparent)]
     Alembic(#[from] AlembicError),
-    /// Meshes do not follow one another.
+    /// Meshes do not form a sequence.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// The file is no OBJ, or a folder of them is not a face.
+    /// The file is not OBJ, or a folder of OBJ files is not a face.
     #[error(transparent)]
     Obj(#[from] ObjError),
-    /// The file is no picture in layers, or lacks a layer.
+    /// The file is not a layered picture, or lacks a layer.
     #[error(transparent)]
     Layered(#[from] LayeredError),
-    /// The file is no table of numbers.
+    /// The file is not a table of numbers.
     #[error(transparent)]
     Csv(#[from] CsvError),
+}
+
+/// Data of a file that the reader changes or leaves out, and that the user should know about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FormatWarning {
+    /// Authored normals had no direction; computed normals replace them.
+    NormalsRepaired {
+        /// Number of corners or vertices.
+        count: usize,
+    },
+    /// Meshes without a skin are left out, because other meshes have a skin.
+    UnskinnedMeshes {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Meshes without shapes are left out, because other meshes have shapes.
+    UnshapedMeshes {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Channels have in-between shapes; only the last shape of each is read.
+    ShapesBetween {
+        /// The channels.
+        channels: Vec<String>,
+    },
+    /// Clips that move no joint and no shape of the mesh are left out.
+    IdleClips {
+        /// The clips.
+        clips: Vec<String>,
+    },
+    /// Animation channels that name no node are left out.
+    UntargetedChannels {
+        /// The clips with untargeted channels.
+        clips: Vec<String>,
+    },
+    /// Points and lines of meshes are left out.
+    PointsAndLines {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Joints had equal names and were renamed.
+    EqualNames {
+        /// The new names.
+        joints: Vec<String>,
+    },
+    /// Some vertices have no joint weights.
+    Unweighted {
+        /// Number of vertices.
+        count: usize,
+        /// What these vertices follow, in words.
+        follow: &'static str,
+    },
+    /// A joint that Blender's exporter adds for vertices without joint weights.
+    NeutralBone {
+        /// The joint.
+        joint: String,
+        /// Number of vertices that follow the joint.
+        count: usize,
+    },
+    /// Point caches outside the scene deform some meshes; they are not read with the scene.
+    CacheIgnored {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+}
+
+impl fmt::Display for FormatWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FormatWarning::NormalsRepaired { count } => {
+                write!(
+                    f,
+                    "normals that are absent, zero or not finite become those of the faces around \
+                     them: {count}"
+                )
+            }
+            FormatWarning::UnskinnedMeshes { meshes } => {
+                write!(f, "meshes without a skin are left out: {}", meshes.join(", "))
+            }
+            FormatWarning::UnshapedMeshes { meshes } => {
+                write!(f, "meshes without shapes are left out: {}", meshes.join(", "))
+            }
+            FormatWarning::ShapesBetween { channels } => {
+                write!(
+                    f,
+                    "in-between shapes are left out, the last shape of each channel is kept: {}",
+                    channels.join(", ")
+                )
+            }
+            FormatWarning::IdleClips { clips } => {
+                write!(
+                    f,
+                    "clips that move neither a joint nor a shape of the mesh are left out: {}",
+                    clips.join(", ")
+                )
+            }
+            FormatWarning::UntargetedChannels { clips } => {
+                write!(
+                    f,
+                    "animation channels without a node are left out, of the clips: {}",
+                    clips.join(", ")
+                )
+            }
+            FormatWarning::PointsAndLines { meshes } => {
+                write!(f, "points and lines are left out, of the meshes: {}", meshes.join(", "))
+            }
+            FormatWarning::EqualNames { joints } => {
+                write!(f, "joints with equal names were renamed: {}", joints.join(", "))
+            }
+            FormatWarning::Unweighted { count, follow } => {
+                write!(f, "vertices without a joint's weight, which follow {follow}: {count}")
+            }
+            FormatWarning::NeutralBone { joint, count } => {
+                write!(
+                    f,
+                    "joint {joint} is not part of the rig: Blender adds it for vertices without a joint's weight, which \
+                     stay where they are: {count}; give them weights where the character should take them along"
+                )
+            }
+            FormatWarning::CacheIgnored { meshes } => {
+                write!(
+                    f,
+                    "point caches of meshes are not read with the scene: {}; give them as --targets",
+                    meshes.join(", ")
+                )
+            }
+        }
+    }
 }

@@ -1,14 +1,32 @@
-//! Formats by the endings of their files.
+//! Formats of files: by their ending, and by their first bytes.
 
 use super::error::FormatError;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-/// The end of a file's name, in lower case, without the dot.
+/// First bytes of the known formats.
+const BEGINNINGS: [(&[u8], Content); 8] = [
+    (b"SNEW", Content::Model),
+    (b"glTF", Content::Examples("glb")),
+    (b"Kaydara FBX Binary", Content::Examples("fbx")),
+    (b"; FBX", Content::Examples("fbx")),
+    (b"PK\x03\x04", Content::Examples("npz")),
+    (b"POINTCACHE2\0", Content::Examples("pc2")),
+    (b"Ogawa", Content::Examples("abc")),
+    // Alembic in its older container; the Alembic reader reports it.
+    (b"\x89HDF\r\n\x1a\n", Content::Examples("abc")),
+];
+
+/// The byte order mark of UTF-8, which some programs write before text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Returns the ending of a file's name, in lower case, without the dot.
 pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// Says which formats are read instead of this file's.
+/// Makes the error for a file whose ending is not supported; `expected` lists the supported endings.
 pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError {
     let found = match extension(path) {
         none if none.is_empty() => "none".to_owned(),
@@ -17,7 +35,7 @@ pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError
     FormatError::UnknownFormat { expected, found }
 }
 
-/// Says what to do with a file of a format that is known and not read; none of any other.
+/// Returns an error with a remedy for a known format that is not supported; `None` for any other format.
 pub(crate) fn unread(path: &Path) -> Option<FormatError> {
     let (format, remedy) = match extension(path).as_str() {
         "blend" => (
@@ -31,4 +49,70 @@ pub(crate) fn unread(path: &Path) -> Option<FormatError> {
         _ => return None,
     };
     Some(FormatError::Unread { format, remedy })
+}
+
+/// Content of a file, recognised by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// A baked model.
+    Model,
+    /// A scene or arrays, in the format of this ending.
+    Examples(&'static str),
+}
+
+impl Content {
+    /// Returns the content that begins with these bytes; `None` if the beginning is not known.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        let found = BEGINNINGS.into_iter().find(|(beginning, _)| bytes.starts_with(beginning));
+        found.map(|(_, content)| content)
+    }
+}
+
+/// Checks that a file is not empty, and that its content fits its ending.
+///
+/// Does not report a file that cannot be opened; the reader of the file reports that.
+///
+/// # Errors
+/// [`FormatError::Unread`], [`FormatError::Empty`], [`FormatError::Model`] and [`FormatError::OtherContent`].
+pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
+    if let Some(error) = unread(path) {
+        return Err(error);
+    }
+    let Ok(mut file) = File::open(path) else { return Ok(()) };
+    let mut beginning = [0; 32];
+    let Ok(len) = file.read(&mut beginning) else { return Ok(()) };
+    if len == 0 {
+        return Err(FormatError::Empty);
+    }
+    match Content::of(&beginning[..len]) {
+        Some(Content::Model) => Err(FormatError::Model),
+        // The glTF reader accepts both forms under either ending.
+        Some(Content::Examples("glb")) if extension(path) == "gltf" => Ok(()),
+        Some(Content::Examples(ending)) if extension(path) != ending => {
+            Err(FormatError::OtherContent { ending })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Returns a text without its byte order mark.
+pub(super) fn unmarked(text: &[u8]) -> &[u8] {
+    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_known_by_their_first_bytes() {
+        assert_eq!(Content::of(b"SNEW\x04"), Some(Content::Model));
+        assert_eq!(Content::of(b"glTF\x02\0"), Some(Content::Examples("glb")));
+        assert_eq!(Content::of(b"Kaydara FBX Binary  \0"), Some(Content::Examples("fbx")));
+        assert_eq!(Content::of(b"PK\x03\x04"), Some(Content::Examples("npz")));
+        assert_eq!(Content::of(b"Ogawa\xff\0\x01"), Some(Content::Examples("abc")));
+        assert_eq!(Content::of(b"\x89HDF\r\n\x1a\n\0"), Some(Content::Examples("abc")));
+        assert_eq!(Content::of(b"{\"asset\":"), None);
+        assert_eq!(Content::of(b""), None);
+    }
 }

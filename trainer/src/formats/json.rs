@@ -1,6 +1,6 @@
-//! JSON that people write, with errors in their words: the keys of the value, the expected kind, the value found.
+//! JSON written by people; errors name the keys of the value, the expected kind and the value found.
 
-use super::mark::unmarked;
+use super::extension::unmarked;
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess,
@@ -16,7 +16,7 @@ const SHOWN: usize = 40;
 /// JSON that cannot be read.
 #[derive(Debug)]
 pub struct JsonError {
-    /// The keys and places in lists that lead to it, as `options.learn.seeds` or `inputs[2].axis`; empty of the whole.
+    /// Keys and list indices that lead to the value, as `options.learn.seeds` or `inputs[2].axis`; empty for the whole.
     place: String,
     what: String,
 }
@@ -33,17 +33,17 @@ impl std::error::Error for JsonError {}
 /// Reads JSON, with or without a byte order mark.
 ///
 /// # Errors
-/// [`JsonError`] names a place in the text by line and column, a value by its keys.
+/// [`JsonError`] names a fault of the text by line and column, and a wrong value by its keys.
 pub(crate) fn read<T: DeserializeOwned>(text: &[u8]) -> Result<T, JsonError> {
     let text = unmarked(text);
     serde_json::from_slice(text).or_else(|error| {
         let value: Value = serde_json::from_slice(text).map_err(|error| of_text(&error))?;
-        // A key that is there twice is lost in the value.
+        // A `Value` keeps only one of two equal keys, so the text's error remains if the value is fine.
         T::deserialize(Reader(&value)).and(Err(of_text(&error)))
     })
 }
 
-/// Says what is wrong with a text.
+/// Describes a fault of the text.
 fn of_text(error: &serde_json::Error) -> JsonError {
     let said = error.to_string();
     let reason = said.rsplit_once(" at line").map_or(said.as_str(), |(reason, _)| reason);
@@ -57,7 +57,7 @@ fn of_text(error: &serde_json::Error) -> JsonError {
 }
 
 impl JsonError {
-    /// Puts a key, or a place in a list, before the place of the error.
+    /// Adds an outer key or list index to the path of the error.
     fn within(mut self, outer: &str) -> Self {
         let parted = if self.place.is_empty() || self.place.starts_with('[') { "" } else { "." };
         self.place = format!("{outer}{parted}{}", self.place);
@@ -103,7 +103,7 @@ fn one_of(all: &[&str]) -> String {
     format!("one of {}", all.join(", "))
 }
 
-/// Writes the expectation of a type without the names of Rust.
+/// Describes an expected type without the names of Rust.
 fn named(expected: &dyn Expected) -> String {
     let said = expected.to_string();
     match said.as_str() {
@@ -117,7 +117,7 @@ fn named(expected: &dyn Expected) -> String {
     }
 }
 
-/// Writes a wrong value, a long text by its beginning.
+/// Describes a wrong value; shortens a long text.
 fn shown(found: Unexpected<'_>) -> String {
     match found {
         Unexpected::Bool(found) => found.to_string(),
@@ -135,7 +135,7 @@ fn shown(found: Unexpected<'_>) -> String {
     }
 }
 
-/// Reads a value, and knows where in it an error is.
+/// Reads a value and keeps track of its path for errors.
 struct Reader<'a>(&'a Value);
 
 impl<'a> Reader<'a> {
@@ -217,7 +217,7 @@ impl<'a> Deserializer<'a> for Reader<'a> {
     }
 }
 
-/// Values of a list that are left.
+/// The remaining values of a list.
 struct Items<'a> {
     left: std::iter::Enumerate<std::slice::Iter<'a, Value>>,
 }
@@ -238,10 +238,10 @@ impl<'a> SeqAccess<'a> for Items<'a> {
     }
 }
 
-/// Keys and values of an object that are left.
+/// The remaining keys and values of an object.
 struct Fields<'a> {
     left: map::Iter<'a>,
-    /// The one whose key was read.
+    /// The pair whose key was read last.
     value: Option<(&'a String, &'a Value)>,
 }
 
@@ -297,7 +297,7 @@ mod tests {
         inner: Inner,
     }
 
-    fn said(text: &str) -> String {
+    fn message_of(text: &str) -> String {
         read::<Outer>(text.as_bytes()).unwrap_err().to_string()
     }
 
@@ -342,10 +342,10 @@ mod tests {
                 "inner: unknown key \"cuont\": expected one of number, count, whole, flag, way, ends, list, text",
             ),
         ] {
-            assert_eq!(said(&format!("{{\"inner\": {inner}}}")), expected);
+            assert_eq!(message_of(&format!("{{\"inner\": {inner}}}")), expected);
         }
-        assert_eq!(said("{}"), "there is no `inner`");
-        assert_eq!(said("[3]"), "expected an object with `inner`, found a list");
+        assert_eq!(message_of("{}"), "there is no `inner`");
+        assert_eq!(message_of("[3]"), "expected an object with `inner`, found a list");
     }
 
     #[test]
@@ -362,7 +362,7 @@ mod tests {
                 "line 1, column 21: no JSON: duplicate field `inner`",
             ),
         ] {
-            assert_eq!(said(text), expected);
+            assert_eq!(message_of(text), expected);
         }
     }
 }

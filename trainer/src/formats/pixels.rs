@@ -1,9 +1,9 @@
-//! Pixels of a picture, and PNG.
+//! Pictures as pixels, and a PNG reader.
 
 use png::{ColorType, Decoder, Limits, Transformations};
 use std::io::{BufRead, Seek};
 
-/// Most pixels of a picture: 8192 x 8192, 256 MiB as bytes.
+/// Largest number of pixels of a picture: 8192 x 8192, 256 MiB as bytes.
 const MOST: usize = 1 << 26;
 
 /// Pixels from the upper left, row by row.
@@ -16,14 +16,14 @@ pub(crate) struct Pixels {
 }
 
 impl Pixels {
-    /// Makes a picture that covers nothing.
+    /// Makes a fully transparent picture.
     pub(crate) fn empty(size: [usize; 2]) -> Self {
         Self { size, rgba: vec![0; 4 * size[0] * size[1]] }
     }
 
-    /// Copies a picture to a place, which may lie outside in part.
+    /// Copies another picture into this one; parts outside are cut off.
     ///
-    /// - `corner`: x and y of the other picture's upper left pixel.
+    /// - `corner`: x and y at which the other picture's upper left pixel lies.
     pub(crate) fn place(&mut self, other: &Self, corner: [i64; 2]) {
         let span = |axis: usize| {
             let (own, len) = (self.size[axis] as i64, other.size[axis] as i64);
@@ -40,10 +40,10 @@ impl Pixels {
     }
 }
 
-/// Checks that a picture of this width and height can be held.
+/// Checks that a picture of this width and height fits into memory.
 ///
 /// # Errors
-/// The fault in words.
+/// The fault, in words.
 pub(crate) fn check_size([width, height]: [usize; 2]) -> Result<(), String> {
     match width.checked_mul(height) {
         Some(1..=MOST) => Ok(()),
@@ -55,7 +55,7 @@ pub(crate) fn check_size([width, height]: [usize; 2]) -> Result<(), String> {
 /// Returns the width and height of a PNG.
 ///
 /// # Errors
-/// The fault in words.
+/// The fault, in words.
 pub(crate) fn png_size(bytes: impl BufRead + Seek) -> Result<[usize; 2], String> {
     let reader = Decoder::new(bytes).read_info().map_err(|error| error.to_string())?;
     Ok([reader.info().width as usize, reader.info().height as usize])
@@ -64,7 +64,7 @@ pub(crate) fn png_size(bytes: impl BufRead + Seek) -> Result<[usize; 2], String>
 /// Decodes a PNG of any colour type and depth.
 ///
 /// # Errors
-/// The fault in words.
+/// The fault, in words.
 pub(crate) fn read_png(bytes: impl BufRead + Seek) -> Result<Pixels, String> {
     let wrong = |error: png::DecodingError| error.to_string();
     let mut decoder = Decoder::new_with_limits(bytes, Limits { bytes: 8 * MOST });

@@ -1,19 +1,19 @@
-//! Faces of any number of corners.
+//! Faces with any number of corners.
 
 use nalgebra::Vector3;
 
-/// Most corners of a polygon that is clipped; clipping takes the square of them, and what has more is
-/// the cap of a tube, which a fan cuts well.
+/// Largest number of corners of a polygon that is clipped. Clipping takes the square of that number, and a larger
+/// polygon is usually the cap of a tube, which a fan splits well.
 const CLIPPED_MAX: usize = 1024;
 
-/// Share of a polygon's area below which a corner turns nowhere.
+/// Share of a polygon's area below which a corner counts as straight.
 const FLAT: f64 = 1e-9;
 
-/// Polygons by the vertices of their corners.
+/// Polygons, as vertex indices of their corners.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(in crate::formats) struct Polygons {
     corners: Vec<usize>,
-    /// Where the corners of each polygon end.
+    /// End of each polygon in `corners`.
     ends: Vec<usize>,
 }
 
@@ -24,28 +24,29 @@ impl Polygons {
         self.ends.push(self.corners.len());
     }
 
-    /// Gives the corners of each polygon, in order.
+    /// Returns the corners of each polygon, in order.
     pub(in crate::formats) fn iter(&self) -> impl Iterator<Item = &[usize]> {
         let begins = std::iter::once(0).chain(self.ends.iter().copied());
         begins.zip(&self.ends).map(|(begin, &end)| &self.corners[begin..end])
     }
 
-    /// Splits the polygons into triangles: a quad into its corners 0 1 2 and 0 2 3, one of more
-    /// corners by clipping its ears, seen along its normal, so that concave polygons keep their
-    /// outline. One that has no area, or crosses itself, becomes a fan; one of fewer than three
-    /// corners becomes nothing.
+    /// Splits the polygons into triangles.
+    ///
+    /// A quad becomes corners 0 1 2 and 0 2 3. A larger polygon is split by clipping its ears, seen along its normal,
+    /// so that concave polygons keep their outline. A polygon without area, or one that crosses itself, becomes a fan.
+    /// A polygon of fewer than three corners disappears.
     ///
     /// # Panics
-    /// If a corner is none of `positions`.
+    /// If a vertex index is not below the length of `positions`.
     pub(in crate::formats) fn triangles(&self, positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
         let corners = self.corner_triangles(positions);
         corners.into_iter().map(|triangle| triangle.map(|corner| self.corners[corner])).collect()
     }
 
-    /// Splits the polygons as [`Polygons::triangles`] does, into corners by their places among all.
+    /// Splits the polygons as [`Polygons::triangles`] does, into corner indices instead of vertex indices.
     ///
     /// # Panics
-    /// If a corner is none of `positions`.
+    /// If a vertex index is not below the length of `positions`.
     pub(in crate::formats) fn corner_triangles(&self, positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
         let mut triangles = Vec::new();
         let mut first = 0;
@@ -60,18 +61,23 @@ impl Polygons {
         triangles
     }
 
-    /// Gives the vertices of all corners, in order.
+    /// Returns the vertex of every corner, in order.
     pub(in crate::formats) fn corners(&self) -> &[usize] {
         &self.corners
     }
 }
 
+/// Splits a polygon into the triangles between its first corner and every further edge.
 fn fan(corners: &[usize], triangles: &mut Vec<[usize; 3]>) {
     for pair in corners.windows(2).skip(1) {
         triangles.push([corners[0], pair[0], pair[1]]);
     }
 }
 
+/// Splits a polygon by clipping its ears one after the other; the rest becomes a fan once no ear is left.
+///
+/// - `places`: index of each corner among all corners.
+/// - `corners`: vertex of each corner.
 fn clip(
     places: &[usize],
     corners: &[usize],
@@ -80,7 +86,7 @@ fn clip(
 ) {
     let (flat, twice_area) = flatten(corners, positions);
     let slack = FLAT * twice_area;
-    // Corners still there, by their place in the polygon.
+    // The remaining corners, as places in the polygon.
     let mut ring: Vec<usize> = (0..corners.len()).collect();
     let mut at = 0;
     while ring.len() > 3 {
@@ -95,8 +101,8 @@ fn clip(
     fan(&rest, triangles);
 }
 
-/// Projects a polygon along the axis nearest to its normal, so that it turns left, and gives twice
-/// the area that it then has.
+/// Projects a polygon along the axis nearest to its normal, so that it turns left; also returns twice its projected
+/// area.
 fn flatten(corners: &[usize], positions: &[[f64; 3]]) -> (Vec<[f64; 2]>, f64) {
     let relative =
         |vertex: usize| Vector3::from(positions[vertex]) - Vector3::from(positions[corners[0]]);
@@ -113,8 +119,7 @@ fn flatten(corners: &[usize], positions: &[[f64; 3]]) -> (Vec<[f64; 2]>, f64) {
     (corners.iter().map(project).collect(), normal[axis].abs())
 }
 
-/// Tells whether a corner can be cut off: it turns left, and no corner that does not lies in the
-/// triangle that goes.
+/// Returns whether a corner is an ear: the corner turns left, and its triangle contains no corner that turns right.
 fn is_ear(flat: &[[f64; 2]], ring: &[usize], at: usize, slack: f64) -> bool {
     let turn = |at: usize| {
         let [a, b, c] = around(ring, at).map(|place| flat[place]);
@@ -129,12 +134,13 @@ fn is_ear(flat: &[[f64; 2]], ring: &[usize], at: usize, slack: f64) -> bool {
         })
 }
 
+/// Returns a corner of the ring between its two neighbours.
 fn around(ring: &[usize], at: usize) -> [usize; 3] {
     let len = ring.len();
     [ring[(at + len - 1) % len], ring[at], ring[(at + 1) % len]]
 }
 
-/// Twice the area of a triangle, positive where it turns left.
+/// Returns twice the area of a triangle, positive if it turns left.
 fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -151,7 +157,7 @@ mod tests {
         polygons.triangles(outline)
     }
 
-    /// Signed areas along a direction.
+    /// Returns the signed areas of the triangles, seen along a direction.
     fn areas(triangles: &[[usize; 3]], positions: &[[f64; 3]], along: [f64; 3]) -> Vec<f64> {
         let area = |&triangle: &[usize; 3]| {
             let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
@@ -160,7 +166,7 @@ mod tests {
         triangles.iter().map(area).collect()
     }
 
-    /// A rotation by no special angles, applied to points of the plane z = 0.
+    /// Rotates points of the plane z = 0 by arbitrary angles; also returns the rotated normal.
     fn turned(points: &[[f64; 2]]) -> (Vec<[f64; 3]>, [f64; 3]) {
         let turn = Rotation3::from_euler_angles(0.7, -1.9, 2.3);
         let at = |&[x, y]: &[f64; 2]| (turn * Vector3::new(x, y, 0.0)).into();
@@ -173,7 +179,7 @@ mod tests {
         for corners in [&[3, 1, 2][..], &[0, 1, 2, 3], &[], &[1], &[1, 2]] {
             polygons.push(corners.iter().copied());
         }
-        // The quad is concave at its corner 3: its diagonal is the first all the same.
+        // The quad is concave at its corner 3. It is still split along its first diagonal.
         let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 1.0, 0.0]];
         assert_eq!(polygons.triangles(&positions), [[3, 1, 2], [0, 1, 2], [0, 2, 3]]);
         assert_eq!(polygons.iter().map(<[usize]>::len).collect::<Vec<_>>(), [3, 4, 0, 1, 2]);
@@ -200,7 +206,7 @@ mod tests {
             (0..40).map(|corner| spiral(corner, 40)).collect(),
         ];
         for outline in outlines {
-            // The shoelace formula, which knows nothing of triangles.
+            // The shoelace formula needs no triangles.
             let next = outline.iter().cycle().skip(1);
             let twice: f64 = outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
             for reversed in [false, true] {
@@ -234,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_or_crosses_itself_becomes_as_many_triangles() {
+    fn polygons_without_area_or_with_crossings_become_as_many_triangles() {
         let star = |corner: usize| {
             let angle = corner as f64 * 0.8 * std::f64::consts::PI;
             [angle.cos(), angle.sin(), 0.0]

@@ -1,8 +1,8 @@
-//! Folders to write to, real files and spoiled bytes, for tests of what is read.
+//! Tools for tests of readers: temporary folders, real files and spoiled bytes.
 
 use std::path::{Path, PathBuf};
 
-/// Gives the place of a file of `../shared/data`, which must be there where CI is set.
+/// Returns the path of a file in `../shared/data`; `None` if that folder does not exist, which is a failure in CI.
 pub(crate) fn shared(file: &str) -> Option<PathBuf> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     if !data.is_dir() {
@@ -13,7 +13,7 @@ pub(crate) fn shared(file: &str) -> Option<PathBuf> {
     Some(data.join(file))
 }
 
-/// A folder of its own for one test, removed at its end.
+/// A temporary folder for one test, removed at its end.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
@@ -24,7 +24,7 @@ impl Folder {
         Self(path)
     }
 
-    /// Writes a file, and gives its path.
+    /// Writes a file and returns its path.
     pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.0.join(name);
         std::fs::write(&path, bytes).unwrap();
@@ -38,8 +38,8 @@ impl Drop for Folder {
     }
 }
 
-/// Hands `check` the bytes cut off at every length, and with every byte changed in a few ways: what
-/// it is given is hostile, and it must not panic.
+/// Calls `check` with damaged bytes: cut off at every length, and with every byte changed in a few ways. `check` must
+/// not panic.
 pub(crate) fn spoil(bytes: &[u8], check: impl Fn(&[u8])) {
     for len in 0..bytes.len() {
         check(&bytes[..len]);

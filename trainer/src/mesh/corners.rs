@@ -1,36 +1,40 @@
-//! Face corners, and the engine's vertices that they make.
+//! Face corners, and the engine vertices that they make.
+//!
+//! Tangents follow MikkTSpace, for which normal maps are made (M. Mikkelsen, *Simulation of wrinkled surfaces
+//! revisited*, 2008).
 
-use super::engine::EngineMesh;
-use super::mikktspace::Textured;
-use super::normals::{SAME_NORMAL, normals as by_area, repair, same_normal};
 use super::surface::Surface;
+use super::{EngineMesh, SAME_NORMAL, normals as by_area, repair, same_normal};
+use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
-/// The C corners of a mesh's faces, and what is authored of each.
+/// The C corners of a mesh's faces, with their authored attributes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Corners {
-    /// The vertex at each, C.
+    /// Vertex at each corner, C.
     pub vertices: Vec<usize>,
-    /// Normals, C; 0 where there is none.
+    /// Normals, C; 0 for a corner without a normal.
     pub normals: Option<Vec<[f64; 3]>>,
-    /// Tangents and, last, their handedness, C; 0 where there is none.
+    /// Tangents and their handedness (last), C; 0 for a corner without a tangent.
     pub tangents: Option<Vec<[f64; 4]>>,
-    /// Texture coordinates, C, v upward.
+    /// Texture coordinates, C; v grows upward.
     pub uv: Option<Vec<[f64; 2]>>,
 }
 
 impl Corners {
-    /// Makes an engine's vertex of the corners that have one vertex and are authored alike: texture coordinates to
-    /// the last bit, directions but for rounding. They are in the order of the mesh's vertices, those of one in the
-    /// order in which triangles name them; a vertex without a corner has one copy. Where there are texture coordinates
-    /// and no tangents they get those of MikkTSpace, which part where texture is mirrored.
+    /// Joins the corners of a vertex into engine vertices, and counts the corners whose normal was repaired.
     ///
-    /// Normals without a direction become those of the faces around the vertex; counts their corners.
+    /// Two corners of a vertex share an engine vertex if their texture coordinates are equal to the last bit and their
+    /// directions are equal up to rounding. Engine vertices follow the order of the mesh's vertices; the copies of one
+    /// vertex follow the order in which triangles name them. A vertex without a corner has one copy.
+    ///
+    /// A corner whose normal has no direction gets the normal of the faces around the vertex. With texture coordinates
+    /// but no tangents, MikkTSpace computes tangents, which split vertices where the texture is mirrored.
     ///
     /// - `positions`: of the vertices, V.
-    /// - `triangles`: corners of each, by their places.
+    /// - `triangles`: corner indices, T.
     ///
     /// # Panics
-    /// If a corner is none of the C, or names none of the V vertices.
+    /// If a corner index is not below C, or a vertex index is not below V.
     pub fn engine_mesh(
         &self,
         positions: &[[f64; 3]],
@@ -56,12 +60,12 @@ impl Corners {
             });
         let authored = Authored { normals, tangents, uv: self.uv.as_deref() };
 
-        // Of each vertex the first corner of every copy; and the copy at each corner, both as places among triangles'.
+        // For each vertex, the first corner of every copy; for each corner, its copy. Corners are places in `at`.
         let mut copies: Vec<Vec<usize>> = vec![Vec::new(); positions.len()];
         let mut copy_at = Vec::with_capacity(at.len());
         for (place, &corner) in at.iter().enumerate() {
             let own = &mut copies[self.vertices[corner]];
-            let same = |&first: &usize| authored.are_alike((first, at[first]), (place, corner));
+            let same = |&first: &usize| authored.agree((first, at[first]), (place, corner));
             let known = own.iter().position(same);
             match known {
                 Some(copy) if authored.has_no_tangent(own[copy]) => own[copy] = place,
@@ -88,16 +92,16 @@ impl Corners {
         let mesh = EngineMesh {
             triangles: engine.as_chunks::<3>().0.to_vec(),
             copy_of,
-            normals: authored.normals.as_deref().map(|all| gathered(all, &corner_of)),
-            tangents: authored.tangents.as_deref().map(|all| gathered(all, &place_of)),
-            uv: authored.uv.map(|all| gathered(all, &corner_of)),
+            normals: authored.normals.as_deref().map(|all| gather(all, &corner_of)),
+            tangents: authored.tangents.as_deref().map(|all| gather(all, &place_of)),
+            uv: authored.uv.map(|all| gather(all, &corner_of)),
         };
         (mesh, repaired)
     }
 }
 
 impl EngineMesh {
-    /// Makes the engine's vertices of a mesh whose corners of triangles have texture coordinates, 3T.
+    /// Makes the engine vertices of a mesh from texture coordinates at the corners of triangles, 3T.
     pub fn of_corners(positions: &[[f64; 3]], triangles: &[[usize; 3]], uv: Vec<[f64; 2]>) -> Self {
         let vertices = triangles.as_flattened().to_vec();
         let places: Vec<usize> = (0..vertices.len()).collect();
@@ -105,17 +109,19 @@ impl EngineMesh {
         corners.engine_mesh(positions, places.as_chunks().0).0
     }
 
-    /// Makes the engine's vertices of a mesh whose vertices have texture coordinates, V.
+    /// Makes the engine vertices of a mesh from texture coordinates at its vertices, V.
     pub fn of_vertices(positions: &[[f64; 3]], triangles: &[[usize; 3]], uv: &[[f64; 2]]) -> Self {
         let of_corners = triangles.as_flattened().iter().map(|&vertex| uv[vertex]).collect();
         Self::of_corners(positions, triangles, of_corners)
     }
 
-    /// Completes what was authored of vertices that stay as they are: normals without a direction become those of the
-    /// faces, and where there are texture coordinates and no tangents they get those of MikkTSpace, of the first corner
-    /// that has any. Counts those normals.
+    /// Completes the attributes of engine vertices that are not to be split, and returns the number of repaired
+    /// normals.
     ///
-    /// - `positions`, `triangles`: of the mesh that they are copies of.
+    /// A normal without a direction becomes the normal of the faces around its vertex. With texture coordinates but no
+    /// tangents, each vertex gets the first MikkTSpace tangent among its corners.
+    ///
+    /// - `positions`, `triangles`: of the mesh that the vertices copy.
     pub fn complete(&mut self, positions: &[[f64; 3]], triangles: &[[usize; 3]]) -> usize {
         let own = self.normals.as_mut();
         let repaired = own.map_or(0, |own| repair(own, &self.copy_of, positions, triangles));
@@ -135,19 +141,19 @@ impl EngineMesh {
     }
 }
 
-/// What corners are told apart by.
+/// Attributes that must agree for two corners to share an engine vertex.
 struct Authored<'a> {
-    /// C.
+    /// Normal of each corner, C.
     normals: Option<Vec<[f64; 3]>>,
-    /// 3T, of the corners of triangles.
+    /// Tangent of each corner of a triangle, 3T.
     tangents: Option<Vec<[f64; 4]>>,
-    /// C.
+    /// Texture coordinates of each corner, C.
     uv: Option<&'a [[f64; 2]]>,
 }
 
 impl Authored<'_> {
-    /// Compares two corners, each a place among those of triangles, and among all.
-    fn are_alike(&self, a: (usize, usize), b: (usize, usize)) -> bool {
+    /// Compares two corners, each given as (place among the triangles' corners, corner index).
+    fn agree(&self, a: (usize, usize), b: (usize, usize)) -> bool {
         let tangents = |all: &Vec<[f64; 4]>| {
             let apart = all[a.0].iter().zip(&all[b.0]).map(|(a, b)| (a - b).abs());
             let none = self.has_no_tangent(a.0) || self.has_no_tangent(b.0);
@@ -164,15 +170,82 @@ impl Authored<'_> {
     }
 }
 
-fn gathered<T: Copy + Default>(all: &[T], corners: &[Option<usize>]) -> Vec<T> {
+fn gather<T: Copy + Default>(all: &[T], corners: &[Option<usize>]) -> Vec<T> {
     corners.iter().map(|corner| corner.map(|corner| all[corner]).unwrap_or_default()).collect()
+}
+
+/// Triangles with texture coordinates.
+struct Textured<'a> {
+    /// Positions of the vertices.
+    positions: &'a [[f64; 3]],
+    /// The vertex at each corner, C.
+    vertices: &'a [usize],
+    /// Normals of the corners, of length 1, C.
+    normals: &'a [[f64; 3]],
+    /// Texture coordinates of the corners, C.
+    uv: &'a [[f64; 2]],
+    /// Corners of each triangle, T.
+    triangles: &'a [[usize; 3]],
+}
+
+impl Textured<'_> {
+    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
+    fn tangents(&self) -> Vec<[f64; 4]> {
+        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
+        // The checks of the examples report numbers that are not finite.
+        if !self.is_finite() {
+            return faces.found;
+        }
+        // `Faces` returns no error, so neither can the generator.
+        let _ = generate_tangents(&mut faces);
+        faces.found
+    }
+
+    fn is_finite(&self) -> bool {
+        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
+        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
+    }
+}
+
+struct Faces<'a> {
+    mesh: &'a Textured<'a>,
+    found: Vec<[f64; 4]>,
+}
+
+impl Geometry for Faces<'_> {
+    fn num_faces(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, vert: usize) -> [f32; 3] {
+        let corner = self.mesh.triangles[face][vert];
+        self.mesh.positions[self.mesh.vertices[corner]].map(|x| x as f32)
+    }
+
+    fn normal(&self, face: usize, vert: usize) -> [f32; 3] {
+        self.mesh.normals[self.mesh.triangles[face][vert]].map(|x| x as f32)
+    }
+
+    fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
+        self.mesh.uv[self.mesh.triangles[face][vert]].map(|x| x as f32)
+    }
+
+    fn set_tangent(&mut self, tangent: Option<TangentSpace>, face: usize, vert: usize) {
+        if let Some(tangent) = tangent {
+            self.found[3 * face + vert] = tangent.tangent_encoded().map(f64::from);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Two triangles that share the edge from 0 to 2, and a vertex that no face has.
+    /// Two triangles that share the edge from 0 to 2, and a vertex without a face.
     const TRIANGLES: [[usize; 3]; 2] = [[0, 1, 2], [3, 4, 5]];
     const POSITIONS: [[f64; 3]; 5] =
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [5.0, 5.0, 5.0], [0.0, 1.0, 0.0]];
@@ -186,13 +259,13 @@ mod tests {
     }
 
     #[test]
-    fn alike_corners_are_one_vertex_in_the_mesh_s_order() {
+    fn equal_corners_are_one_vertex_in_the_mesh_s_order() {
         let plain = split(corners());
         assert!(plain.is_plain());
         assert_eq!(plain.triangles, [[2, 0, 1], [0, 2, 4]]);
         let uv = [[1.0, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [1.0, 0.75], [0.0, 1.0]];
         let split = split(Corners { uv: Some(uv.to_vec()), ..corners() });
-        // At 0 the coordinates agree, but the seam runs from there and parts the tangents.
+        // At vertex 0 the coordinates agree. The tangents differ there, because the seam starts at vertex 0.
         assert_eq!(split.copy_of, [0, 0, 1, 2, 2, 3, 4]);
         assert_eq!(split.triangles, [[3, 0, 2], [1, 4, 6]]);
         let expected = [uv[1], uv[3], uv[2], uv[0], uv[4], [0.0; 2], uv[5]];
@@ -200,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_part_a_vertex_unless_rounding_does() {
+    fn normals_split_a_vertex_unless_they_differ_by_rounding() {
         let leaning = |x: f64| vec![[x, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 1.0]];
         let with = |x: f64| {
             let normals = [vec![[0.0, 0.0, 1.0]; 3], leaning(x)].concat();
@@ -224,22 +297,22 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_texture_parts_a_vertex_by_its_tangents() {
-        // As a sheet whose halves share one picture: u grows away from the edge between 0 and 2 on both sides.
+    fn mirrored_texture_splits_a_vertex_by_its_tangents() {
+        // A sheet whose halves share one picture: on both sides u grows away from the edge between 0 and 2.
         let uv = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         let mesh = split(Corners { uv: Some(uv.to_vec()), ..corners() });
         assert_eq!(mesh.copy_of, [0, 0, 1, 2, 2, 3, 4]);
         assert_eq!(mesh.triangles, [[3, 0, 2], [1, 4, 6]]);
         let tangents = mesh.tangents.unwrap();
         assert_eq!(tangents[0][3], -tangents[1][3]);
-        // The one triangle's picture is turned over, the other's is as it stands.
+        // The picture is mirrored on one triangle and upright on the other.
         let along = |copy: usize| nalgebra::Vector3::from_column_slice(&tangents[copy][..3]);
         assert!(along(0).dot(&nalgebra::Vector3::new(1.0, 0.0, 0.0)) > 0.5);
         assert!(along(1).dot(&nalgebra::Vector3::new(-1.0, 0.0, 0.0)) > 0.5);
     }
 
     #[test]
-    fn authored_tangents_part_a_vertex_but_none_joins_any() {
+    fn authored_tangents_split_a_vertex_unless_zero() {
         let mut tangents = vec![[1.0, 0.0, 0.0, 1.0]; 6];
         tangents[4][3] = -1.0;
         let mesh = split(Corners { tangents: Some(tangents.clone()), ..corners() });
@@ -249,5 +322,27 @@ mod tests {
         let mesh = split(Corners { tangents: Some(tangents), ..corners() });
         assert!(mesh.is_one_each());
         assert_eq!(mesh.tangents.unwrap()[2], [1.0, 0.0, 0.0, -1.0]);
+    }
+
+    const TRIANGLE: [[f64; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+    fn tangents_of(uv: [[f64; 2]; 3]) -> Vec<[f64; 4]> {
+        let normals = &[[0.0, 0.0, 1.0]; 3];
+        let (vertices, triangles) = (&[0, 1, 2], &[[0, 1, 2]]);
+        Textured { positions: &TRIANGLE, vertices, normals, uv: &uv, triangles }.tangents()
+    }
+
+    #[test]
+    fn tangents_point_along_u_and_mirrored_texture_flips_the_handedness() {
+        assert_eq!(tangents_of([[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]]), [[1.0, 0.0, 0.0, 1.0]; 3]);
+        assert_eq!(tangents_of([[0.0, 0.0], [-0.5, 0.0], [0.0, 0.5]]), [[-1.0, 0.0, 0.0, -1.0]; 3]);
+        // A quarter turn: v grows along -x.
+        assert_eq!(tangents_of([[0.0, 0.0], [0.0, -0.5], [0.5, 0.0]]), [[0.0, 1.0, 0.0, 1.0]; 3]);
+    }
+
+    #[test]
+    fn a_texture_without_area_gives_no_nan() {
+        assert!(tangents_of([[0.5, 0.5]; 3]).iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(tangents_of([[0.0, f64::NAN], [1.0, 0.0], [0.0, 1e300]]), [[0.0; 4]; 3]);
     }
 }

@@ -1,18 +1,18 @@
 //! A mesh at rest as an engine draws it: its vertices and their directions.
 
-use super::engine::EngineMesh;
-use super::normals::normals;
+use super::EngineMesh;
+use super::normals;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// A mesh of V vertices and the E that an engine has of it; where it has no others, they are the same.
+/// A mesh of V vertices and its E engine vertices; without an [`EngineMesh`] both are the same vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// Positions, V.
     pub positions: &'a [[f64; 3]],
     /// Vertex numbers of each triangle, T.
     pub triangles: &'a [[usize; 3]],
-    /// The engine's vertices, where they are others.
+    /// Engine vertices, if they differ from the mesh's vertices.
     pub engine: Option<&'a EngineMesh>,
 }
 
@@ -22,12 +22,12 @@ impl<'a> Surface<'a> {
         self.engine.map_or(self.positions.len(), |engine| engine.copy_of.len())
     }
 
-    /// Gives the vertex that one of the engine's is a copy of.
+    /// Returns the mesh vertex that an engine vertex copies.
     pub fn copy_of(&self, engine_vertex: usize) -> usize {
         self.engine.map_or(engine_vertex, |engine| engine.copy_of[engine_vertex])
     }
 
-    /// Gives each of the engine's vertices what its own vertex has: E of V.
+    /// Copies values of the mesh's vertices (V) to the engine vertices (E).
     pub fn copied<T: Clone>(&self, all: &[T]) -> Vec<T> {
         (0..self.engine_len()).map(|copy| all[self.copy_of(copy)].clone()).collect()
     }
@@ -41,41 +41,43 @@ impl<'a> Surface<'a> {
         firsts
     }
 
-    /// Gives each vertex what its first copy has: V of E.
+    /// Picks each vertex's value (V) from its first copy (E).
     pub fn of_first_copies<T: Clone>(&self, all: &[T]) -> Vec<T> {
         self.first_copies().into_iter().map(|copy| all[copy].clone()).collect()
     }
 
-    /// Gives the triangles by the engine's vertices, T.
+    /// Returns the triangles as engine vertices, T.
     pub fn engine_triangles(&self) -> &'a [[usize; 3]] {
         self.engine.map_or(self.triangles, |engine| &engine.triangles)
     }
 
-    /// Gives the engine's vertices that are copies of a range of vertices: both orders go mesh by mesh.
+    /// Returns the engine vertices that copy a range of mesh vertices: both orders go mesh by mesh.
     pub fn engine_range(&self, range: &Range<usize>) -> Range<usize> {
         let below =
             |end: usize| (0..self.engine_len()).filter(|&copy| self.copy_of(copy) < end).count();
         below(range.start)..below(range.end)
     }
 
-    /// Gives the authored normals, E.
+    /// Returns the authored normals, E.
     pub fn authored_normals(&self) -> Option<&'a [[f64; 3]]> {
         self.engine?.normals.as_deref()
     }
 
-    /// Gives the texture coordinates, E.
+    /// Returns the texture coordinates, E.
     pub fn uv(&self) -> Option<&'a [[f64; 2]]> {
         self.engine?.uv.as_deref()
     }
 
-    /// Gives the E unit normals: authored ones, or those of the vertices, weighted by triangle area, so that
-    /// nothing shades where texture coordinates alone differ. A vertex without any area around it gets zero.
+    /// Returns the E unit normals: authored ones, or the vertices' normals, weighted by triangle area.
+    ///
+    /// Without authored normals, copies of a vertex share a normal, so a texture seam does not shade. A vertex without
+    /// any area around it gets zero.
     pub fn normals(&self) -> Vec<[f64; 3]> {
         let welded = || self.copied(&normals(self.positions, self.triangles));
         self.authored_normals().map_or_else(welded, <[_]>::to_vec)
     }
 
-    /// Gives each of the engine's vertices its share of the area: of each triangle a third for each corner.
+    /// Returns the area of each engine vertex: a third of every triangle around it.
     pub fn areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.engine_len()];
         for (corners, triangle) in self.engine_triangles().iter().zip(self.triangles) {
@@ -86,10 +88,11 @@ impl<'a> Surface<'a> {
         areas
     }
 
-    /// Gives the E tangents: a unit vector along growing u, orthogonal to the normal, and +1 or -1, by which normal x
-    /// tangent must be multiplied to point along growing v. `None` where there are none.
+    /// Returns the E tangents and their handedness; `None` if the mesh has none.
     ///
-    /// A vertex whose texture coordinates give no direction gets any unit vector orthogonal to its normal.
+    /// A tangent is a unit vector along growing u, orthogonal to the normal. The handedness is +1 or -1: normal x
+    /// tangent times the handedness points along growing v. A vertex whose texture coordinates give no direction gets
+    /// any unit vector orthogonal to its normal.
     pub fn tangents(&self) -> Option<Vec<[f64; 4]>> {
         let given = self.engine?.tangents.as_ref()?;
         let square = |(&[x, y, z, hand], normal): (&[f64; 4], &[f64; 3])| {
@@ -100,7 +103,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Takes off a direction what lies along a normal; any direction square to it where that leaves none.
+/// Removes the component of a direction along a normal; returns any orthogonal direction if nothing remains.
 fn orthogonal(direction: &Vector3<f64>, normal: &[f64; 3]) -> Vector3<f64> {
     let normal = Vector3::from(*normal);
     let flat = direction - normal * normal.dot(direction);
@@ -133,7 +136,7 @@ mod tests {
 
     #[test]
     fn areas_are_shared_out_among_the_corners() {
-        // Half a square, twice.
+        // Both triangles are half a square.
         assert_eq!(surface(&[[0, 1, 2], [0, 2, 1]], None).areas(), [1.0 / 3.0; 3]);
         assert_eq!(surface(&[[0, 1, 1]], None).areas(), [0.0; 3]);
     }
@@ -156,14 +159,14 @@ mod tests {
             let near = |a: f64, b: f64| (a - b).abs() < 1e-15;
             assert!(near(*x, 0.8) && *y == 0.0 && near(*z, -0.6) && *hand == expected);
         }
-        // Without a direction, any.
+        // Without a direction, any orthogonal one.
         let [x, y, z, hand] = tangents[2];
         let (length, along) = (x * x + y * y + z * z, x * normal[0] + z * normal[2]);
         assert!((length - 1.0).abs() < 1e-15 && along.abs() < 1e-15 && hand == 1.0);
     }
 
     #[test]
-    fn copies_share_what_their_vertex_has() {
+    fn copies_share_the_values_of_their_vertex() {
         let engine = EngineMesh {
             copy_of: vec![0, 1, 1, 2],
             triangles: vec![[0, 1, 3], [0, 3, 2]],

@@ -1,10 +1,11 @@
 //! A short orthonormal basis of the surface's trajectories.
 //!
-//! Proxies, keys and their weights are linear in the trajectories, so all of their fits can be made
-//! in coordinates on a basis of what the trajectories span: the same result to the basis's residual,
-//! and the cost no longer depends on the number of poses. The basis comes from randomised subspace
-//! iteration (Halko, Martinsson, Tropp 2011, algorithm 4.4), which reads the trajectories a few
-//! times and needs memory linear in V and in N.
+//! Proxies, keys and their weights are linear in the trajectories. So all fits can use coordinates on a basis of the
+//! trajectories' span. The result is the same up to the basis's residual, and the cost no longer depends on the number
+//! of poses.
+//!
+//! The basis comes from randomised subspace iteration (Halko, Martinsson, Tropp 2011, algorithm 4.4). The iteration
+//! reads the trajectories a few times and needs memory linear in V and in N.
 
 use super::columns;
 use faer::linalg::matmul::matmul;
@@ -12,31 +13,33 @@ use faer::{Accum, Mat, Par, Side};
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Most dimensions of a basis.
+/// Largest number of dimensions of a basis.
 const MAX_RANK: usize = 160;
 /// RMS residual, in units of the diagonal, below which further dimensions are dropped.
 const RESIDUAL: f64 = 1e-5;
+/// Number of chunks of columns that are summed in parallel.
 const CHUNKS: usize = 16;
 
-/// Orthonormal trajectories and the vertices' coordinates on them.
+/// Orthonormal trajectories, and the vertices' coordinates on them.
 pub struct Basis {
     /// Basis trajectories, 3n x r, the strongest first.
     pub vectors: Mat<f64>,
     /// Coordinates of each vertex, r x V.
     pub coordinates: Mat<f64>,
-    /// RMS length of what the basis leaves out.
+    /// RMS length of the trajectories' part outside the basis.
     pub residual: f64,
 }
 
-/// Builds the basis of trajectories (3n x V), in units of the diagonal.
+/// Builds a basis of trajectories (3n x V, in units of the diagonal).
 pub fn basis(trajectories: &Mat<f64>) -> Basis {
     basis_of(trajectories.shape().into(), |vertex, out| {
         out.copy_from_slice(trajectories.col_as_slice(vertex));
     })
 }
 
-/// Builds the basis of trajectories, 3n x V, without holding all of them: `write` writes one trajectory, as often as it is
-/// read.
+/// Builds a basis of trajectories (3n x V) without holding all of them.
+///
+/// - `write`: writes the trajectory of one vertex; called once for every pass over the trajectories.
 pub fn basis_of([height, vertices]: [usize; 2], write: impl Fn(usize, &mut [f64]) + Sync) -> Basis {
     let part = |start: usize, len: usize| {
         let mut part = Mat::zeros(height, len);
@@ -79,7 +82,7 @@ pub fn basis_of([height, vertices]: [usize; 2], write: impl Fn(usize, &mut [f64]
             }
             (&q * eigen.U().reverse_cols().subcols(0, rank), left)
         }
-        // The Gram matrix of finite trajectories has a decomposition; q itself is a basis too.
+        // The Gram matrix of finite trajectories always has a decomposition. If it fails, q itself is a basis.
         Err(_) => (q, 0.0),
     };
     let mut coordinates = Mat::zeros(vectors.ncols(), vertices);
@@ -92,7 +95,7 @@ pub fn basis_of([height, vertices]: [usize; 2], write: impl Fn(usize, &mut [f64]
     Basis { vectors, coordinates, residual: rms(left) }
 }
 
-/// Sums over fixed chunks of columns in a fixed order, whatever the number of threads.
+/// Sums over fixed chunks of columns in a fixed order, for any number of threads.
 fn sum_over_chunks(
     rows: usize,
     columns: usize,
@@ -119,20 +122,22 @@ fn sum_over_chunks(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::lbs::training::Training;
-    use crate::examples::demo::{DemoOptions, demo};
-    use crate::progress::Silent;
 
     #[test]
     fn coordinates_give_back_the_trajectories_to_the_stated_residual() {
-        let examples = demo(&DemoOptions { vertices: 400, poses: 60, held_out: 0, seed: 1 });
-        let moved = Training::new(&examples, &Silent).unwrap().trajectories;
+        let (frames, vertices) = (60, 400);
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        // A smooth motion of few dimensions, and noise below the residual at which a basis ends.
+        let moved = Mat::from_fn(3 * frames, vertices, |i, j| {
+            let noise: f64 = random.random_range(-4e-6..4e-6);
+            1.0 / (1.0 + i as f64 / 180.0 + j as f64 / 400.0) + noise
+        });
         let basis = basis(&moved);
         let rank = basis.vectors.ncols();
         let gram = basis.vectors.transpose() * &basis.vectors;
         assert!((gram - Mat::<f64>::identity(rank, rank)).norm_max() < 1e-12);
         let left = &moved - &basis.vectors * &basis.coordinates;
-        let rms = left.norm_l2() / ((60 * examples.vertex_len()) as f64).sqrt();
+        let rms = left.norm_l2() / ((frames * vertices) as f64).sqrt();
         assert!((rms - basis.residual).abs() < 1e-3 * basis.residual + 1e-9, "{rms}");
         assert!(rms < 2.0 * RESIDUAL && rank < moved.nrows());
     }

@@ -1,11 +1,11 @@
 //! Least squares on the simplex: `min |Σ w_j p_j - y|²` with w ≥ 0, Σw = 1.
 //!
-//! This is the point of least norm in the convex hull of the `p_j - y` (Wolfe 1976), solved by an
-//! active set on their Gram matrix.
+//! The weights describe the point of least norm in the convex hull of the `p_j - y` (Wolfe 1976). An active set on
+//! their Gram matrix finds it.
 
-use super::dot::dot;
+use super::columns::dot;
 
-/// Most columns one problem may have.
+/// Largest number of columns in a problem.
 pub const MAX_COLUMNS: usize = 16;
 
 /// The Gram matrix of up to [`MAX_COLUMNS`] differences `p_j - y`.
@@ -13,14 +13,14 @@ pub const MAX_COLUMNS: usize = 16;
 pub struct Gram {
     /// Number of columns in use.
     pub len: usize,
-    /// How far rounding may have moved the values; differences below it are none.
+    /// Largest error of the values from rounding; smaller differences count as 0.
     pub noise: f64,
     /// `(p_i - y)·(p_j - y)`.
     pub value: [[f64; MAX_COLUMNS]; MAX_COLUMNS],
 }
 
 impl Gram {
-    /// Returns the Gram matrix of some of the columns.
+    /// Returns the Gram matrix of the selected columns.
     pub fn select(&self, columns: &[usize]) -> Self {
         let mut value = [[0.0; MAX_COLUMNS]; MAX_COLUMNS];
         for (i, &a) in columns.iter().enumerate() {
@@ -31,7 +31,7 @@ impl Gram {
         Self { len: columns.len(), noise: self.noise, value }
     }
 
-    /// Returns the sum with a further matrix, given by its entries.
+    /// Adds a second matrix, given by its entries.
     pub fn plus(mut self, entry: impl Fn(usize, usize) -> f64) -> Self {
         for i in 0..self.len {
             (0..self.len).for_each(|j| self.value[i][j] += entry(i, j));
@@ -39,7 +39,7 @@ impl Gram {
         self
     }
 
-    /// Returns the squared error of weights.
+    /// Returns the squared error of the weights.
     pub fn error(&self, weights: &[f64; MAX_COLUMNS]) -> f64 {
         let n = self.len;
         let sum: f64 = (0..n).map(|i| weights[i] * self.apply(weights, i)).sum();
@@ -63,7 +63,7 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     let scale: f64 = (0..n).map(|j| gram.value[j][j]).fold(0.0, f64::max);
     let noise = gram.noise + 1e-12 * scale;
     let mut active = Active { gram, noise, columns: vec![nearest], factor: Vec::new() };
-    // Each round lowers the error strictly, so no active set comes back; the cap guards rounding.
+    // Each round lowers the error strictly, so no active set comes back. The cap guards against rounding.
     for _ in 0..4 * n {
         let slopes = active.slopes(&weights);
         let error: f64 = active.columns.iter().map(|&j| weights[j] * slopes[j]).sum();
@@ -96,7 +96,7 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     weights.map(|w| w / sum)
 }
 
-/// Solves with at most `most` weights not zero, of more than `least` each: solve, keep the strongest, solve again.
+/// Solves with at most `most` nonzero weights of at least `least` each: solves, keeps the largest, and solves again.
 pub fn solve_sparse(gram: &Gram, most: usize, least: f64) -> [f64; MAX_COLUMNS] {
     let dense = solve(gram);
     let is_kept = |j: &usize| dense[*j] > 0.0 && dense[*j] >= least;
@@ -114,18 +114,18 @@ pub fn solve_sparse(gram: &Gram, most: usize, least: f64) -> [f64; MAX_COLUMNS] 
     weights
 }
 
-/// The columns whose weights are not zero.
+/// The columns with a nonzero weight.
 struct Active<'a> {
     gram: &'a Gram,
-    /// What is added to the diagonal: columns that coincide leave the weights free between them, and share them evenly.
+    /// Added to the diagonal, so that coinciding columns share their weight evenly instead of leaving it undetermined.
     noise: f64,
     columns: Vec<usize>,
-    /// Rows of the Cholesky factor of the first columns' Gram matrix, 1, 2, 3, ... long.
+    /// Rows of the Cholesky factor of the columns' Gram matrix, packed; row k has k + 1 entries.
     factor: Vec<f64>,
 }
 
 impl Active<'_> {
-    /// What half of the error changes by with each column's weight.
+    /// Returns the derivative of half the squared error by each column's weight.
     fn slopes(&self, weights: &[f64; MAX_COLUMNS]) -> [f64; MAX_COLUMNS] {
         let mut slopes = [0.0; MAX_COLUMNS];
         for &j in &self.columns {
@@ -135,7 +135,7 @@ impl Active<'_> {
         slopes
     }
 
-    /// Leaves out the columns whose weights have come to zero.
+    /// Removes the columns whose weight has reached zero.
     fn keep(&mut self, weights: &mut [f64; MAX_COLUMNS]) {
         let kept = self.columns.iter().take_while(|&&j| weights[j] > 1e-14).count();
         self.factor.truncate(start(kept));
@@ -148,7 +148,7 @@ impl Active<'_> {
         });
     }
 
-    /// Minimises over the columns' affine hull; `None` once at most one is left, or where they do not differ.
+    /// Minimises over the affine hull of the columns; `None` for fewer than two columns, or if all columns coincide.
     fn affine_minimum(&mut self) -> Option<[f64; MAX_COLUMNS]> {
         let n = self.columns.len();
         if n <= 1 {
@@ -173,7 +173,7 @@ impl Active<'_> {
         sum.is_normal().then(|| x.map(|x| x / sum))
     }
 
-    /// Adds a row to the factor.
+    /// Appends the next row of the factor.
     fn factor_further(&mut self) {
         let k = (0..).find(|&k| start(k) == self.factor.len()).unwrap_or(0);
         let own = &self.gram.value[self.columns[k]];
@@ -192,7 +192,7 @@ impl Active<'_> {
     }
 }
 
-/// Where row k of a lower triangle begins.
+/// Returns the index at which row k of a packed lower triangle begins.
 fn start(k: usize) -> usize {
     k * (k + 1) / 2
 }
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn coinciding_columns_and_nothing_but_rounding_are_no_trouble() {
+    fn coinciding_columns_and_pure_rounding_noise_have_a_solution() {
         let mut noise = gram(&[[0.0; 3]; 12], [0.0; 3]);
         for i in 0..12 {
             for j in 0..12 {

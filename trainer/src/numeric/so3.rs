@@ -11,17 +11,18 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     if sine < 1e-300 { Vector3::zeros() } else { v * (2.0 * sine.atan2(w) / sine) }
 }
 
-/// Returns what turning half as far, by S with S² = R, takes a vector along by: S - I, 0 of the identity.
+/// Returns S - I for the half rotation S with S² = R: the displacement of a vector turned half as far; 0 for the
+/// identity.
 ///
-/// From about 150° on its odd part fades to 0 at half a turn, where S would jump: it is continuous in R everywhere
-/// (METHOD §1.9).
+/// From about 150° on, the odd part fades to 0 at half a turn, where S would jump. So the result is continuous in R
+/// everywhere (METHOD §1.9).
 pub fn half(rotation: &Matrix3<f64>) -> Matrix3<f64> {
     let (w, v) = quaternion(rotation);
     let cross = v.cross_matrix();
     cross * (1.0 - (1.0 - w).powi(8)) + cross * cross / (1.0 + w)
 }
 
-/// Returns w, which is not negative, and x, y, z of a rotation's quaternion.
+/// Returns the quaternion of a rotation as w ≥ 0 and (x, y, z).
 fn quaternion(rotation: &Matrix3<f64>) -> (f64, Vector3<f64>) {
     let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
     if q.w < 0.0 { (-q.w, -q.imag()) } else { (q.w, q.imag()) }
@@ -32,10 +33,10 @@ pub fn exp(angles: &Vector3<f64>) -> Matrix3<f64> {
     Rotation3::from_scaled_axis(*angles).into_inner()
 }
 
-/// Splits `d = R S` with R a proper rotation and S symmetric, by the SVD with the sign on the
-/// smallest singular value.
+/// Splits `d = R S` into a proper rotation R and a symmetric S, by the SVD with the sign on the smallest singular
+/// value.
 ///
-/// Returns `None` where `d` has rank one or less, which leaves R undetermined.
+/// Returns `None` if `d` has rank one or less, because R is then undetermined.
 pub fn polar(d: &Matrix3<f64>) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
     let svd = d.svd(true, true);
     let (u, vt) = (svd.u?, svd.v_t?);

@@ -1,18 +1,18 @@
-//! Where a picture is taken from.
+//! Views and cameras of pictures.
 
-use crate::space::axes::direction;
+use crate::space::direction;
 use nalgebra::Vector3;
 use sinew_runtime::format::{Axis, Handedness};
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// What points up in the picture.
+    /// Axis that points up in the picture.
     pub up: Axis,
-    /// The handedness of model space: what is in a left-handed one is not shown mirrored.
+    /// Handedness of model space; a left-handed space is not shown mirrored.
     pub handedness: Handedness,
-    /// Degrees about the up axis, counter-clockwise seen from above; at 0 the first axis that is not
-    /// up points to the right (for x up, y points to the left); against it where up is against an axis.
+    /// Degrees about the up axis, counter-clockwise seen from above. At 0, the first axis that is not up points to the
+    /// right (for x up, y points to the left); for a negative up axis it points to the other side.
     pub azimuth: f64,
     /// Degrees above the horizon.
     pub elevation: f64,
@@ -32,11 +32,11 @@ pub struct Resolution {
 pub struct Camera {
     /// Right, up and toward the eye, unit vectors of model space.
     pub axes: [Vector3<f64>; 3],
-    /// What is in the middle, along right and up.
+    /// Point at the middle of the picture, along right and up.
     pub centre: [f64; 2],
-    /// Pixels a unit of length.
+    /// Pixels per unit of length.
     pub scale: f64,
-    /// Of the picture.
+    /// Size of the picture, in pixels.
     pub size: Resolution,
 }
 
@@ -44,7 +44,7 @@ pub struct Camera {
 const MARGIN: f64 = 0.03;
 
 impl View {
-    /// The unit vectors to the right and up, and toward the eye, at azimuth and elevation 0.
+    /// Returns the unit vectors right, up and toward the eye, at azimuth and elevation 0.
     fn frame(&self) -> [Vector3<f64>; 3] {
         let right = match self.up {
             Axis::X => -Vector3::y(),
@@ -61,7 +61,7 @@ impl View {
         [right, up, toward]
     }
 
-    /// Returns right, up and toward the eye, unit vectors.
+    /// Returns the unit vectors right, up and toward the eye.
     pub fn axes(&self) -> [Vector3<f64>; 3] {
         let [right, up, toward] = self.frame();
         let (sin, cos) = libm::sincos(self.azimuth.to_radians());
@@ -70,8 +70,7 @@ impl View {
         [right, cos * up - sin * toward, cos * toward + sin * up]
     }
 
-    /// Returns the view that sees `positions` as this one sees `rest`: turned about the up axis as
-    /// the character is as a whole.
+    /// Returns the view that sees `positions` as this view sees `rest`: rotated about the up axis with the character.
     pub fn following(&self, rest: &[[f64; 3]], positions: &[[f64; 3]]) -> Self {
         let [right, _, toward] = self.frame();
         let flat = |all: &[[f64; 3]]| -> Vec<[f64; 2]> {
@@ -93,8 +92,8 @@ impl View {
 }
 
 impl Camera {
-    /// Fits all positions into a picture of this width, whose height is theirs within a half and
-    /// 1.4 widths.
+    /// Fits all positions into a picture of the given width. The height follows from the positions' extent, clamped
+    /// between 0.5 and 1.4 widths.
     pub fn fit<'a>(
         view: &View,
         positions: impl IntoIterator<Item = &'a [f64; 3]>,
@@ -118,7 +117,7 @@ impl Camera {
         Self { axes, centre, scale, size: Resolution { width, height } }
     }
 
-    /// Looks at the surroundings of a point, so far on each side.
+    /// Looks at a point and the surroundings within `radius`.
     pub fn around(view: &View, point: &[f64; 3], radius: f64, size: Resolution) -> Self {
         let axes = view.axes();
         let centre = [0, 1].map(|axis| axes[axis].dot(&Vector3::from(*point)));
@@ -126,7 +125,7 @@ impl Camera {
         Self { axes, centre, scale, size }
     }
 
-    /// The same picture with other pixels.
+    /// Returns the camera of the picture scaled by a factor.
     pub fn resized(&self, factor: f64) -> Self {
         let pixels = |count: usize| (count as f64 * factor).round().max(1.0) as usize;
         let Resolution { width, height } = self.size;
@@ -134,7 +133,7 @@ impl Camera {
         Self { scale: self.scale * size.width as f64 / width as f64, size, ..*self }
     }
 
-    /// Returns a position's pixel, from the upper left, and its distance toward the eye.
+    /// Returns a position's pixel, counted from the upper left, and its distance toward the eye.
     pub fn project(&self, position: &[f64; 3]) -> [f64; 3] {
         let [right, up, toward] = self.axes.map(|axis| axis.dot(&Vector3::from(*position)));
         let Resolution { width, height } = self.size;
@@ -175,7 +174,7 @@ mod tests {
         let positions = [[0.5, 2.0, -1.0], [-1.5, 0.25, 3.0]];
         let view = View { azimuth: 35.0, elevation: 20.0, ..FRONT };
         let other = View { handedness: Handedness::Left, ..view };
-        // z is mirrored, up stays, so that right stays.
+        // Mirrors z. Up stays, so right stays too.
         let mirrored = positions.map(|[x, y, z]| [x, y, -z]);
         let seen = |view: &View, all: &[[f64; 3]; 2]| {
             let camera = Camera::fit(view, all, 100);
@@ -224,7 +223,7 @@ mod tests {
             let view = View { up, azimuth: 10.0, elevation: 5.0, ..FRONT };
             let following = view.following(&rest, &moved);
             assert!((following.azimuth - 50.0).abs() < 1e-9, "{following:?}");
-            // The same picture, but for where it is.
+            // Both pictures agree up to an offset.
             let [rest, moved] = [(&view, &rest), (&following, &moved)].map(|(view, p)| {
                 let camera = Camera::fit(view, p, 100);
                 p.iter().map(|p| camera.project(p)).collect::<Vec<_>>()

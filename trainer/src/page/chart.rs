@@ -1,7 +1,16 @@
-//! Charts as inline SVG, coloured by the page's style.
+//! Charts and bars as inline SVG, coloured by the page's style.
 
+use super::colour::{Scale, heat};
 use super::html::text;
 use std::fmt::Write;
+
+/// Margins in pixels; the left margin holds the numbers of the left side.
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 26.0;
+const BOTTOM: f64 = 40.0;
+/// Fewest pixels between two numbers.
+const TICK_GAP: f64 = 26.0;
 
 /// A range of numbers along one side of a chart.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +20,7 @@ pub(crate) struct Range {
     log: bool,
 }
 
-/// A chart that is being drawn.
+/// A chart under construction.
 pub(crate) struct Chart {
     width: f64,
     height: f64,
@@ -20,26 +29,18 @@ pub(crate) struct Chart {
     body: String,
 }
 
-/// Room for the numbers at the left, and for the others around.
-const LEFT: f64 = 52.0;
-const RIGHT: f64 = 12.0;
-const TOP: f64 = 26.0;
-const BOTTOM: f64 = 40.0;
-/// Fewest pixels from one number to the next.
-const APART: f64 = 26.0;
-
 impl Range {
-    /// Even steps.
+    /// Makes a linear range.
     pub(crate) fn linear(low: f64, high: f64) -> Self {
         Self { low, high: if high > low { high } else { low + 1.0 }, log: false }
     }
 
-    /// Even ratios, from one positive number to a greater one.
+    /// Makes a logarithmic range between two positive numbers, `low` below `high`.
     pub(crate) fn between(low: f64, high: f64) -> Self {
         Self { low, high, log: true }
     }
 
-    /// Even ratios, over the positive ones of these numbers, of at most four decades.
+    /// Makes a logarithmic range over the positive numbers, of at most four decades.
     pub(crate) fn log(numbers: impl IntoIterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0);
         for number in numbers.into_iter().filter(|number| *number > 0.0) {
@@ -52,6 +53,7 @@ impl Range {
         Self { low: low.max(1e-4 * high) / 1.2, high: 1.2 * high, log: true }
     }
 
+    /// Returns the place of a value along the side, in [0, 1].
     fn place(&self, value: f64) -> f64 {
         let Self { low, high, log } = *self;
         let share = if log {
@@ -62,7 +64,7 @@ impl Range {
         share.clamp(0.0, 1.0)
     }
 
-    /// Lists round numbers of the range, at most so many.
+    /// Lists at most `most` round numbers of the range.
     fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         let steps: [&[f64]; 3] = [&[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
         if self.log {
@@ -84,19 +86,13 @@ impl Range {
     }
 }
 
-/// `step` times a power of ten, and how it is written.
-fn number(step: f64, decade: i32) -> (f64, String) {
-    let places = usize::try_from(-decade).unwrap_or(0);
-    let value = step * 10_f64.powi(decade);
-    (value, format!("{value:.places$}"))
-}
-
 impl Chart {
     /// Begins a chart of a width and height in pixels.
     pub(crate) fn new((width, height): (f64, f64), x: Range, y: Range) -> Self {
         Self { width, height, x, y, body: String::new() }
     }
 
+    /// Returns the pixel of a point.
     fn at(&self, x: f64, y: f64) -> (f64, f64) {
         let (width, height) = (self.width - LEFT - RIGHT, self.height - TOP - BOTTOM);
         (LEFT + width * self.x.place(x), TOP + height * (1.0 - self.y.place(y)))
@@ -107,9 +103,9 @@ impl Chart {
         let _ = self.body.write_fmt(item);
     }
 
-    /// Names the sides, and draws the numbers and lines of the left one.
+    /// Names the sides, and draws the numbers and grid lines of the left side.
     pub(crate) fn sides(&mut self, x: &str, y: &str) {
-        let most = ((self.height - TOP - BOTTOM) / APART).max(2.0) as usize;
+        let most = ((self.height - TOP - BOTTOM) / TICK_GAP).max(2.0) as usize;
         for (value, name) in self.y.ticks(most) {
             let ((left, at), right) = (self.at(self.x.low, value), self.width - RIGHT);
             self.push(format_args!(
@@ -129,13 +125,13 @@ impl Chart {
 
     /// Writes round numbers under the chart.
     pub(crate) fn numbers(&mut self) {
-        let most = ((self.width - LEFT - RIGHT) / (2.5 * APART)).max(2.0) as usize;
+        let most = ((self.width - LEFT - RIGHT) / (2.5 * TICK_GAP)).max(2.0) as usize;
         for (value, name) in self.x.ticks(most) {
             self.mark(value, &name);
         }
     }
 
-    /// Writes something under a place.
+    /// Writes a label under a number of the lower side.
     pub(crate) fn mark(&mut self, x: f64, name: &str) {
         let (at, foot) = self.at(x, self.y.low);
         let name = text(name);
@@ -153,7 +149,7 @@ impl Chart {
         self.push(format_args!("<path class=\"line {class}\" d=\"{path}\"/>"));
     }
 
-    /// Fills what lies under a line through points.
+    /// Fills the area under a line through points.
     pub(crate) fn area(&mut self, class: &str, points: &[(f64, f64)]) {
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
         let path = self.path(points);
@@ -174,7 +170,7 @@ impl Chart {
         }
     }
 
-    /// Colours the background from one place to another and names it at the top.
+    /// Colours the background between two numbers of the lower side and writes a name at the top.
     pub(crate) fn band(&mut self, class: &str, (from, to): (f64, f64), name: &str) {
         let ((left, foot), (right, _)) = (self.at(from, self.y.low), self.at(to, self.y.low));
         let (name, width, height) = (text(name), right - left, foot - TOP);
@@ -182,7 +178,7 @@ impl Chart {
             "<g class=\"band {class}\"><rect x=\"{left:.1}\" y=\"{TOP}\" width=\"{width:.1}\" \
              height=\"{height:.1}\"/>"
         ));
-        // What has no room would lie over its neighbour; it is still told under the pointer.
+        // A name without room would cover its neighbour. The tooltip still shows the name.
         if 6.5 * name.chars().count() as f64 <= width {
             self.push(format_args!(
                 "<text x=\"{:.1}\" y=\"{:.1}\">{name}</text>",
@@ -193,8 +189,8 @@ impl Chart {
         self.push(format_args!("<title>{name}</title></g>"));
     }
 
-    /// Tells something where the pointer rests between two places.
-    pub(crate) fn tell(&mut self, (from, to): (f64, f64), what: &str) {
+    /// Adds a tooltip between two numbers of the lower side.
+    pub(crate) fn tooltip(&mut self, (from, to): (f64, f64), what: &str) {
         let ((left, foot), (right, _)) = (self.at(from, self.y.low), self.at(to, self.y.low));
         let (what, width, height) = (text(what), right - left, foot - TOP);
         self.push(format_args!(
@@ -203,7 +199,7 @@ impl Chart {
         ));
     }
 
-    /// Ends the chart; `description` says what it shows to those who cannot see it.
+    /// Ends the chart; `description` describes the chart to readers who cannot see it.
     pub(crate) fn finish(self, description: &str) -> String {
         let Self { width, height, body, .. } = self;
         let description = text(description);
@@ -220,19 +216,83 @@ impl Chart {
             let _ = write!(path, "{}{x:.1} {y:.1}", if number == 0 { 'M' } else { 'L' });
         }
         if points.len() == 1 {
-            // Round ends make a dot of it.
+            // Round line ends turn this into a dot.
             path += "h0";
         }
         path
     }
 }
 
-/// The legend of lines: their classes and names.
+/// Returns the legend of lines, from their classes and names.
 pub(crate) fn legend(entries: &[(&str, &str)]) -> String {
     let of = |(class, name): &(&str, &str)| {
         format!("<span><i class=\"{class}\"></i>{}</span>", text(name))
     };
     format!("<p class=\"legend\">{}</p>\n", entries.iter().map(of).collect::<String>())
+}
+
+/// Returns a bar for each value, scaled so that `most` fills the width.
+pub(crate) fn bars(values: &[(&str, f64)], most: f64) -> String {
+    let height = 9 * values.len();
+    let mut out = format!("<svg class=\"bars\" viewBox=\"0 0 200 {height}\" aria-hidden=\"true\">");
+    for (row, (class, value)) in values.iter().enumerate() {
+        let width = if most > 0.0 { 200.0 * value / most } else { 0.0 };
+        let _ = write!(
+            out,
+            "<rect class=\"{class}\" x=\"0\" y=\"{}\" width=\"{width:.1}\" height=\"7\"/>",
+            9 * row + 1
+        );
+    }
+    out + "</svg>"
+}
+
+/// Returns the colours of a scale, with the errors that they represent.
+pub(crate) fn colour_bar(scale: &Scale, unit: &str) -> String {
+    const STRIPS: usize = 60;
+    const WIDTH: f64 = 300.0;
+    let mut out = String::from("<svg class=\"scale\" viewBox=\"-14 0 328 34\" role=\"img\" ");
+    let _ = write!(out, "aria-label=\"colours from 0 to {} {unit}\">", scale.most);
+    for strip in 0..STRIPS {
+        let [r, g, b] = heat((strip as f64 + 0.5) / STRIPS as f64);
+        let width = WIDTH / STRIPS as f64;
+        // Strips overlap a little, so that no gap shows between them.
+        let _ = write!(
+            out,
+            "<rect x=\"{}\" y=\"0\" width=\"{}\" height=\"12\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>",
+            strip as f64 * width,
+            width + if strip + 1 < STRIPS { 0.5 } else { 0.0 }
+        );
+    }
+    for tick in scale.ticks() {
+        let x = WIDTH * scale.place(tick);
+        let name = significant(tick);
+        let _ = write!(
+            out,
+            "<line class=\"tick\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"12\" y2=\"16\"/>\
+             <text class=\"middle\" x=\"{x:.1}\" y=\"29\">{name}</text>"
+        );
+    }
+    out + "</svg>"
+}
+
+/// Returns `step` times a power of ten, and its text.
+fn number(step: f64, decade: i32) -> (f64, String) {
+    let places = usize::try_from(-decade).unwrap_or(0);
+    let value = step * 10_f64.powi(decade);
+    (value, format!("{value:.places$}"))
+}
+
+/// Formats a number to three significant digits, without trailing zeros.
+fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let places = usize::try_from(2 - value.log10().floor() as i64).unwrap_or(0);
+    let digits = format!("{value:.places$}");
+    match digits.contains('.') {
+        true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => digits,
+    }
 }
 
 #[cfg(test)]
@@ -262,7 +322,7 @@ mod tests {
         let log = Range::between(0.01, 100.0);
         assert!((log.place(1.0) - 0.5).abs() < 1e-12);
         assert_eq!((log.place(0.0), log.place(1e9)), (0.0, 1.0));
-        // What is zero has no place on a logarithmic side and does not stretch it.
+        // Zero has no place on a logarithmic side, and does not stretch the side.
         assert!((Range::log([0.0, 1.0, 100.0]).place(10.0) - 0.5).abs() < 1e-12);
     }
 
@@ -274,5 +334,26 @@ mod tests {
         let (left, right, top, foot) = (LEFT, 100.0 - RIGHT, TOP, 100.0 - BOTTOM);
         let path = format!("d=\"M{left:.1} {foot:.1}L{right:.1} {top:.1}\"");
         assert!(chart.finish("a <chart>").contains(&path));
+    }
+
+    #[test]
+    fn numbers_on_a_scale_are_short_and_true() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.375, "0.375"),
+            (1.25, "1.25"),
+            (2.0, "2"),
+            (0.0016, "0.0016"),
+            (120.0, "120"),
+        ] {
+            assert_eq!(significant(value), expected);
+        }
+    }
+
+    #[test]
+    fn bars_are_as_long_as_their_values() {
+        let out = bars(&[("lbs", 4.0), ("model", 1.0)], 8.0);
+        assert!(out.contains("class=\"lbs\" x=\"0\" y=\"1\" width=\"100.0\""), "{out}");
+        assert!(out.contains("class=\"model\" x=\"0\" y=\"10\" width=\"25.0\""), "{out}");
     }
 }

@@ -1,10 +1,10 @@
-//! Colours: heat, and hues that tell neighbours apart.
+//! Colours: a heat scale for errors, and hues that set neighbours apart.
 
-/// Red, green and blue of sRGB, 0 to 255.
+/// Red, green and blue in sRGB, 0 to 255.
 pub type Colour = [u8; 3];
 
-/// Heat from no error to the most: each stop is darker than the one before, so that the order is
-/// seen without telling red from green.
+/// Heat from no error to the largest. Each stop is darker than the one before, so readers who cannot tell red from
+/// green still see the order.
 const HEAT: [Colour; 6] = [
     [0xec, 0xea, 0xe4],
     [0xfd, 0xdf, 0x97],
@@ -14,35 +14,34 @@ const HEAT: [Colour; 6] = [
     [0x5c, 0x0d, 0x44],
 ];
 
-/// Twelve hues about the wheel at even lightness, then each once more, darker.
+/// Hues around the colour wheel at even lightness; the wheel is used twice, the second time darker.
 const HUES: usize = 12;
 
-/// A colour scale of errors from 0 to `most`, in proportion to their square root: what is a
-/// hundredth of the most is still seen.
+/// A colour scale of errors from 0 to `most`, by their square root: an error of a hundredth of `most` stays visible.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
-    /// The error that is hottest.
+    /// Error at the hot end.
     pub most: f64,
 }
 
 impl Scale {
-    /// Makes the scale of some errors, up to a round number.
+    /// Makes a scale for the errors, up to a round number.
     pub fn of<'a>(errors: impl IntoIterator<Item = &'a f64>) -> Self {
         let most = errors.into_iter().copied().fold(0.0, f64::max);
         Self { most: round_up(most) }
     }
 
-    /// Returns where on the scale an error lies, in [0, 1].
+    /// Returns the place of an error on the scale, in [0, 1].
     pub fn place(&self, error: f64) -> f64 {
         (error / self.most).clamp(0.0, 1.0).sqrt()
     }
 
-    /// Returns an error's colour.
+    /// Returns the colour of an error.
     pub fn colour(&self, error: f64) -> Colour {
         heat(self.place(error))
     }
 
-    /// Lists errors to name on the scale, ascending, as far apart as numbers need.
+    /// Lists the errors to label on the scale, ascending, with enough room between the labels.
     pub fn ticks(&self) -> Vec<f64> {
         let mut ticks = vec![self.most];
         for share in [0.5, 0.25, 0.1, 0.02] {
@@ -54,7 +53,7 @@ impl Scale {
     }
 }
 
-/// Returns the colour at a place of [0, 1].
+/// Returns the heat colour at a place in [0, 1].
 pub fn heat(place: f64) -> Colour {
     let along = place.clamp(0.0, 1.0) * (HEAT.len() - 1) as f64;
     let stop = (along as usize).min(HEAT.len() - 2);
@@ -64,16 +63,15 @@ pub fn heat(place: f64) -> Colour {
     [0, 1, 2].map(|c| mix(c).round() as u8)
 }
 
-/// Colours the nodes of a graph so that neighbours differ as far as hues allow, the first nodes
-/// first.
-pub fn tell_apart(neighbours: &[Vec<usize>]) -> Vec<Colour> {
+/// Colours the nodes of a graph so that neighbours differ as much as possible; earlier nodes choose first.
+pub fn distinct_colours(neighbours: &[Vec<usize>]) -> Vec<Colour> {
     let wheel: Vec<Colour> = (0..2 * HUES).map(hue).collect();
     let mut used = vec![0_usize; wheel.len()];
     let mut taken: Vec<Option<usize>> = vec![None; neighbours.len()];
     for node in 0..neighbours.len() {
         let near: Vec<usize> = neighbours[node].iter().filter_map(|&other| taken[other]).collect();
-        let room = |colour: usize| near.iter().map(|&other| apart(colour, other)).min();
-        // Of colours with as much room the one that was used least.
+        let room = |colour: usize| near.iter().map(|&other| wheel_steps(colour, other)).min();
+        // Among colours with equally distant neighbours, take the least used.
         let best = (0..wheel.len()).rev().max_by_key(|&colour| {
             let room = room(colour).unwrap_or(usize::MAX).min(HUES / 3);
             (room, usize::MAX - used[colour])
@@ -86,12 +84,13 @@ pub fn tell_apart(neighbours: &[Vec<usize>]) -> Vec<Colour> {
     taken.into_iter().map(|colour| wheel[colour.unwrap_or(0)]).collect()
 }
 
-/// Steps between two colours of the wheel.
-fn apart(a: usize, b: usize) -> usize {
+/// Returns the steps between two colours of the wheel.
+fn wheel_steps(a: usize, b: usize) -> usize {
     let steps = (a % HUES).abs_diff(b % HUES);
     steps.min(HUES - steps) + usize::from(a / HUES != b / HUES)
 }
 
+/// Returns a colour of the wheel, 0 to 2 `HUES` - 1.
 fn hue(number: usize) -> Colour {
     let angle = std::f64::consts::TAU * (number % HUES) as f64 / HUES as f64;
     let (middle, swing) = if number < HUES { (190.0, 50.0) } else { (136.0, 50.0) };
@@ -141,10 +140,10 @@ mod tests {
 
     #[test]
     fn neighbours_differ() {
-        // A ring of 30 nodes, each beside the two on either side of it.
+        // A ring of 30 nodes, each next to the two nodes on either side.
         let near = |k: usize| [1, 2, 28, 29].map(|step| (k + step) % 30).to_vec();
         let neighbours: Vec<Vec<usize>> = (0..30).map(near).collect();
-        let colours = tell_apart(&neighbours);
+        let colours = distinct_colours(&neighbours);
         for (node, others) in neighbours.iter().enumerate() {
             for &other in others {
                 let apart = (0..3).map(|c| colours[node][c].abs_diff(colours[other][c])).max();

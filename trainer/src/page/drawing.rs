@@ -9,11 +9,11 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 use png::EncodingError;
 use std::fmt::Write;
 
-/// Shapes one over the other, on white; pixels, x to the right, y down.
+/// Shapes drawn over one another on white; coordinates in pixels, x to the right, y down.
 pub struct Drawing {
-    /// Pixels.
+    /// Width, in pixels.
     pub width: usize,
-    /// Pixels.
+    /// Height, in pixels.
     pub height: usize,
     shapes: Vec<Shape>,
 }
@@ -25,30 +25,30 @@ enum Shape {
     Text { at: [f64; 2], anchor: Anchor, text: String },
 }
 
-/// Which end of a text stands at its place.
+/// The part of a text that stands at the text's position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// Its first letter.
+    /// The first letter.
     Start,
-    /// Its middle.
+    /// The middle.
     Middle,
-    /// Its last letter.
+    /// The last letter.
     End,
 }
 
-/// Height of letters and their width, pixels.
+/// Height and weight of the letters.
 const TEXT: RasterHeight = RasterHeight::Size16;
 const WEIGHT: FontWeight = FontWeight::Regular;
-/// The colour of all text and edges.
+/// Colour of all text and edges.
 const INK: Colour = [0x22, 0x22, 0x22];
 
 impl Drawing {
-    /// Begins a drawing.
+    /// Begins a drawing of a width and height in pixels.
     pub fn new(width: usize, height: usize) -> Self {
         Self { width, height, shapes: Vec::new() }
     }
 
-    /// Puts a picture with its upper left corner at a place.
+    /// Draws a picture with its upper left corner at a position.
     pub fn image(&mut self, at: [f64; 2], picture: Picture) {
         self.shapes.push(Shape::Image { at, picture });
     }
@@ -58,26 +58,26 @@ impl Drawing {
         self.shapes.push(Shape::Line { points, width, colour });
     }
 
-    /// Draws the edge of a box.
+    /// Draws the outline of a box.
     pub fn frame(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2]) {
         let (right, foot) = (x + width, y + height);
         self.line(vec![[x, y], [right, y], [right, foot], [x, foot], [x, y]], 1.0, INK);
     }
 
-    /// Draws a dot with an edge.
+    /// Draws a dot with an outline.
     pub fn dot(&mut self, at: [f64; 2], radius: f64, colour: Colour) {
         self.shapes.push(Shape::Dot { at, radius, colour });
     }
 
-    /// Writes a text, its foot at a place.
+    /// Writes a text with its foot at a position.
     pub fn text(&mut self, at: [f64; 2], anchor: Anchor, text: &str) {
         self.shapes.push(Shape::Text { at, anchor, text: text.to_owned() });
     }
 
-    /// Returns it as SVG.
+    /// Returns the drawing as SVG.
     ///
     /// # Errors
-    /// A picture that cannot be encoded.
+    /// A picture of the drawing cannot be encoded.
     pub fn svg(&self) -> Result<String, EncodingError> {
         let Self { width, height, shapes } = self;
         let mut out = format!(
@@ -124,7 +124,7 @@ impl Drawing {
         Ok(out + "</svg>\n")
     }
 
-    /// Returns it as pixels.
+    /// Returns the drawing as pixels.
     pub fn picture(&self) -> Picture {
         let mut out = Picture::filled(self.width, self.height, [0xff; 3]);
         for shape in &self.shapes {
@@ -134,11 +134,13 @@ impl Drawing {
                     for ends in points.windows(2) {
                         let [a, b] = [ends[0], ends[1]];
                         let reach = 0.5 * width;
-                        cover(&mut out, [a, b], reach, *colour, |at| reach - apart(at, a, b));
+                        let inside = |at| reach - segment_distance(at, a, b);
+                        cover(&mut out, [a, b], reach, *colour, inside);
                     }
                 }
                 Shape::Dot { at, radius, colour } => {
-                    let inside = |reach: f64| move |p: [f64; 2]| reach - apart(p, *at, *at);
+                    let inside =
+                        |reach: f64| move |p: [f64; 2]| reach - segment_distance(p, *at, *at);
                     let edge = radius + 0.5;
                     cover(&mut out, [*at, *at], edge, INK, inside(edge));
                     cover(&mut out, [*at, *at], *radius, *colour, inside(radius - 0.5));
@@ -151,7 +153,7 @@ impl Drawing {
 }
 
 impl Anchor {
-    /// Returns its name in SVG.
+    /// Returns the anchor's name in SVG.
     const fn name(self) -> &'static str {
         match self {
             Self::Start => "start",
@@ -165,8 +167,8 @@ fn hex([r, g, b]: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Returns how far a point is from the line between two.
-fn apart(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Returns the distance of a point from the segment between two points.
+fn segment_distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let (along, from) = (minus(b, a), minus(p, a));
     let squared = along[0] * along[0] + along[1] * along[1];
@@ -179,7 +181,7 @@ fn apart(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     off[0].hypot(off[1])
 }
 
-/// Mixes a colour into the pixels about two points, by how far `inside` a shape their middles are.
+/// Mixes a colour into the pixels around a segment; `inside` returns how deep a pixel's centre lies inside the shape.
 fn cover(
     out: &mut Picture,
     ends: [[f64; 2]; 2],
@@ -217,7 +219,7 @@ fn write_text(out: &mut Picture, [x, y]: [f64; 2], anchor: Anchor, text: &str) {
         Anchor::Middle => x - 0.5 * width,
         Anchor::End => x - width,
     };
-    // The foot of letters is a quarter above the foot of their raster.
+    // Letters stand a quarter of their raster's height above its foot.
     let top = (y - 0.75 * TEXT.val() as f64).round().max(0.0) as usize;
     for (place, character) in text.chars().enumerate() {
         let Some(raster) = get_raster(character, WEIGHT, TEXT) else { continue };
@@ -244,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_are_where_they_were_put() {
+    fn shapes_are_at_their_positions() {
         let picture = drawing().picture();
         assert_eq!(picture.colour([0, 0]), [255; 3]);
         assert_eq!(picture.colour([15, 15]), [10, 20, 30]);

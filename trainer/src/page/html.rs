@@ -1,4 +1,4 @@
-//! The page's parts: text, tables, pictures.
+//! Parts of a page as HTML: text, tables, pictures.
 
 use super::picture::Picture;
 use crate::space::written;
@@ -8,7 +8,7 @@ use png::EncodingError;
 
 const STYLE: &str = include_str!("style.css");
 
-/// A page in one file; no unit stands on another line than its number.
+/// Returns a page in one file; no-break spaces keep each unit on the line of its number.
 pub(crate) fn page(title: &str, body: &str) -> String {
     let body = [" %", " °", " mm"]
         .iter()
@@ -23,7 +23,7 @@ pub(crate) fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// Text as HTML: names come from files and may hold anything.
+/// Escapes text for HTML: names come from files and may hold anything.
 pub(crate) fn text(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut out, character| {
         match character {
@@ -39,17 +39,17 @@ pub(crate) fn text(text: &str) -> String {
     })
 }
 
-/// A section under a heading.
+/// Returns a section under a heading; `content` is HTML.
 pub(crate) fn section(heading: &str, content: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{content}</section>\n", text(heading))
 }
 
-/// A paragraph; `content` is HTML.
+/// Returns a paragraph; `content` is HTML.
 pub(crate) fn paragraph(content: &str) -> String {
     format!("<p>{content}</p>\n")
 }
 
-/// A table of HTML cells: the first column is text, figures stand to the right.
+/// Returns a table of HTML cells: text in the first column, figures aligned right in the others.
 pub(crate) fn table(head: &[String], rows: &[Vec<String>]) -> String {
     let mut out = String::from("<div class=\"wide\"><table>\n<thead><tr>");
     for cell in head {
@@ -69,15 +69,15 @@ pub(crate) fn table(head: &[String], rows: &[Vec<String>]) -> String {
     out + "</tbody>\n</table></div>\n"
 }
 
-/// Pictures side by side, so many in a row; each is HTML.
+/// Returns pictures in rows of `columns`; each figure is HTML.
 pub(crate) fn side_by_side(columns: usize, figures: &[String]) -> String {
     format!("<div class=\"row\" style=\"--n:{columns}\">\n{}</div>\n", figures.concat())
 }
 
-/// A picture, HTML that lies over it, and HTML under it.
+/// Returns a picture with HTML over it and a caption of HTML under it.
 ///
 /// # Errors
-/// Those of the encoder.
+/// Errors of the PNG encoder.
 pub(crate) fn figure(
     picture: &Picture,
     description: &str,
@@ -93,17 +93,17 @@ pub(crate) fn figure(
     ))
 }
 
-/// An error in % of the diagonal, as `sinew eval` prints it.
+/// Formats an error in % of the diagonal, as `sinew eval` prints it.
 pub(crate) fn percent(value: f64) -> String {
     format!("{value:.4}")
 }
 
-/// A length in millimetres below the figure of a cell; nothing where the unit is not known.
+/// Returns a length in millimetres, to stand below the figure of a cell; empty if the unit is not known.
 pub(crate) fn below(millimetres: Option<f64>) -> String {
     millimetres.map_or(String::new(), |length| format!("<small>{} mm</small>", written(length)))
 }
 
-/// A number with a thin space before each three digits.
+/// Formats a number with a thin space before each three digits.
 pub(crate) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let first = (digits.len() + 2) % 3 + 1;
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn digits_stand_in_threes() {
+    fn digits_are_grouped_by_three() {
         for (number, expected) in [(0, "0"), (999, "999"), (1000, "1 000"), (26_756, "26 756")] {
             assert_eq!(grouped(number).replace('\u{202f}', " "), expected);
         }

@@ -1,12 +1,10 @@
-//! What every report is made of: the page itself, charts, colours, and pictures of meshes. Nothing
-//! here knows what is reported.
+//! The parts of every report: the page, charts, colours, and pictures of meshes. This module knows nothing of the
+//! reports.
 
-pub(crate) mod bars;
 pub mod camera;
 pub(crate) mod chart;
 pub mod colour;
 pub mod drawing;
-pub mod gif;
 pub(crate) mod html;
 pub mod picture;
 pub mod render;

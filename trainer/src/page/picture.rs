@@ -1,13 +1,17 @@
-//! A picture of pixels.
+//! Pictures of pixels, and GIFs made of them.
 
 use super::camera::Resolution;
 use super::colour::Colour;
-use png::{BitDepth, ColorType, Encoder, EncodingError};
+use gif::{Frame, Repeat};
+use png::{BitDepth, ColorType};
 
-/// Pixels from the upper left, row by row: red, green, blue, and how far each is covered.
+/// Speed of the encoder's search for 256 colours: 1 is best, 30 fastest.
+const COLOUR_SPEED: i32 = 10;
+
+/// Pixels from the upper left, row by row: red, green, blue and alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Width and height.
+    /// Width and height, in pixels.
     pub size: Resolution,
     /// Pixels, 4 bytes each.
     pub rgba: Vec<u8>,
@@ -20,7 +24,7 @@ impl Picture {
         Self { size: Resolution { width, height }, rgba }
     }
 
-    /// Returns a pixel's colour.
+    /// Returns the colour of a pixel; black outside the picture.
     pub fn colour(&self, at: [usize; 2]) -> Colour {
         let pixel = self.index(at).map(|index| [0, 1, 2].map(|c| self.rgba[index + c]));
         pixel.unwrap_or_default()
@@ -31,7 +35,7 @@ impl Picture {
         self.mix(at, colour, 1.0);
     }
 
-    /// Mixes a share of a colour into a pixel; beyond the picture there is none.
+    /// Mixes a share of a colour into a pixel; does nothing outside the picture.
     pub fn mix(&mut self, at: [usize; 2], colour: Colour, share: f64) {
         let Some(index) = self.index(at) else { return };
         for (byte, colour) in self.rgba[index..].iter_mut().zip(colour) {
@@ -39,7 +43,7 @@ impl Picture {
         }
     }
 
-    /// Lays the picture, whose colours are not multiplied by their alpha, on white.
+    /// Blends the picture onto white; its alpha is straight, not premultiplied.
     #[must_use]
     pub fn on_white(&self) -> Self {
         let mut out = self.clone();
@@ -55,11 +59,11 @@ impl Picture {
     /// Encodes the picture as PNG.
     ///
     /// # Errors
-    /// Those of the encoder.
-    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
+    /// Errors of the encoder.
+    pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
         let mut bytes = Vec::new();
         let Resolution { width, height } = self.size;
-        let mut encoder = Encoder::new(&mut bytes, width as u32, height as u32);
+        let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
         encoder.set_color(ColorType::Rgba);
         encoder.set_depth(BitDepth::Eight);
         encoder.write_header()?.write_image_data(&self.rgba)?;
@@ -72,9 +76,66 @@ impl Picture {
     }
 }
 
+/// A GIF under construction; it plays in a loop.
+pub struct Gif {
+    hundredths: u16,
+    encoder: Option<gif::Encoder<Vec<u8>>>,
+}
+
+/// Reasons why a GIF does not take a picture.
+#[derive(Debug, thiserror::Error)]
+pub enum GifError {
+    /// Width or height is above 65535 pixels.
+    #[error("pictures of {0} x {1} pixels, GIF has 65535 at most")]
+    Size(usize, usize),
+    /// The encoder failed.
+    #[error("cannot encode a GIF: {0}")]
+    Encoding(#[from] gif::EncodingError),
+}
+
+impl Gif {
+    /// Begins a GIF that shows each picture for `hundredths` of a second.
+    pub fn new(hundredths: u16) -> Self {
+        Self { hundredths, encoder: None }
+    }
+
+    /// Adds a picture, blended onto white.
+    ///
+    /// # Errors
+    /// Every [`GifError`].
+    pub fn add(&mut self, picture: &Picture) -> Result<(), GifError> {
+        let [width, height] = [picture.size.width, picture.size.height];
+        let [Ok(columns), Ok(rows)] = [width, height].map(u16::try_from) else {
+            return Err(GifError::Size(width, height));
+        };
+        let mut rgba = picture.on_white().rgba;
+        let frame = Frame::from_rgba_speed(columns, rows, &mut rgba, COLOUR_SPEED);
+        let encoder = match self.encoder.take() {
+            Some(encoder) => encoder,
+            None => {
+                let mut encoder = gif::Encoder::new(Vec::new(), columns, rows, &[])?;
+                encoder.set_repeat(Repeat::Infinite)?;
+                encoder
+            }
+        };
+        let encoder = self.encoder.insert(encoder);
+        Ok(encoder.write_frame(&Frame { delay: self.hundredths, ..frame })?)
+    }
+
+    /// Returns the bytes of the file; empty if no picture was added.
+    ///
+    /// # Errors
+    /// [`GifError::Encoding`].
+    pub fn finish(self) -> Result<Vec<u8>, GifError> {
+        let bytes = self.encoder.map(gif::Encoder::into_inner).transpose()?;
+        Ok(bytes.unwrap_or_default())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gif::{ColorOutput, DecodeOptions};
 
     #[test]
     fn png_reads_back() {
@@ -89,10 +150,37 @@ mod tests {
     }
 
     #[test]
-    fn pixels_beyond_the_picture_are_left_alone() {
+    fn pixels_outside_the_picture_are_ignored() {
         let mut picture = Picture::filled(2, 2, [0; 3]);
         picture.mix([2, 0], [255; 3], 1.0);
         picture.mix([1, 1], [200; 3], 0.5);
         assert_eq!((picture.colour([0, 1]), picture.colour([1, 1])), ([0; 3], [100; 3]));
+    }
+
+    #[test]
+    fn a_gif_has_its_pictures_and_their_time() {
+        let mut made = Gif::new(7);
+        for colour in [[200, 10, 20], [10, 200, 20]] {
+            made.add(&Picture::filled(3, 2, colour)).unwrap();
+        }
+        let bytes = made.finish().unwrap();
+        let mut options = DecodeOptions::new();
+        options.set_color_output(ColorOutput::RGBA);
+        let mut read = options.read_info(&bytes[..]).unwrap();
+        for colour in [[200, 10, 20, 255], [10, 200, 20, 255]] {
+            let frame = read.read_next_frame().unwrap().unwrap();
+            assert_eq!((frame.width, frame.height, frame.delay), (3, 2, 7));
+            assert_eq!(frame.buffer[..4], colour);
+        }
+        assert!(read.read_next_frame().unwrap().is_none());
+    }
+
+    #[test]
+    fn a_picture_that_is_too_wide_is_refused() {
+        let refused = Gif::new(4).add(&Picture::filled(70_000, 1, [0; 3]));
+        assert_eq!(
+            refused.unwrap_err().to_string(),
+            "pictures of 70000 x 1 pixels, GIF has 65535 at most"
+        );
     }
 }

@@ -7,47 +7,47 @@ use nalgebra::Vector3;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
-/// Directions of the key and the fill light, to the right, up and toward the eye, and their shares;
-/// the rest comes from everywhere.
+/// Directions (right, up, toward the eye) and shares of the key light and the fill light. The remaining light is
+/// ambient.
 const LIGHTS: [([f64; 3], f64); 2] = [([-0.45, 0.65, 0.62], 0.66), ([0.75, 0.15, 0.64], 0.24)];
-/// Light that comes from everywhere, more of it from above.
+/// Ambient light, and how much of it depends on facing up.
 const AMBIENT: (f64, f64) = (0.27, 0.06);
-/// How much darker the inside of an open mesh is.
+/// Factor that darkens the inside of an open mesh.
 const INSIDE: f64 = 0.55;
 
 /// A surface to draw.
 #[derive(Clone, Copy)]
 pub struct ShadedMesh<'a> {
-    /// V positions.
+    /// Positions, V.
     pub positions: &'a [[f64; 3]],
-    /// V normals; where one is zero, the triangle's serves.
+    /// Normals, V; at a zero normal the triangle's normal is used.
     pub normals: &'a [[f64; 3]],
-    /// Vertex numbers.
+    /// Vertex indices of each triangle.
     pub triangles: &'a [[usize; 3]],
 }
 
 /// How a surface shows its colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// How far light and shadow change them, in [0, 1].
+    /// Strength of light and shadow, in [0, 1].
     pub relief: f64,
-    /// Whether every point has the colour of its nearest corner, with a border between them.
+    /// Whether every point has the colour of its nearest corner, so that colours meet at sharp borders.
     pub borders: bool,
 }
 
-/// A point of the surface that is seen at a pixel.
+/// The visible point of the surface at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The triangle.
+    /// Index of the triangle.
     pub triangle: usize,
-    /// Share of each corner.
+    /// Barycentric coordinates, one a corner.
     pub weights: [f64; 3],
     /// Distance toward the eye.
     pub depth: f64,
 }
 
 impl ShadedMesh<'_> {
-    /// Draws the surface in V colours.
+    /// Draws the surface with one colour a vertex, V.
     pub fn draw(&self, colours: &[Colour], look: Look, camera: &Camera) -> Picture {
         let hits = self.hits(&camera.resized(SAMPLES as f64));
         let linear: Vec<[f64; 3]> =
@@ -80,7 +80,7 @@ impl ShadedMesh<'_> {
         Picture { size: camera.size, rgba }
     }
 
-    /// Tells whether something lies before a vertex, by more than `slack`.
+    /// Returns whether the surface hides a vertex by more than `slack`, or the vertex lies outside the picture.
     pub fn hides(&self, vertex: usize, slack: f64, camera: &Camera) -> bool {
         let [x, y, depth] = camera.project(&self.positions[vertex]);
         let Resolution { width, height } = camera.size;
@@ -91,7 +91,7 @@ impl ShadedMesh<'_> {
         seen.is_some_and(|hit| hit.depth > depth + slack)
     }
 
-    /// Adds up a number a vertex over all of the outside that is seen, in pixels.
+    /// Sums a quantity of the vertices (V) over the visible outside, pixel by pixel.
     pub fn seen(&self, numbers: &[f64], camera: &Camera) -> f64 {
         let at = |hit: &Hit| {
             if self.face(hit).dot(&camera.axes[2]) < 0.0 {
@@ -103,7 +103,7 @@ impl ShadedMesh<'_> {
         self.hits(camera).iter().flatten().map(at).sum()
     }
 
-    /// Finds what is seen at the middle of every pixel, row by row.
+    /// Finds the visible point at the centre of every pixel, row by row.
     pub fn hits(&self, camera: &Camera) -> Vec<Option<Hit>> {
         let Resolution { width, height } = camera.size;
         let mut hits: Vec<Option<Hit>> = vec![None; width * height];
@@ -134,16 +134,26 @@ impl ShadedMesh<'_> {
         hits
     }
 
+    /// Returns the vertex of the corner with the largest weight.
     fn nearest(&self, hit: &Hit) -> usize {
-        self.triangles[hit.triangle][crate::evaluate::largest(&hit.weights)]
+        let [a, b, c] = hit.weights;
+        let corner = if a >= b && a >= c {
+            0
+        } else if b >= c {
+            1
+        } else {
+            2
+        };
+        self.triangles[hit.triangle][corner]
     }
 
+    /// Interpolates values of the vertices.
     fn mix(&self, hit: &Hit, of: &[[f64; 3]]) -> [f64; 3] {
         let corners = self.triangles[hit.triangle];
         [0, 1, 2].map(|c| (0..3).map(|k| hit.weights[k] * of[corners[k]][c]).sum())
     }
 
-    /// Points out of the triangle, as long as twice its area.
+    /// Returns the outward normal of the triangle, as long as twice its area.
     fn face(&self, hit: &Hit) -> Vector3<f64> {
         let corners = self.triangles[hit.triangle].map(|v| Vector3::from(self.positions[v]));
         (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
@@ -168,32 +178,32 @@ impl ShadedMesh<'_> {
     }
 }
 
-/// Twice the area of a triangle in the picture.
+/// Returns twice the area of a triangle in the picture.
 fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The pixels whose middle may lie between the corners.
+/// Returns the pixels whose centre may lie between the corners.
 fn span(corners: [f64; 3], len: usize) -> std::ops::Range<usize> {
     let low = corners.iter().copied().fold(f64::INFINITY, f64::min);
     let high = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // A negative or huge number becomes the nearest one that an integer can hold.
+    // The cast clamps a negative or huge number to the integer range.
     let (first, end) = ((low - 0.5).ceil() as usize, (high + 0.5).floor() as usize);
     first.min(len)..end.min(len)
 }
 
-/// Returns the light of a byte of sRGB, in [0, 1].
+/// Converts a byte of sRGB to linear light, in [0, 1].
 fn to_linear(byte: f64) -> f64 {
     let part = byte / 255.0;
     if part <= 0.040_45 { part / 12.92 } else { libm::pow((part + 0.055) / 1.055, 2.4) }
 }
 
-/// Returns the byte whose light is nearest: `steps` are where each byte gives way to the next.
+/// Returns the byte whose light is nearest; `steps` are the borders between successive bytes.
 fn from_linear(part: f64, steps: &[f64]) -> u8 {
     steps.partition_point(|step| *step <= part) as u8
 }
 
-/// The light half-way between each byte and the next, 255 values.
+/// Returns the light half-way between each byte and the next, 255 values.
 fn steps() -> Vec<f64> {
     (0..255).map(|byte| to_linear(f64::from(byte) + 0.5)).collect()
 }
@@ -226,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_covers_the_pixels_whose_middle_it_holds() {
+    fn a_triangle_covers_the_pixels_whose_centre_lies_inside() {
         let corners = [[0.2, 0.2, 0.0], [8.2, 0.2, 0.0], [0.2, 8.2, 0.0]];
         for triangle in [[0, 1, 2], [0, 2, 1]] {
             let hits = mesh(&corners, &[triangle]).hits(&camera(10, 9));
@@ -257,7 +267,7 @@ mod tests {
         let colours = [BLUE, BLUE, BLUE, RED, RED, RED];
         for triangles in [[[0, 1, 2], [3, 4, 5]], [[3, 4, 5], [0, 1, 2]]] {
             let picture = mesh(&corners, &triangles).draw(&colours, FLAT, &camera(9, 9));
-            // The second falls from 2 at the top to 0 at y = 4, through the first at y = 2.
+            // The second triangle falls from depth 2 at the top to 0 at y = 4, through the first at y = 2.
             assert_eq!(pixel(&picture, 0, 0)[..3], RED);
             assert_eq!(pixel(&picture, 0, 1)[..3], RED);
             assert_eq!(pixel(&picture, 0, 2)[..3], BLUE);
@@ -275,12 +285,12 @@ mod tests {
         let plain = whole.draw(&[RED; 3], FLAT, &camera(40, 40));
         assert_eq!(pixel(&plain, 7, 9), [RED[0], RED[1], RED[2], 255]);
         assert_eq!(pixel(&plain, 39, 39)[3], 0);
-        // Three of the four samples of a pixel on the diagonal lie on the near side of it or on it.
+        // Three of the four samples of a pixel on the diagonal lie on the diagonal or on its near side.
         assert_eq!(pixel(&plain, 20, 19)[3], 191);
 
         let ends = [[0, 0, 0], [255, 255, 255], [0, 0, 0]];
         let blended = whole.draw(&ends, FLAT, &camera(40, 40));
-        // Half of the light is 188 of sRGB: 0.5 = ((188 / 255 + 0.055) / 1.055)^2.4.
+        // Half the light is 188 in sRGB: 0.5 = ((188 / 255 + 0.055) / 1.055)^2.4.
         assert!((184..=188).contains(&pixel(&blended, 19, 5)[0]));
         assert!((188..=192).contains(&pixel(&blended, 20, 5)[0]));
         let kinds = Look { borders: true, ..FLAT };
@@ -298,20 +308,20 @@ mod tests {
             let look = Look { relief: 1.0, borders: false };
             pixel(&mesh.draw(&[[128; 3]; 3], look, &camera(9, 9)), 1, 1)[0]
         };
-        // y points down in this camera; a triangle is seen from outside that turns left as seen.
+        // y points down in this camera, so a triangle that winds left in the picture shows its outside.
         let outside = [0, 1, 2];
         let [left, right] = [[-0.6, -0.5, 0.6], [0.6, 0.5, 0.6]].map(|n| shade(n, outside));
         assert!(left > right, "{left} {right}");
         assert!(shade([0.0, 0.0, 1.0], outside) > shade([0.0, 0.0, -1.0], [0, 2, 1]));
-        // Without a normal the triangle's own serves.
+        // Without a vertex normal, the triangle's normal is used.
         assert_eq!(shade([0.0; 3], outside), shade([0.0, 0.0, 1.0], outside));
     }
 
     #[test]
-    fn what_is_seen_counts_by_pixels_on_the_outside_alone() {
+    fn only_the_visible_outside_counts() {
         let corners = [[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
         let seen = |triangle| mesh(&corners, &[triangle]).seen(&[3.0; 3], &camera(9, 9));
-        // Middles with x + y <= 8: 8 + 7 + … + 1.
+        // Pixel centres with x + y <= 8: 8 + 7 + … + 1.
         assert_eq!(seen([0, 1, 2]).max(seen([0, 2, 1])), 3.0 * 36.0);
         assert_eq!(seen([0, 1, 2]).min(seen([0, 2, 1])), 0.0);
     }

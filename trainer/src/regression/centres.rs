@@ -6,7 +6,7 @@
 //! span vanishes at rest.
 
 use super::function::Exact;
-use crate::numeric::registers;
+use crate::numeric::columns;
 use faer::{Mat, MatRef};
 use sinew_runtime::envelope::GroupKernel;
 
@@ -32,7 +32,7 @@ impl Greedy {
         most: usize,
         squared: impl Fn(usize, usize) -> f64,
     ) -> Self {
-        registers::narrow();
+        columns::narrow_registers();
         let points = len + 1;
         let mut factor = Mat::<f64>::zeros(points, most.min(len) + 1);
         let mut values = factor.clone();

@@ -13,7 +13,7 @@ use super::inputs::Inputs;
 use super::left_out::LeftOut;
 use super::map::KernelMap;
 use super::outputs::Block;
-use crate::numeric::registers;
+use crate::numeric::columns;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par, Side};
 use serde::Serialize;
@@ -146,7 +146,7 @@ impl<'a> Design<'a> {
     /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
     /// indefinite.
     pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
-        registers::narrow();
+        columns::narrow_registers();
         let shrink = self.shrink(ridge);
         let hat = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| shrink[k] * rows[(i, k)]);
         let mut remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows());

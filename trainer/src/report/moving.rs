@@ -6,7 +6,7 @@ use crate::evaluate::EvaluateError;
 use crate::page::camera::Camera;
 use crate::page::colour::Scale;
 use crate::page::drawing::{Anchor, Drawing};
-use crate::page::gif::{Gif, GifError};
+use crate::page::picture::{Gif, GifError};
 use rayon::prelude::*;
 
 /// Height of a line of text, pixels.

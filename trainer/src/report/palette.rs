@@ -2,7 +2,7 @@
 
 use crate::evaluate::Character;
 use crate::examples::Examples;
-use crate::page::colour::{Colour, tell_apart};
+use crate::page::colour::{Colour, distinct_colours};
 use sinew_runtime::Skin;
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ pub(super) fn dominant_colours(character: &Character<'_>, examples: &Examples) -
         }
     }
     let neighbours: Vec<Vec<usize>> = meet.into_iter().map(Vec::from_iter).collect();
-    let colours = tell_apart(&neighbours);
+    let colours = distinct_colours(&neighbours);
     dominant.into_iter().map(|index| colours[index]).collect()
 }
 

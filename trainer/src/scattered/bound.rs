@@ -2,10 +2,8 @@
 //! the runtime documents.
 
 use super::sum::{KernelSum, Term};
+use crate::numeric::columns;
 use crate::numeric::columns::ends;
-use crate::numeric::registers;
-use crate::regression::arithmetic::{Arithmetic, U, gamma};
-use crate::regression::function::Exact;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
@@ -106,7 +104,7 @@ impl Point {
 /// Returns the largest bound of each value, m, over sites (n x d) and over 1,000 points of their box, those
 /// of the Halton sequence in the first d primes.
 pub fn largest(sum: &KernelSum, sites: &Mat<f64>) -> Vec<f64> {
-    registers::narrow();
+    columns::narrow_registers();
     let none = vec![0.0; sites.ncols()];
     let mut out = vec![0.0f64; sum.value_len()];
     let mut take = |x: &[f64]| {

@@ -1,14 +1,12 @@
-//! The change from one space to another.
+//! Changes of axes and unit. Tools disagree about them: y or z up, x to the left or to the right.
 
-use super::axes::{direction, names};
-use super::request::{SpaceError, SpaceRequest};
+use super::{SpaceError, SpaceRequest};
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use std::fmt;
 use std::str::FromStr;
 
-/// A change of axes and unit: `x' = scale axes x`, where the axes are those of the old space in
-/// another order or sign.
+/// A change of axes and unit: `x' = scale axes x`. The matrix permutes the old axes and may flip their signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
     axes: Matrix3<f64>,
@@ -16,17 +14,17 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// Takes axes to axes, and makes everything so many times as large.
+    /// Makes the conversion from its signed permutation of the axes and its scale.
     pub(crate) fn new(axes: Matrix3<f64>, scale: f64) -> Self {
         Self { axes, scale }
     }
 
-    /// Finds what leads from one space to what is asked for, and that space; no conversion where it is
-    /// the same.
+    /// Returns the requested space and the conversion to it; no conversion if nothing changes.
     ///
     /// # Errors
-    /// Those of [`SpaceRequest::of`]; [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`] where
-    /// axes or unit are asked for and not known of the space that it starts from.
+    /// - Those of [`SpaceRequest::of`].
+    /// - [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`]: the request changes axes or unit, and the
+    ///   starting space does not say its own.
     pub fn to(from: Space, request: &SpaceRequest) -> Result<(Space, Option<Self>), SpaceError> {
         let turns = request.up.is_some()
             || request.forward.is_some()
@@ -47,8 +45,7 @@ impl Conversion {
         Ok((to, Self::between(&from, &to)))
     }
 
-    /// Finds what leads from one space to another, by what is known of both; `None` where they are
-    /// the same as far as is known.
+    /// Returns the conversion between two spaces; `None` if they agree in every axis and unit that both state.
     pub fn between(from: &Space, to: &Space) -> Option<Self> {
         let axes = match (frame(from), frame(to)) {
             (Some(from), Some(to)) => to * from.transpose(),
@@ -62,7 +59,7 @@ impl Conversion {
         (conversion != Self { axes: Matrix3::identity(), scale: 1.0 }).then_some(conversion)
     }
 
-    /// Whether left and right change places.
+    /// Whether the conversion swaps left and right.
     pub fn is_mirrored(&self) -> bool {
         self.axes.determinant() < 0.0
     }
@@ -72,7 +69,7 @@ impl Conversion {
         self.axes
     }
 
-    /// Returns the new units in an old one.
+    /// Returns how many new units an old unit has.
     pub fn scale(&self) -> f64 {
         self.scale
     }
@@ -87,7 +84,7 @@ impl Conversion {
         (self.axes * Vector3::from(x)).into()
     }
 
-    /// Converts a transform of three rows of four: `S B S⁻¹`, S the change of axes and unit.
+    /// Converts a 3x4 transform: `S B S⁻¹`, with S the change of axes and unit.
     pub fn transform(&self, b: &[[f64; 4]; 3]) -> [[f64; 4]; 3] {
         let linear = Matrix3::from_fn(|row, column| b[row][column]);
         let linear = self.axes * linear * self.axes.transpose();
@@ -95,7 +92,7 @@ impl Conversion {
         std::array::from_fn(|r| [linear[(r, 0)], linear[(r, 1)], linear[(r, 2)], offset[r]])
     }
 
-    /// Converts triangles: those of a mirrored mesh are turned over, so that normals stay outward.
+    /// Converts triangles. Those of a mirrored mesh change their winding, so that normals stay outward.
     pub fn triangles(&self, triangles: &mut [[usize; 3]]) {
         if self.is_mirrored() {
             triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
@@ -106,7 +103,7 @@ impl Conversion {
 impl FromStr for Conversion {
     type Err = &'static str;
 
-    /// Parses the form of [`Display`](fmt::Display), as in `(x, -z, y) x 0.01`, with or without its punctuation.
+    /// Parses the form of [`Display`](fmt::Display), as in `(x, -z, y) x 0.01`; brackets and commas are optional.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected = "expected where x, y and z come from, and a scale, as \"(x, -z, y) x 0.01\"";
         let words = text.split(|c: char| c.is_whitespace() || "(),".contains(c));
@@ -132,14 +129,61 @@ impl serde::Serialize for Conversion {
 }
 
 impl fmt::Display for Conversion {
-    /// Writes where the axes come from, as in `(x, -z, y) x 0.01`.
+    /// Writes the old axis that each new axis comes from, as in `(x, -z, y) x 0.01`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&names(&self.axes))?;
+        f.write_str(&axis_names(&self.axes))?;
         if self.scale == 1.0 { Ok(()) } else { write!(f, " x {}", self.scale) }
     }
 }
 
-/// Returns the directions of up, forward and the character's left; `None` where one is not known.
+/// Widens a unit to the decimal number its author wrote: exactly 0.01, rather than the nearest `f32`.
+pub(super) fn metres(unit: f32) -> f64 {
+    unit.to_string().parse().unwrap_or(f64::from(unit))
+}
+
+/// Lists the 24 rotations that map axes to axes, the identity first.
+pub(crate) fn rotations() -> impl Iterator<Item = Matrix3<f64>> {
+    const ORDERS: [[usize; 3]; 6] =
+        [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+    let signed = ORDERS.into_iter().flat_map(|order| (0..8).map(move |signs| (order, signs)));
+    let matrices = signed.map(|(order, signs)| {
+        Matrix3::from_fn(|row, column| match order[row] == column {
+            false => 0.0,
+            true if signs >> row & 1 == 1 => -1.0,
+            true => 1.0,
+        })
+    });
+    matrices.filter(|turn| turn.determinant() > 0.0)
+}
+
+/// Names the old axes that become x, y and z, as in `(x, -z, y)`.
+pub(crate) fn axis_names(turn: &Matrix3<f64>) -> String {
+    let name = |row: usize| {
+        let axis = turn.row(row).transpose().iamax();
+        let sign = if turn[(row, axis)] < 0.0 { "-" } else { "" };
+        format!("{sign}{}", ["x", "y", "z"][axis])
+    };
+    format!("({}, {}, {})", name(0), name(1), name(2))
+}
+
+/// Returns the unit vector of an axis.
+pub(crate) fn direction(axis: Axis) -> Vector3<f64> {
+    match axis {
+        Axis::X => Vector3::x(),
+        Axis::MinusX => -Vector3::x(),
+        Axis::Y => Vector3::y(),
+        Axis::MinusY => -Vector3::y(),
+        Axis::Z => Vector3::z(),
+        Axis::MinusZ => -Vector3::z(),
+    }
+}
+
+/// Returns the axis that a unit vector lies along; `None` if the vector lies along no axis.
+pub(crate) fn axis(vector: &Vector3<f64>) -> Option<Axis> {
+    Axis::ALL.into_iter().find(|&axis| (direction(axis) - vector).norm() < 1e-9)
+}
+
+/// Returns the directions of up, forward and the character's left; `None` if the space does not state them.
 fn frame(space: &Space) -> Option<Matrix3<f64>> {
     let (up, forward) = (direction(space.up?), direction(space.forward?));
     let left = up.cross(&forward);
@@ -148,11 +192,6 @@ fn frame(space: &Space) -> Option<Matrix3<f64>> {
         Handedness::Left => -left,
     };
     Some(Matrix3::from_columns(&[up, forward, left]))
-}
-
-/// Widens a unit to the decimal number that was meant: 0.01, not what single precision makes of it.
-pub(super) fn metres(unit: f32) -> f64 {
-    unit.to_string().parse().unwrap_or(f64::from(unit))
 }
 
 #[cfg(test)]
@@ -171,8 +210,8 @@ mod tests {
     #[test]
     fn gltf_s_axes_become_those_of_engines() {
         let to = |space| Conversion::between(&GLTF, &space).unwrap();
-        // glTF: x to the character's left, y up, z forward. Unity: x to its right. Unreal: x forward,
-        // y to its right, z up, centimetres.
+        // glTF: x to the character's left, y up, z forward. Unity: x to its right. Unreal: x forward, y to its right, z
+        // up, centimetres.
         assert_eq!(to(UNITY).point([1.0, 2.0, 3.0]), [-1.0, 2.0, 3.0]);
         assert_eq!(to(UNREAL).point([1.0, 2.0, 3.0]), [300.0, -100.0, 200.0]);
         let blender = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..GLTF };
@@ -215,14 +254,14 @@ mod tests {
             let b = to.transform(&quarter);
             assert_eq!(moved(&b, to.point(x)), to.point(moved(&quarter, x)));
         }
-        // A quarter turn about glTF's z, forward, from left to up is one about Unreal's x.
+        // A quarter turn about glTF's z (forward), from left to up, is a quarter turn about Unreal's x.
         let to = Conversion::between(&GLTF, &UNREAL).unwrap();
         let expected = [[1.0, 0.0, 0.0, 300.0], [0.0, 0.0, 1.0, -100.0], [0.0, -1.0, 0.0, 200.0]];
         assert_eq!(to.transform(&quarter), expected);
     }
 
     #[test]
-    fn what_is_not_known_is_not_guessed() {
+    fn unknown_axes_and_units_are_not_guessed() {
         let unknown = Space::default();
         assert_eq!(Conversion::between(&unknown, &UNREAL), None);
         assert_eq!(Conversion::between(&UNREAL, &unknown), None);
@@ -235,9 +274,18 @@ mod tests {
         assert!(error(up_alone, request(UNREAL)).contains("--forward AXIS"));
         let no_unit = Space { unit: None, ..GLTF };
         assert!(error(no_unit, request(UNREAL)).contains("--unit METRES"));
-        // What is not asked for needs no knowledge.
+        // A request without axes or unit works from an unknown space.
         let right = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
         assert_eq!(to(unknown, right), Ok(unknown));
         assert_eq!(to(GLTF, left), Ok(UNITY));
+    }
+
+    #[test]
+    fn there_are_24_rotations_with_24_names() {
+        let mut all: Vec<String> = rotations().map(|turn| axis_names(&turn)).collect();
+        assert_eq!(all[0], "(x, y, z)");
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 24);
     }
 }

@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 use serde_json::json;
 use sinew_trainer::files;
-use sinew_trainer::page::gif::Gif;
+use sinew_trainer::page::picture::Gif;
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::player::{Player, straight};
 use sinew_trainer::views::set::Values;

@@ -3,9 +3,10 @@
 use super::features::Features;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
-use crate::numeric::registers;
-use crate::regression::arithmetic::{Arithmetic, U};
-use crate::regression::map::Value;
+use crate::envelope::skin::training::Training;
+use crate::kernel::arithmetic::{Arithmetic, U};
+use crate::kernel::map::Value;
+use crate::numeric::columns;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
@@ -59,7 +60,7 @@ struct Moves {
 
 /// The errors of a group's latent outputs at every input.
 fn latents(group: &Group, training: &Training) -> Vec<Latents> {
-    registers::narrow();
+    columns::narrow_registers();
     let samples = Features::of(training).evaluate(&training.poses, &group.inputs);
     let at = |input: Vec<f64>| {
         let Value { outputs, evidence } = group.map.evaluate(&input);

@@ -16,8 +16,8 @@ use crate::envelope::model::Group;
 use crate::examples::Importance;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::{Basis, basis_of};
-use crate::numeric::cluster::cluster;
 use crate::numeric::columns;
+use crate::numeric::columns::cluster;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 

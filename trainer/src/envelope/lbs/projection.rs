@@ -2,8 +2,7 @@
 
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::dot::dot;
-use crate::numeric::ridge::solve_ridge;
+use crate::numeric::columns::{dot, solve_ridge};
 use faer::Mat;
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 use super::blend::Weights;
 use crate::examples::Importance;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::{columns, registers};
+use crate::numeric::columns;
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ impl Targets<'_> {
     pub fn rms(&self, maps: &Mat<f64>) -> f64 {
         let errors: Vec<f64> = (0..self.rest.len())
             .into_par_iter()
-            .map_init(registers::narrow, |(), vertex| {
+            .map_init(columns::narrow_registers, |(), vertex| {
                 let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
                 let truth = self.trajectories.col_as_slice(vertex);
                 let error: f64 = blended.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();

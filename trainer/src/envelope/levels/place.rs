@@ -3,7 +3,7 @@
 use super::follow::{FAR, Influences, Level, LevelError, LevelReport, SkinSurface};
 use super::nearest::Tree;
 use crate::examples::{Examples, spread};
-use crate::space::axes::rotations;
+use crate::space::rotations;
 use crate::space::{Conversion, SCALES};
 use nalgebra::Vector3;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! A skin in f64: a mesh, and how it follows a palette.
 
 use super::shapes::Shapes;
-use crate::numeric::frame;
+use crate::numeric::affine;
 use nalgebra::{Matrix3x4, Vector3, Vector4};
 use sinew_runtime::Skin;
 use sinew_runtime::skin::NormalErrors;
@@ -125,7 +125,7 @@ impl Vertex<'_> {
     /// Gives the tangent frame t, b that its coefficients are along: t is the rest tangent, or else one
     /// that the normal gives, and b = n x t.
     pub fn frame(&self) -> [Vector3<f64>; 2] {
-        let along = self.tangent.map_or_else(|| frame::tangent(&self.normal), |(t, _)| t);
+        let along = self.tangent.map_or_else(|| affine::tangent(&self.normal), |(t, _)| t);
         [along, self.normal.cross(&along)]
     }
 

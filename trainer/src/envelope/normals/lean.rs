@@ -1,7 +1,7 @@
 //! Authored normals that are not those of the faces.
 
 use super::fan::Fan;
-use crate::numeric::frame;
+use crate::numeric::affine;
 use nalgebra::{Matrix3, Vector3};
 
 /// An authored normal of a vertex, carried by the faces around it.
@@ -64,7 +64,7 @@ impl Lean {
         frame: &[Vector3<f64>; 2],
     ) -> Option<Self> {
         let normal = fan.normal(at_rest).try_normalize(0.0)?;
-        let along = frame::tangent(&normal);
+        let along = affine::tangent(&normal);
         let plane = [along, normal.cross(&along)];
         let surface = Matrix3::from_columns(&[plane[0], plane[1], normal]).transpose();
         Some(Self { plane, axes: frame.map(|axis| surface * axis) })
@@ -95,7 +95,7 @@ mod tests {
         ];
         let fan = &Fan::all(&[[0, 1, 2], [0, 2, 3], [0, 3, 1]], 4)[0];
         let n = Vector3::new(0.5, -0.2, 0.7).normalize();
-        let t = frame::tangent(&n);
+        let t = affine::tangent(&n);
         let rest = |v: usize| corners[v];
         let lean = Lean::new(fan, rest, &[t, n.cross(&t)]).unwrap();
         // A map that keeps the surface's normal of length 1 and square to what it makes of the plane.

@@ -72,7 +72,7 @@ impl Vertex<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numeric::frame;
+    use crate::numeric::affine;
 
     fn vertex(normal: Vector3<f64>, tangent: Option<Vector3<f64>>) -> Vertex<'static> {
         Vertex {
@@ -87,8 +87,8 @@ mod tests {
     #[test]
     fn slopes_give_the_normal_back() {
         let rest = Vector3::new(0.3, -0.5, 0.8).normalize();
-        let leaning = (frame::tangent(&rest) + 0.2 * rest).normalize();
-        for tangent in [None, Some(frame::tangent(&rest)), Some(leaning)] {
+        let leaning = (affine::tangent(&rest) + 0.2 * rest).normalize();
+        for tangent in [None, Some(affine::tangent(&rest)), Some(leaning)] {
             let vertex = vertex(rest, tangent);
             let [g, h] = vertex.tilt_frame();
             for turned in [Vector3::new(0.1, -0.7, 0.6), Vector3::new(0.9, 0.1, 0.5), rest] {

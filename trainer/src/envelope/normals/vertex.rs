@@ -1,7 +1,7 @@
 //! One vertex in the poses of a training, and the tangent coefficients that its normals ask for (METHOD §1.8).
 
 use crate::bake::sections::half;
-use crate::numeric::ridge::solve_ridge;
+use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 use nalgebra::Vector3;
 

@@ -7,7 +7,7 @@
 
 use super::surface::Surface;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::dot::dot_by_lanes;
+use crate::numeric::columns::dot_by_lanes;
 use nalgebra::Matrix4;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};

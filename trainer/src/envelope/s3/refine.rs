@@ -7,9 +7,9 @@
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
 use super::reduce::Reduced;
-use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::stacked::in_poses;
-use crate::numeric::ridge::solve_ridge;
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::in_poses;
+use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 
 /// The regression of a palette's residual on the deviations of its inputs from rest.

@@ -6,14 +6,10 @@ use crate::examples::data::spread;
 use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
+use crate::numeric::affine::apart_unordered;
 use crate::numeric::affine::{joined, parts, to_rows};
-use crate::numeric::points::apart_unordered;
-use crate::space::axes::{self, axis, direction};
 use crate::space::{SCALES, UNITS};
-use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
-use sinew_runtime::format::{Axis, Space};
-use std::fmt;
+use crate::space::{axis, axis_names, direction, rotations};
 
 /// Largest residual of a similarity relative to the residual without one; above this ratio nothing is moved.
 const BETTER: f64 = 0.5;
@@ -111,7 +107,7 @@ pub(super) fn similarities(
 fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<> {
     let scale = nearest_unit(to.radius / from.radius);
     let (from, to) = (from.centre, to.centre);
-    axes::rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
+    rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
 }
 
 /// Finds the similarity that moves posed meshes onto the joints that carry the rest mesh; no translation. Arrays are
@@ -216,7 +212,7 @@ pub(crate) fn is_shuffled(rest: &[[f64; 3]], transforms: &[Matrix3x4], posed: &[
 /// Lists the right-angle rotations with every change of unit.
 pub(super) fn scaled_turns() -> impl Iterator<Item = Similarity> {
     let shift = Vector3::zeros();
-    axes::rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
+    rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
 }
 
 impl Similarity {
@@ -286,7 +282,7 @@ impl Similarity {
 impl fmt::Display for Similarity {
     /// Formats the similarity by the source of each axis, such as `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&axes::names(&self.turn))?;
+        f.write_str(&axis_names(&self.turn))?;
         if self.scale != 1.0 {
             write!(f, " x {}", self.scale)?;
         }

@@ -2,7 +2,7 @@
 
 use super::error::ImportError;
 use crate::examples::{Clip, Examples, LoadError, Skeleton};
-use crate::numeric::points::{apart, apart_unordered};
+use crate::numeric::affine::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
 
 /// Largest distance of equal rest meshes and joint origins, relative to the diagonal: covers rounding to f32 and to

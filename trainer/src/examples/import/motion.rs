@@ -10,9 +10,7 @@ use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warni
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
 use crate::formats::{FormatError, fbx, gltf};
-use crate::numeric::affine::{joined, parts, to_rows};
-use crate::numeric::points::apart;
-use crate::numeric::so3;
+use crate::numeric::affine::apart;
 use crate::space::Conversion;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use sinew_runtime::format::Space;

@@ -3,11 +3,10 @@
 use super::error::ImportError;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{Clip, Examples, ExamplesError, LoadError, Warning};
-use crate::formats::extension::{extension, unknown_format};
+use crate::examples::{Examples, ExamplesError, LoadError};
+use crate::formats::extension::{check_content, extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
-use crate::formats::{FormatError, content, fbx, gltf};
-use std::path::{Path, PathBuf};
+use crate::formats::{FormatError, fbx, gltf};
 
 /// Files of examples, and options of loading.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +84,7 @@ impl<'a> Source<'a> {
     /// Checks that the content of each file matches its extension.
     fn check_content(&self) -> Result<(), LoadError> {
         for file in [Some(self.file), self.targets].into_iter().flatten() {
-            content::check(file)
+            check_content(file)
                 .map_err(|error| LoadError { file: file.to_owned(), error: error.into() })?;
         }
         Ok(())

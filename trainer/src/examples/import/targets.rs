@@ -4,7 +4,7 @@ use super::error::ImportError;
 use super::npz;
 use crate::examples::{Clip, FrameName, LoadError, Split};
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::posed_meshes::{PosedMeshes, mdd, pc2, sequence};
+use crate::formats::posed_meshes::{PosedMeshes, read_mdd, read_pc2, sequence};
 use crate::formats::{abc, gltf};
 use sinew_runtime::format::MAGNITUDE_MAX;
 use std::path::{Path, PathBuf};
@@ -43,8 +43,8 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
             return Ok(TargetMeshes { split, ..meshes.into() });
         }
         "abc" => abc::read(path),
-        "pc2" => pc2::read(path),
-        "mdd" => mdd::read(path),
+        "pc2" => read_pc2(path),
+        "mdd" => read_mdd(path),
         "glb" | "gltf" => gltf::read_posed_meshes(path),
         _ => Err(unknown_format(path, ".abc, .pc2, .mdd, .npz, .glb, .gltf or .obj")),
     };

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::error::IntoError;
 use crate::examples::{Matrix3x4, spread};
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
-use crate::space::{SCALES, axes};
+use crate::space::{SCALES, rotations};
 
 /// Farthest that a vertex of the file may be from one of the model's, over the model's diagonal.
 const SAME_PLACE: f64 = 1e-4;
@@ -104,7 +104,7 @@ struct Candidate {
 fn candidates(at_rest: &Matrix4<f64>, unit: f64) -> impl Iterator<Item = Candidate> {
     let bases =
         [(Matrix4::new_scaling(unit), true), (Matrix4::identity(), true), (*at_rest, false)];
-    let turns = axes::rotations().enumerate();
+    let turns = rotations().enumerate();
     let turned = turns.flat_map(|(number, turn)| SCALES.map(|scale| (number > 0, turn * scale)));
     turned.flat_map(move |(turned, linear)| {
         let linear = linear.to_homogeneous();

@@ -1,42 +1,48 @@
-//! The objects of an Alembic archive: transforms, and meshes under them.
+//! The objects of an Alembic archive and their properties.
 //!
-//! An object's group holds its properties, then its children, then their headers (`lib/Alembic/AbcCoreOgawa/OrData.cpp`
-//! of the Alembic library).
+//! An object's group holds its properties, then its children, then the headers of the children
+//! (`lib/Alembic/AbcCoreOgawa/OrData.cpp` of the Alembic library).
+//!
+//! A property is a typed value, sampled over time, or a compound of properties. The headers of a compound's properties
+//! are the last child of its group. The header of an array or scalar states its type, its extent and which samples are
+//! stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A sample is a key
+//! of 16 bytes and the numbers.
 
-use super::error::{AlembicError, damaged};
-use super::header::{Cursor, Metadata};
-use super::ogawa::{Archive, Group};
-use super::property::Compound;
+use super::ogawa::{Archive, Cursor, Group, Metadata};
+use super::{AlembicError, damaged};
 
-/// Version of the way in which objects are laid out.
+/// Version of the layout of objects.
 const LAYOUT: [u8; 4] = [0; 4];
 /// Bytes of the hashes behind the headers of children.
 const HASH_BYTES: usize = 32;
-/// Most objects above one another.
+/// Largest depth of nested objects.
 const DEPTH_MOST: usize = 256;
+
+/// Bytes of the key before a sample's numbers.
+const KEY_BYTES: usize = 16;
 
 /// An object.
 pub(super) struct Object<'a> {
     pub(super) name: String,
-    /// The object above, which stands before it.
+    /// Index of the parent, which precedes the object.
     pub(super) parent: Option<usize>,
     pub(super) schema: Schema,
     pub(super) properties: Compound<'a>,
 }
 
-/// What an object is.
+/// The kind of an object.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Schema {
     Transform,
-    /// Polygons, or what a subdivision surface begins with.
+    /// Polygons, or the control mesh of a subdivision surface.
     Mesh,
     Other,
 }
 
-/// Lists the objects of an archive, each behind the one above it and in the order of the file.
+/// Lists the objects of an archive in the order of the file, each after its parent.
 ///
 /// # Errors
-/// [`AlembicError::NotAlembic`] of another layout, [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+/// [`AlembicError::NotAlembic`] for another layout, [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
 pub(super) fn list<'a>(
     archive: &'a Archive<'a>,
 ) -> Result<(Vec<Object<'a>>, Metadata), AlembicError> {
@@ -48,7 +54,7 @@ pub(super) fn list<'a>(
     }
     let metadata = Metadata::read(root.data(5)?)?;
     let mut objects: Vec<Object<'a>> = Vec::new();
-    // Children that are still to be listed, the next at the end, with the object above and how deep they are.
+    // Stack of the children still to list, with their parents and depths; the next child is last.
     let mut left = Vec::new();
     push_children(root.group(2)?, None, 0, &metadata, &mut left)?;
     while let Some(Child { name, schema, group, parent, depth }) = left.pop() {
@@ -64,7 +70,177 @@ pub(super) fn list<'a>(
     Ok((objects, metadata))
 }
 
-/// An object that is to be listed.
+impl Schema {
+    /// Reads the kind of an object from its metadata, which has entries as `schema=AbcGeom_PolyMesh_v1;`.
+    fn of(metadata: &str) -> Self {
+        let schema = metadata.split(';').find_map(|entry| entry.strip_prefix("schema="));
+        let is = |name| schema.is_some_and(|schema| schema.starts_with(name));
+        if is("AbcGeom_Xform_") {
+            Self::Transform
+        } else if is("AbcGeom_PolyMesh_") || is("AbcGeom_SubD_") {
+            Self::Mesh
+        } else {
+            Self::Other
+        }
+    }
+}
+
+/// A compound: a group of properties.
+pub(super) struct Compound<'a> {
+    group: Group<'a>,
+    headers: Vec<Header>,
+}
+
+/// A sampled property.
+pub(super) struct Sampled<'a> {
+    group: Group<'a>,
+    /// Number of samples; a run of equal samples is stored once.
+    pub(super) len: usize,
+    /// First sample that differs from sample 0, and last sample that differs from its predecessor; 0 and 0 for a
+    /// constant.
+    changed: [usize; 2],
+    is_array: bool,
+}
+
+/// The number types that a property may be read as, with their codes in the file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Numbers {
+    /// A truth value, one byte.
+    Bool = 0,
+    /// One byte.
+    U8 = 1,
+    /// Four bytes.
+    I32 = 6,
+    /// Four bytes.
+    F32 = 10,
+    /// Eight bytes.
+    F64 = 11,
+}
+
+impl<'a> Compound<'a> {
+    /// Reads the headers of a compound's properties.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+    pub(super) fn read(group: Group<'a>, metadata: &Metadata) -> Result<Self, AlembicError> {
+        let bytes = group.last_data()?;
+        group.archive().spend(bytes.len())?;
+        let mut cursor = Cursor(bytes);
+        let mut headers = Vec::new();
+        while !cursor.is_empty() {
+            group.archive().spend(size_of::<Header>())?;
+            headers.push(Header::read(&mut cursor, metadata)?);
+        }
+        Ok(Self { group, headers })
+    }
+
+    /// Returns the compound with a name; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
+    pub(super) fn compound(
+        &self,
+        name: &str,
+        metadata: &Metadata,
+    ) -> Result<Option<Self>, AlembicError> {
+        match self.find(name) {
+            Some((place, Kind::Compound)) => {
+                Self::read(self.group.group(place)?, metadata).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Returns the sampled property with a name; `None` if it is missing, has another type or extent, or has no sample.
+    ///
+    /// - `extent`: numbers in each element; 0 accepts any extent.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn sampled(
+        &self,
+        name: &str,
+        numbers: Numbers,
+        extent: usize,
+    ) -> Result<Option<Sampled<'a>>, AlembicError> {
+        let Some((
+            place,
+            Kind::Sampled { numbers: found, extent: found_extent, len, changed, is_array },
+        )) = self.find(name)
+        else {
+            return Ok(None);
+        };
+        if *found != numbers as u32 || (extent != 0 && *found_extent != extent) {
+            return Ok(None);
+        }
+        let group = self.group.group(place)?;
+        let sampled = Sampled { group, len: *len, changed: *changed, is_array: *is_array };
+        Ok((*len > 0).then_some(sampled))
+    }
+
+    /// Subtracts bytes from the archive's memory budget.
+    ///
+    /// # Errors
+    /// [`AlembicError::TooLarge`]
+    pub(super) fn spend(&self, bytes: usize) -> Result<(), AlembicError> {
+        self.group.archive().spend(bytes)
+    }
+
+    fn find(&self, name: &str) -> Option<(usize, &Kind)> {
+        let place = self.headers.iter().position(|header| header.name == name)?;
+        Some((place, &self.headers[place].kind))
+    }
+}
+
+impl<'a> Sampled<'a> {
+    /// Returns the bytes of the numbers of sample `index`; a constant property has one sample for every index.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn sample(&self, index: usize) -> Result<&'a [u8], AlembicError> {
+        self.stored(self.place(index))
+    }
+
+    /// Returns the bytes of the numbers of a stored sample.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], AlembicError> {
+        // Arrays store their dimensions behind each sample.
+        let bytes = self.group.data(if self.is_array { 2 * place } else { place })?;
+        match bytes.split_at_checked(KEY_BYTES) {
+            Some((_, numbers)) => Ok(numbers),
+            None if bytes.is_empty() => Ok(&[]),
+            None => Err(damaged("a sample is shorter than its key")),
+        }
+    }
+
+    /// Returns the place at which sample `index` is stored.
+    pub(super) fn place(&self, index: usize) -> usize {
+        let [first, last] = self.changed;
+        match index {
+            _ if last == 0 || index < first => 0,
+            _ => index.min(last) - first + 1,
+        }
+    }
+
+    /// Returns the first sample that is stored at a place.
+    pub(super) fn frame(&self, place: usize) -> usize {
+        if place == 0 { 0 } else { self.changed[0] + place - 1 }
+    }
+
+    /// Counts the stored samples.
+    pub(super) fn stored_len(&self) -> usize {
+        self.place(self.len - 1) + 1
+    }
+
+    /// Returns whether all samples are equal.
+    pub(super) fn is_constant(&self) -> bool {
+        self.stored_len() == 1
+    }
+}
+
+/// An object still to be listed.
 struct Child<'a> {
     name: String,
     schema: Schema,
@@ -73,6 +249,7 @@ struct Child<'a> {
     depth: usize,
 }
 
+/// Pushes the children of a group onto the stack, the first child last.
 fn push_children<'a>(
     group: Group<'a>,
     parent: Option<usize>,
@@ -102,17 +279,50 @@ fn push_children<'a>(
     Ok(())
 }
 
-impl Schema {
-    /// Tells what an object's text says that it is, among entries as `schema=AbcGeom_PolyMesh_v1;`.
-    fn of(metadata: &str) -> Self {
-        let schema = metadata.split(';').find_map(|entry| entry.strip_prefix("schema="));
-        let is = |name| schema.is_some_and(|schema| schema.starts_with(name));
-        if is("AbcGeom_Xform_") {
-            Self::Transform
-        } else if is("AbcGeom_PolyMesh_") || is("AbcGeom_SubD_") {
-            Self::Mesh
-        } else {
-            Self::Other
-        }
+struct Header {
+    name: String,
+    kind: Kind,
+}
+
+enum Kind {
+    Compound,
+    Sampled { numbers: u32, extent: usize, len: usize, changed: [usize; 2], is_array: bool },
+}
+
+impl Header {
+    fn read(cursor: &mut Cursor<'_>, metadata: &Metadata) -> Result<Self, AlembicError> {
+        let info = cursor.number(4)? as u32;
+        let bytes = match info >> 2 & 3 {
+            0 => 1,
+            1 => 2,
+            2 => 4,
+            _ => return Err(damaged("a property has counts of no size")),
+        };
+        let kind = match info & 3 {
+            0 => Kind::Compound,
+            kind => {
+                let len = cursor.number(bytes)?;
+                let changed = if info & 0x200 != 0 {
+                    [cursor.number(bytes)?, cursor.number(bytes)?]
+                } else if info & 0x800 != 0 {
+                    [0, 0]
+                } else {
+                    [1, len.saturating_sub(1)]
+                };
+                if info & 0x100 != 0 {
+                    // Index of the time sampling, which is not used.
+                    cursor.number(bytes)?;
+                }
+                let [first, last] = changed;
+                if last != 0 && (first == 0 || first > last || last >= len) {
+                    return Err(damaged("a property changes before or behind its samples"));
+                }
+                let (numbers, extent) = (info >> 4 & 0xf, (info >> 12 & 0xff) as usize);
+                Kind::Sampled { numbers, extent, len, changed, is_array: kind != 1 }
+            }
+        };
+        let name = cursor.text(bytes)?;
+        metadata.of((info >> 20 & 0xff) as usize, cursor, bytes)?;
+        Ok(Self { name, kind })
     }
 }

@@ -1,12 +1,11 @@
-//! Ogawa, the container of Alembic: groups of groups and of data, by their places in the file.
+//! Ogawa, the container of Alembic, and its lists of names.
 //!
-//! A header of 16 bytes names the root group. A group is a count and as many places, a data is a count of bytes and
-//! the bytes; a place with its highest bit set is a data's. What is empty is at place 0. Numbers are little-endian,
-//! but for the version (`lib/Alembic/Ogawa` of the Alembic library).
+//! A header of 16 bytes gives the place of the root group. A group is a count and the places of its children. A data
+//! node is a count of bytes and the bytes. A place whose highest bit is set refers to a data node; place 0 refers to an
+//! empty node. Numbers are little-endian, except the version (`lib/Alembic/Ogawa` of the Alembic library).
 
+use super::{AlembicError, damaged};
 use std::cell::Cell;
-
-use super::error::{AlembicError, damaged};
 
 const MAGIC: &[u8; 5] = b"Ogawa";
 const HDF5: &[u8; 4] = b"\x89HDF";
@@ -14,24 +13,27 @@ const FROZEN: u8 = 0xff;
 const VERSION: [u8; 2] = [0, 1];
 const HEADER_BYTES: usize = 16;
 
-/// The bit of a place that makes it a data's.
+/// Bit of a place that marks a data node.
 const DATA: u64 = 1 << 63;
 
-/// Bytes that reading may unfold a file to: as many for each byte of it as long pauses and loops take, which are
-/// stored once, up to a limit for all.
+/// Memory budget of a reader, in bytes for each byte of the file, with a lower and an upper limit. The file stores
+/// repeated samples once; the factor leaves room for long pauses and loops.
 const UNFOLDED_A_BYTE: usize = 64;
 const UNFOLDED_LEAST: usize = 64 << 20;
 const UNFOLDED_MOST: usize = 4 << 30;
 
-/// The bytes of a file.
+/// Metadata index of an entry that carries its metadata, instead of using the archive's table.
+const OWN_METADATA: usize = 0xff;
+
+/// The bytes of a file, with the budget for reading them.
 pub(super) struct Archive<'a> {
     bytes: &'a [u8],
     unfolded_most: usize,
-    /// How much more may be unfolded.
+    /// Bytes of the budget that remain.
     left: Cell<usize>,
 }
 
-/// A group, whose children are looked up where they are asked for.
+/// A group. Its children are resolved on access.
 #[derive(Clone, Copy)]
 pub(super) struct Group<'a> {
     archive: &'a Archive<'a>,
@@ -67,16 +69,17 @@ impl<'a> Archive<'a> {
         Ok(Self { bytes, unfolded_most, left: Cell::new(unfolded_most) })
     }
 
-    /// Gives the root group.
+    /// Returns the root group.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] where it is not in the file.
+    /// [`AlembicError::Damaged`]: the root group is not in the file.
     pub(super) fn root(&'a self) -> Result<Group<'a>, AlembicError> {
         self.group(self.number(HEADER_BYTES as u64 - 8)?)
     }
 
-    /// Takes bytes that are about to be read or made from what may still be, so that a file which names the same bytes
-    /// again and again takes neither time nor memory without end.
+    /// Subtracts bytes from the memory budget before they are read or allocated.
+    ///
+    /// The budget bounds time and memory for a file that refers to the same bytes again and again.
     ///
     /// # Errors
     /// [`AlembicError::TooLarge`]
@@ -123,7 +126,7 @@ impl<'a> Archive<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// Gives the archive.
+    /// Returns the archive of the group.
     pub(super) fn archive(&self) -> &'a Archive<'a> {
         self.archive
     }
@@ -133,10 +136,10 @@ impl<'a> Group<'a> {
         self.children.len()
     }
 
-    /// Gives the child `index`, a group.
+    /// Returns child `index`, a group.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] where it is none.
+    /// [`AlembicError::Damaged`]: the child is not a group.
     pub(super) fn group(&self, index: usize) -> Result<Group<'a>, AlembicError> {
         match self.place(index) {
             Some(place) if place & DATA == 0 => self.archive.group(place),
@@ -144,10 +147,10 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// Gives the bytes of the child `index`, a data.
+    /// Returns the bytes of data child `index`.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] where it is none.
+    /// [`AlembicError::Damaged`]: the child is not data.
     pub(super) fn data(&self, index: usize) -> Result<&'a [u8], AlembicError> {
         match self.place(index) {
             Some(place) if place & DATA != 0 => self.archive.data(place & !DATA),
@@ -155,7 +158,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// Gives the bytes of the last child; none where it is a group, or there is none.
+    /// Returns the bytes of the last child; empty if the child is a group or does not exist.
     ///
     /// # Errors
     /// [`AlembicError::Damaged`]
@@ -170,5 +173,82 @@ impl<'a> Group<'a> {
 
     fn place(&self, index: usize) -> Option<u64> {
         self.children.get(index).map(|bytes| u64::from_le_bytes(*bytes))
+    }
+}
+
+/// The unread rest of a list.
+pub(super) struct Cursor<'a>(pub(super) &'a [u8]);
+
+impl<'a> Cursor<'a> {
+    /// Returns whether everything is read.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Reads `len` bytes.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]: fewer bytes are left.
+    pub(super) fn take(&mut self, len: usize) -> Result<&'a [u8], AlembicError> {
+        let (taken, left) =
+            self.0.split_at_checked(len).ok_or_else(|| damaged("a list of names is cut off"))?;
+        self.0 = left;
+        Ok(taken)
+    }
+
+    /// Reads a number of 1, 2 or 4 bytes.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]: fewer bytes are left.
+    pub(super) fn number(&mut self, bytes: usize) -> Result<usize, AlembicError> {
+        let mut number = [0; 4];
+        number[..bytes].copy_from_slice(self.take(bytes)?);
+        Ok(u32::from_le_bytes(number) as usize)
+    }
+
+    /// Reads a text and, before it, its length, a number of `bytes` bytes.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]: fewer bytes are left.
+    pub(super) fn text(&mut self, bytes: usize) -> Result<String, AlembicError> {
+        let len = self.number(bytes)?;
+        Ok(String::from_utf8_lossy(self.take(len)?).into_owned())
+    }
+}
+
+/// The archive's table of frequent metadata texts.
+pub(super) struct Metadata(Vec<String>);
+
+impl Metadata {
+    /// Reads the archive's table.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, AlembicError> {
+        let mut cursor = Cursor(bytes);
+        // Entry 0 is the empty text.
+        let mut table = vec![String::new()];
+        while !cursor.is_empty() {
+            table.push(cursor.text(1)?);
+        }
+        Ok(Self(table))
+    }
+
+    /// Returns the metadata text of an index; a text outside the table follows in the list, its length in `bytes`
+    /// bytes.
+    ///
+    /// # Errors
+    /// [`AlembicError::Damaged`]: the table does not have the index.
+    pub(super) fn of(
+        &self,
+        number: usize,
+        cursor: &mut Cursor<'_>,
+        bytes: usize,
+    ) -> Result<String, AlembicError> {
+        if number == OWN_METADATA {
+            return cursor.text(bytes);
+        }
+        let text = self.0.get(number).cloned();
+        text.ok_or_else(|| damaged(format!("it names text {number} of {}", self.0.len())))
     }
 }

@@ -6,12 +6,12 @@ use serde_json::{Map, Value, json};
 use ufbx::{Material, Mesh, Node, Texture};
 
 use super::meshes;
-use super::read::open;
-use crate::formats::appearance::data::{Appearance, Image};
-use crate::formats::appearance::image;
+use super::open;
+use crate::formats::appearance;
+use crate::formats::appearance::{Appearance, Image};
 use crate::formats::error::FormatError;
 
-/// Reads what the meshes look like that [`read`](super::read()) reads.
+/// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::Scene`].
@@ -28,19 +28,23 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
             _ => None,
         },
         of_triangles: shown.iter().flat_map(|(node, mesh)| of_triangles(node, mesh)).collect(),
-        materials: scene.materials.iter().map(|material| stated(material, &images)).collect(),
+        materials: scene
+            .materials
+            .iter()
+            .map(|material| material_json(material, &images))
+            .collect(),
         textures: (0..scene.textures.len()).map(|texture| json!({ "source": texture })).collect(),
         ..Appearance::default()
     };
     let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
-    let missing =
-        missing.map(|(texture, _)| image::missing(&name(texture), &places(texture, path)));
+    let missing = missing
+        .map(|(texture, _)| appearance::missing_image(&name(texture), &places(texture, path)));
     appearance.missing = missing.collect();
     appearance.set_images(images);
     Ok(appearance)
 }
 
-/// Gives the material of each triangle of a mesh: a face of n corners becomes n - 2.
+/// Returns the material of each triangle of a mesh; a face of n corners has n - 2 triangles.
 fn of_triangles(node: &Node, mesh: &Mesh) -> Vec<Option<usize>> {
     let of_slot = |slot: u32| {
         let materials = if node.materials.is_empty() { &mesh.materials } else { &node.materials };
@@ -54,7 +58,8 @@ fn of_triangles(node: &Node, mesh: &Mesh) -> Vec<Option<usize>> {
     faces.collect()
 }
 
-fn stated(material: &Material, images: &[Option<Image>]) -> Value {
+/// Returns a material as glTF states it.
+fn material_json(material: &Material, images: &[Option<Image>]) -> Value {
     let colour = &material.pbr.base_color;
     let factor = &material.pbr.base_factor;
     let factor = if factor.has_value { factor.value_vec4.x } else { 1.0 };
@@ -64,7 +69,7 @@ fn stated(material: &Material, images: &[Option<Image>]) -> Value {
     let texture = colour.texture.as_ref().filter(|_| colour.texture_enabled);
     let texture = texture.map(|texture| texture.element.typed_id as usize);
     match texture.filter(|&texture| images.get(texture).is_some_and(Option::is_some)) {
-        // A texture takes the place of the colour.
+        // A texture replaces the colour.
         Some(texture) => surface["baseColorTexture"] = json!({ "index": texture }),
         None if colour.has_value => {
             surface["baseColorFactor"] = json!([part(value.x), part(value.y), part(value.z), 1]);
@@ -74,18 +79,18 @@ fn stated(material: &Material, images: &[Option<Image>]) -> Value {
     json!({ "name": material.element.name.to_string(), "pbrMetallicRoughness": surface })
 }
 
-/// Reads a texture's file, from the first of its places that has one.
+/// Reads a texture's file, from the first of its possible places that has an image.
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
     let bytes = places(texture, scene).into_iter().find_map(|place| {
         let bytes = std::fs::read(place).ok()?;
-        image::kind(&bytes).map(|_| bytes)
+        appearance::image_kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
     members.insert("name".to_owned(), json!(name(texture)));
     Some(Image { members, bytes })
 }
 
-/// Lists the files that may be a texture's: where it says it is beside the scene, and in the same folder.
+/// Lists the possible places of a texture's file: its path relative to the scene, and its name in the scene's folder.
 fn places(texture: &Texture, scene: &Path) -> Vec<PathBuf> {
     let relative = texture.relative_filename.replace('\\', "/");
     let places = [relative, name(texture)].into_iter().filter(|place| !place.is_empty());
@@ -94,7 +99,7 @@ fn places(texture: &Texture, scene: &Path) -> Vec<PathBuf> {
     places
 }
 
-/// Names a texture as its file.
+/// Names a texture after its file.
 fn name(texture: &Texture) -> String {
     let file = texture.filename.replace('\\', "/");
     let name = Path::new(&file).file_name().map(|name| name.to_string_lossy().into_owned());

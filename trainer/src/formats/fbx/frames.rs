@@ -1,29 +1,32 @@
-//! The animations of a scene, and its joints and meshes frame by frame.
+//! Joints of a scene, their bind frames, and the animation of joints and meshes frame by frame.
 
-use nalgebra::Matrix4;
+use super::meshes::{MeshPart, WEIGHT, channels, is_shaped, skin};
+use super::{fault, matrix};
+use crate::formats::error::FormatWarning;
+use crate::formats::scene::{
+    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
+};
+use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
-use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
+use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod};
 
-use super::blends::{WEIGHING, channels, is_shaped};
-use super::convert::{fault, matrix};
-use super::joints::parents_among;
-use super::meshes::{MeshPart, skin};
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, SceneError, samples};
-use crate::formats::warning::FormatWarning;
+/// Properties of a node that place the node.
+const PLACEMENT: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
 
-/// The properties of a node that place it.
-const PLACING: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
+/// Largest distance between the places at which two meshes bind a joint, as a share of the mesh's size. The room is for
+/// single precision and some arithmetic.
+const BIND_SLACK: f64 = 1e-4;
 
-/// An animation, and when its frames are taken.
+/// An animation and its sample times.
 pub(super) struct Take {
-    /// Its place in the scene.
+    /// Index of the animation in the scene.
     stack: usize,
     name: String,
-    /// In the animation's own seconds.
+    /// Sample times, in seconds of the animation.
     samples: Vec<Sample>,
 }
 
-/// Chooses the animations that move joints, and their frames.
+/// Chooses the animations that move joints, and their sample times.
 pub(super) fn takes(
     scene: &SceneRoot,
     joints: &[usize],
@@ -34,18 +37,18 @@ pub(super) fn takes(
     let name = |stack: &AnimStack| stack.element.name.to_string();
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
-    let watched = Watched::new(scene, joints, parts);
+    let tracked = Tracked::new(scene, joints, parts);
     let parents = parents_among(scene, joints);
     let rate = scene.settings.frames_per_second;
     let frame = if rate > 0.0 { 1.0 / rate } else { 0.0 };
     let (mut takes, mut still) = (Vec::new(), Vec::new());
     for (place, stack) in scene.anim_stacks.iter().enumerate().filter(|(_, stack)| named(stack)) {
-        let (keys, keyed) = watched.keys(stack);
+        let (keys, keyed) = tracked.keys(stack);
         if !keyed.contains(&true) {
             still.push(name(stack));
             continue;
         }
-        watched.check_constraints(scene, &keyed)?;
+        tracked.check_constraints(scene, &keyed)?;
         let pose = |time: f64| {
             let animation = &scene.anim_stacks[place].anim;
             let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
@@ -57,7 +60,7 @@ pub(super) fn takes(
         takes.push(Take { stack: place, name: name(stack), samples });
     }
     if takes.is_empty() {
-        watched.check_constraints(scene, &vec![false; scene.elements.len()])?;
+        tracked.check_constraints(scene, &vec![false; scene.elements.len()])?;
         return Err(SceneError::NothingMoves { clips: still });
     }
     if !still.is_empty() {
@@ -66,19 +69,18 @@ pub(super) fn takes(
     Ok(takes)
 }
 
-/// What moves, frame by frame.
+/// Sampled motion.
 pub(super) struct Posed {
     /// World frame of each joint, N x J, frame-major.
     pub(super) joints: Vec<Matrix4<f64>>,
-    /// Posed positions, N x V, frame-major, where they were asked for.
+    /// Posed positions, N x V, frame-major, if they were requested.
     pub(super) shapes: Option<Vec<[f64; 3]>>,
-    /// Whether those are more than linear blend skinning: moved by blendshapes, or by dual
-    /// quaternions.
+    /// Whether `shapes` are more than linear blend skinning: moved by blendshapes, or by dual quaternions.
     pub(super) morphs: bool,
 }
 
-/// Poses the joints at these nodes, and the vertices of parts, where there are any to pose; without a take, the joints
-/// as the scene shows them.
+/// Poses joints, given by their nodes, and the vertices of `parts`. Without a take, returns the joints as the scene
+/// shows them.
 pub(super) fn posed(
     scene: &SceneRoot,
     takes: &[Take],
@@ -116,7 +118,7 @@ pub(super) fn posed(
     Ok(all)
 }
 
-/// Lists the clips that the frames come from.
+/// Lists the clips of the frames.
 pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     if takes.is_empty() {
         return vec![Clip::still()];
@@ -130,7 +132,116 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     takes.into_iter().map(clip).collect()
 }
 
-/// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
+/// The joints of a scene, in the order of the file.
+pub(super) struct Joints {
+    /// Indices of their nodes in the scene.
+    pub(super) nodes: Vec<usize>,
+    pub(super) names: Vec<String>,
+    pub(super) parents: Vec<Option<usize>>,
+    pub(super) binds: Vec<Matrix4<f64>>,
+}
+
+/// Finds the joints of the parts' skins and the bones above them; without a skin, all bones.
+pub(super) fn find_joints(
+    scene: &Scene,
+    parts: &[MeshPart],
+    warnings: &mut Vec<FormatWarning>,
+) -> Result<Joints, SceneError> {
+    let mut binds = vec![None; scene.nodes.len()];
+    for part in parts {
+        bind(scene, part, &mut binds)?;
+    }
+    let skinned = binds.iter().any(Option::is_some);
+    let mut is_joint: Vec<bool> = binds.iter().map(Option::is_some).collect();
+    // Children come after their parents, so one pass backwards finds every ancestor of a joint.
+    let mut under = is_joint.clone();
+    for (place, node) in scene.nodes.iter().enumerate().rev() {
+        is_joint[place] |= node.bone.is_some() && (under[place] || !skinned);
+        if let (true, Some(parent)) = (under[place], &node.parent) {
+            under[parent.element.typed_id as usize] = true;
+        }
+    }
+    let mut nodes: Vec<usize> = (0..scene.nodes.len()).filter(|&place| is_joint[place]).collect();
+    if nodes.is_empty() {
+        return Err(SceneError::NoJoint);
+    }
+    // ufbx sorts nodes by depth. Other readers of the format use the order of the file.
+    nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
+    let (names, renamed) = node_names(scene, |place| is_joint[place]);
+    if !renamed.is_empty() {
+        let joints = renamed.into_iter().map(|place| names[place].clone()).collect();
+        warnings.push(FormatWarning::EqualNames { joints });
+    }
+    Ok(Joints {
+        names: nodes.iter().map(|&place| names[place].clone()).collect(),
+        parents: parents_among(scene, &nodes),
+        binds: nodes
+            .iter()
+            .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
+            .collect(),
+        nodes,
+    })
+}
+
+/// Returns the names of all nodes, with the names of joints made unique; also returns the renamed nodes.
+pub(super) fn node_names(
+    scene: &Scene,
+    is_joint: impl Fn(usize) -> bool,
+) -> (Vec<String>, Vec<usize>) {
+    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
+    let places = 0..scene.nodes.len();
+    let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
+    unique_names(&names, &parents, is_joint)
+}
+
+/// Returns, for each of some nodes, the nearest of these nodes above it; several may have none.
+fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
+    let of = |place: usize| nodes.iter().position(|&node| node == place);
+    nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
+}
+
+/// Walks from a node up to its root.
+pub(super) fn upwards(scene: &Scene, place: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+    std::iter::successors(Some(place), |&place| above(scene, place))
+}
+
+/// Records the bind frame of each joint of a part's skin, and checks that all parts agree.
+pub(super) fn bind(
+    scene: &Scene,
+    part: &MeshPart,
+    binds: &mut [Option<Matrix4<f64>>],
+) -> Result<(), SceneError> {
+    let mesh = &scene.meshes[part.mesh];
+    let name = || scene.nodes[part.node].element.name.to_string();
+    let rest = matrix(&part.rest);
+    let corners = box_corners(mesh).map(|corner| rest * corner);
+    let size = (corners[7] - corners[0]).norm();
+    for cluster in skin(mesh).into_iter().flat_map(|skin| &skin.clusters) {
+        let Some(node) = &cluster.bone_node else { continue };
+        let joint = || node.element.name.to_string();
+        // Not the cluster's own bind frame, which may differ from that of the mesh's first cluster. The transform from
+        // the mesh to the joint poses the mesh.
+        let bind = matrix(&cluster.geometry_to_bone).try_inverse().map(|back| rest * back);
+        let Some(bind) = bind.filter(|bind| bind.determinant() != 0.0) else {
+            return Err(SceneError::SingularBind { joint: joint() });
+        };
+        let kept = binds[node.element.typed_id as usize].get_or_insert(bind);
+        let distance = bind_distance(kept, &bind, &corners);
+        if distance.is_nan() || distance > BIND_SLACK * size {
+            return Err(SceneError::OtherBind { joint: joint(), mesh: name() });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the rest frame of a joint without a skin: from the file's bind pose, or else from the pose saved in the
+/// file.
+pub(super) fn at_rest(node: &Node) -> Matrix4<f64> {
+    let bind = node.bind_pose.as_ref().and_then(|pose| ufbx::get_bone_pose(pose, node));
+    matrix(bind.map_or(&node.node_to_world, |pose| &pose.bone_to_world))
+}
+
+/// Appends the posed vertices of a part; returns whether they are more than linear blend skinning.
 fn deform(scene: &Scene, posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
@@ -149,15 +260,15 @@ fn deform(scene: &Scene, posed: &Scene, part: &MeshPart, positions: &mut Vec<[f6
     !linear || is_shaped(scene, mesh)
 }
 
-/// Elements whose animation the examples need, by their numbers: keys of others do not count as frames.
-struct Watched {
-    /// Joints and all nodes above them.
+/// The elements whose animation matters; keys of other elements do not count as frames. Indexed by element.
+struct Tracked {
+    /// Joints, and all nodes above them.
     placed: Vec<bool>,
     /// Channels of blendshapes.
-    weighed: Vec<bool>,
+    weighted: Vec<bool>,
 }
 
-impl Watched {
+impl Tracked {
     fn new(scene: &Scene, joints: &[usize], parts: &[MeshPart]) -> Self {
         let mut placed = vec![false; scene.elements.len()];
         for &joint in joints {
@@ -167,23 +278,23 @@ impl Watched {
                 node = here.parent.as_deref();
             }
         }
-        let mut weighed = vec![false; scene.elements.len()];
+        let mut weighted = vec![false; scene.elements.len()];
         for part in parts {
             for channel in channels(&scene.meshes[part.mesh]) {
-                weighed[channel.element.element_id as usize] = true;
+                weighted[channel.element.element_id as usize] = true;
             }
         }
-        Self { placed, weighed }
+        Self { placed, weighted }
     }
 
-    /// Collects the times of all keys of an animation, and tells which elements they place.
+    /// Collects the times of all keys of an animation; also returns which elements have keys that place them.
     fn keys(&self, stack: &AnimStack) -> (Vec<f64>, Vec<bool>) {
         let mut placed = vec![false; self.placed.len()];
         let mut times = Vec::new();
         for property in stack.layers.into_iter().flat_map(|layer| &layer.anim_props) {
             let element = property.element.element_id as usize;
-            let places = self.placed[element] && PLACING.contains(&&*property.prop_name);
-            let weighs = self.weighed[element] && *property.prop_name == *WEIGHING;
+            let places = self.placed[element] && PLACEMENT.contains(&&*property.prop_name);
+            let weighs = self.weighted[element] && *property.prop_name == *WEIGHT;
             for curve in property.anim_value.curves.iter().flatten() {
                 if places || weighs {
                     times.extend(curve.keyframes.iter().map(|key| key.time));
@@ -194,7 +305,7 @@ impl Watched {
         (times, placed)
     }
 
-    /// Refuses a constraint on what places a joint and has no keys instead.
+    /// Refuses a constraint on a node that places a joint and has no keys.
     fn check_constraints(&self, scene: &Scene, keyed: &[bool]) -> Result<(), SceneError> {
         for constraint in scene.constraints.into_iter().filter(|constraint| constraint.active) {
             let Some(node) = &constraint.node else { continue };
@@ -207,4 +318,31 @@ impl Watched {
         }
         Ok(())
     }
+}
+
+fn above(scene: &Scene, place: usize) -> Option<usize> {
+    scene.nodes[place].parent.as_ref().map(|parent| parent.element.typed_id as usize)
+}
+
+/// Returns the largest distance between the points as two binds place them.
+fn bind_distance(kept: &Matrix4<f64>, bind: &Matrix4<f64>, points: &[Vector4<f64>]) -> f64 {
+    let Some(back) = bind.try_inverse() else { return f64::NAN };
+    let moved = kept * back - Matrix4::identity();
+    points.iter().map(|point| (moved * point).norm()).fold(0.0, f64::max)
+}
+
+/// Returns the eight corners of a mesh's box, the lowest first and the highest last.
+fn box_corners(mesh: &Mesh) -> [Vector4<f64>; 8] {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for v in &mesh.vertices {
+        for (axis, number) in [v.x, v.y, v.z].into_iter().enumerate() {
+            low[axis] = low[axis].min(number);
+            high[axis] = high[axis].max(number);
+        }
+    }
+    std::array::from_fn(|corner| {
+        let at = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        Vector4::new(at(0), at(1), at(2), 1.0)
+    })
 }

@@ -1,21 +1,38 @@
-//! A glTF file and the buffers it refers to.
+//! A glTF file, its buffers, and the arrays and triangles in them.
 
-use std::path::{Path, PathBuf};
-
+use crate::formats::error::{FormatError, FormatWarning};
+use crate::formats::extension::unmarked;
+use crate::formats::scene::SceneError;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gltf::Document;
+use gltf::accessor::DataType;
+use gltf::accessor::sparse::IndexType;
 use gltf::binary::Glb;
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
+use gltf::mesh::Mode;
+use gltf::{Document, Primitive};
 use percent_encoding::percent_decode_str;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use crate::formats::error::FormatError;
-use crate::formats::mark::unmarked;
-use crate::formats::scene::SceneError;
-use crate::formats::warning::FormatWarning;
+/// Bytes of a binary file's header: magic, version and total length.
+const HEADER_BYTES: usize = 12;
+
+/// Supported extensions: they do not concern shapes and motion, or are read (integer positions), or lose their channels
+/// with a warning (pointers).
+const HARMLESS: [&str; 6] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "KHR_lights_",
+    "KHR_mesh_quantization",
+    "KHR_animation_pointer",
+];
+
+/// Most elements that a sparse accessor may leave at zero without data.
+const ZEROS_MAX: usize = 10_000_000;
 
 /// The bytes of each buffer.
 pub(super) type Buffers = Vec<Vec<u8>>;
@@ -24,30 +41,30 @@ pub(super) type Buffers = Vec<Vec<u8>>;
 pub(super) struct Parsed {
     pub(super) document: Document,
     pub(super) buffers: Buffers,
-    /// Clips with channels that name no node, and were left out.
+    /// Clips with channels that name no node; these channels were left out.
     pub(super) untargeted: Vec<String>,
 }
 
 impl Parsed {
-    /// Tells of the channels that were left out.
+    /// Warns of the channels that were left out.
     pub(super) fn warning(&self) -> Option<FormatWarning> {
         let clips = self.untargeted.clone();
         (!clips.is_empty()).then_some(FormatWarning::UntargetedChannels { clips })
     }
 }
 
-/// Reads a file and every buffer that it names, inside it or beside it.
+/// Reads a file and its buffers, embedded or in files beside it.
 pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
     Ok(parse(&read(path)?, path)?)
 }
 
-/// Reads the bytes of a file and refuses an empty one.
+/// Reads the bytes of a file; an empty file is an error.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     if bytes.is_empty() { Err(FormatError::Empty) } else { Ok(bytes) }
 }
 
-/// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
+/// Parses the bytes of a file and reads its buffers, embedded or in files beside it.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
     check_whole(bytes)?;
     let mut tree = tree(bytes)?;
@@ -57,7 +74,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
         .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
     check_indices(&json)?;
     check_extensions(&json)?;
-    // The library refuses those that it does not know, whatever they are about.
+    // The library refuses every extension that it does not know, even a harmless one.
     json.extensions_required.clear();
     let document = Document::from_json(json)
         .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
@@ -79,7 +96,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
     Ok(Parsed { document, buffers, untargeted })
 }
 
-/// Gives all the members of a file whose bytes [`parse`] takes.
+/// Returns the JSON of a file; `bytes` is as for [`parse`].
 ///
 /// # Errors
 /// [`SceneError::NotGltf`]
@@ -88,10 +105,135 @@ pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
     serde_json::from_slice(&json).map_err(|error| SceneError::NotGltf { reason: error.to_string() })
 }
 
+/// Makes a name for a clip that has none.
+pub(super) fn unnamed_clip(number: usize) -> String {
+    format!("animation {number}")
+}
+
+/// Reads the content of a URI: embedded data, or a file beside `path`.
+pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
+        return STANDARD.decode(text).map_err(|error| error.to_string());
+    }
+    let file = beside(uri, path)?;
+    std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+/// Returns the path of the file beside `path` that a URI names.
+pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
+    if uri.contains(':') {
+        return Err(format!("{uri} is no file beside this one"));
+    }
+    let name = percent_decode_str(uri).decode_utf8().map_err(|error| error.to_string())?;
+    Ok(path.with_file_name(&*name))
+}
+
+/// Reads an accessor whose elements have `width` components. Returns all components of all elements, in order;
+/// normalised integers are scaled to [0, 1] or [-1, 1].
+///
+/// # Errors
+/// [`SceneError::Accessor`]: the elements have another width, or lie outside their buffer.
+pub(super) fn numbers(
+    accessor: &gltf::Accessor<'_>,
+    buffers: &Buffers,
+    width: usize,
+) -> Result<Vec<f64>, SceneError> {
+    let damaged = |reason| SceneError::Accessor { accessor: accessor.index(), reason };
+    let found = accessor.dimensions().multiplicity();
+    if found != width {
+        return Err(damaged(format!("has {found} components an element, expected {width}")));
+    }
+    let outside = || damaged("reaches beyond its buffer".to_owned());
+    let component = Component { kind: accessor.data_type(), normalized: accessor.normalized() };
+    let read = |view: gltf::buffer::View<'_>, offset, count| {
+        let elements = Elements { offset, count, bytes: width * component.bytes() };
+        let elements = elements.of(&view, buffers)?;
+        let numbers = elements.flat_map(|element| element.chunks_exact(component.bytes()));
+        Some(numbers.map(|bytes| component.number(bytes)).collect::<Vec<f64>>())
+    };
+    let count = accessor.count();
+    let mut all = match accessor.view() {
+        Some(view) => read(view, accessor.offset(), count).ok_or_else(outside)?,
+        // No data bounds the number of implied zeros, so only a bounded sparse accessor may have them.
+        None if accessor.sparse().is_none() || count > ZEROS_MAX => {
+            return Err(damaged("has no buffer view".to_owned()));
+        }
+        None => vec![0.0; width * count],
+    };
+    let Some(sparse) = accessor.sparse() else { return Ok(all) };
+    let values = read(sparse.values().view(), sparse.values().offset(), sparse.count())
+        .ok_or_else(outside)?;
+    let indices = sparse.indices();
+    let kind = indices.index_type();
+    let elements =
+        Elements { offset: indices.offset(), count: sparse.count(), bytes: index_bytes(&kind) };
+    let places = elements.of(&indices.view(), buffers).ok_or_else(outside)?;
+    for (place, values) in places.zip(values.chunks_exact(width)) {
+        let place = index(&kind, place);
+        let element = all.chunks_exact_mut(width).nth(place).ok_or_else(outside)?;
+        element.copy_from_slice(values);
+    }
+    Ok(all)
+}
+
+/// Returns true for a primitive of triangles, and false for points and lines.
+pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
+    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// Lists the corners of a primitive's triangles, as indices of its `vertex_len` vertices.
+///
+/// Strips and fans may repeat a corner to join two parts; triangles with a repeated corner are left out. As in engines,
+/// the largest index of the index type restarts a strip or fan.
+///
+/// # Errors
+/// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
+/// within a triangle.
+pub(super) fn triangles(
+    primitive: &Primitive<'_>,
+    buffers: &Buffers,
+    vertex_len: usize,
+    place: impl Fn() -> String,
+) -> Result<Vec<[usize; 3]>, SceneError> {
+    let mode = primitive.mode();
+    let indices = primitive.indices();
+    let restart = indices.as_ref().and_then(|indices| restart(indices.data_type()));
+    let corners: Vec<usize> = match indices {
+        Some(indices) => numbers(&indices, buffers, 1)?.into_iter().map(|x| x as usize).collect(),
+        None => (0..vertex_len).collect(),
+    };
+    let is_restart = |corner: &usize| mode != Mode::Triangles && Some(*corner) == restart;
+    let missing = |corner: &&usize| **corner >= vertex_len && !is_restart(corner);
+    if let Some(&found) = corners.iter().find(missing) {
+        return Err(SceneError::NoSuch { place: place(), what: "vertex", found, len: vertex_len });
+    }
+    if mode == Mode::Triangles {
+        let (triangles, rest) = corners.as_chunks::<3>();
+        if !rest.is_empty() {
+            let (expected, found) = (3 * triangles.len(), corners.len());
+            let what = "corners in whole triangles";
+            return Err(SceneError::Count { place: place(), what, expected, found });
+        }
+        return Ok(triangles.to_vec());
+    }
+    let runs = corners.split(is_restart);
+    let of_run = |run: &[usize]| -> Vec<[usize; 3]> {
+        let triangle = |(number, own): (usize, &[usize])| match (mode, number % 2) {
+            (Mode::TriangleFan, _) => [own[1], own[2], run[0]],
+            (_, 0) => [own[0], own[1], own[2]],
+            _ => [own[0], own[2], own[1]],
+        };
+        run.windows(3).enumerate().map(triangle).collect()
+    };
+    let all = runs.flat_map(of_run);
+    Ok(all.filter(|[a, b, c]| a != b && b != c && c != a).collect())
+}
+
 /// Bytes of a part of a file.
 type Chunk<'a> = Cow<'a, [u8]>;
 
-/// Gives the JSON of a file, and the bytes that follow it in a binary file.
+/// Returns the JSON of a file, and the binary chunk if the file has one.
 fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
@@ -109,8 +251,8 @@ fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     Ok((json, bin))
 }
 
-/// Drops the animation channels without a node, which the specification has readers ignore, and those of pointers,
-/// whose node an extension names; returns the clips that had any.
+/// Drops the animation channels without a node, which readers must ignore by the specification, and channels with a
+/// pointer, whose target an extension names. Returns the clips that had such channels.
 fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
     let mut clips = Vec::new();
     let animations = tree.get_mut("animations").and_then(Value::as_array_mut);
@@ -130,12 +272,7 @@ fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
     clips
 }
 
-/// Names a clip whose file does not.
-pub(super) fn unnamed_clip(number: usize) -> String {
-    format!("animation {number}")
-}
-
-/// Gives scenes without nodes an empty list, which the library expects.
+/// Adds an empty list to scenes without nodes, because the library expects a list.
 fn state_nodes(tree: &mut Map<String, Value>) {
     let scenes = tree.get_mut("scenes").and_then(Value::as_array_mut);
     for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
@@ -143,10 +280,7 @@ fn state_nodes(tree: &mut Map<String, Value>) {
     }
 }
 
-/// Bytes of a binary file's header: magic, version and the length of the whole.
-const HEADER_BYTES: usize = 12;
-
-/// Checks that a file begins as glTF does, and that a binary one has as many bytes as it says.
+/// Checks that a file begins as glTF, and that a binary file is as long as its header says.
 fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
     if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
         let text = unmarked(bytes).trim_ascii_start();
@@ -164,9 +298,8 @@ fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
     }
 }
 
-/// Checks the indices that the library trusts: gltf-json 1.4 looks into the accessors of a
-/// primitive's positions before it knows that they are there, and does not look at a channel's
-/// target and sampler at all.
+/// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
+/// checking that they exist, and never checks the target and sampler of a channel.
 fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     let check = |place: String, what, len: usize, found: usize| {
         if found < len {
@@ -194,17 +327,6 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Extensions that change nothing of shapes and motion, that are read (integers for positions), or whose channels are
-/// left out with a warning (pointers).
-const HARMLESS: [&str; 6] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-    "KHR_mesh_quantization",
-    "KHR_animation_pointer",
-];
-
 fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
     let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));
     match json.extensions_required.iter().find(|name| !harmless(name)) {
@@ -213,21 +335,85 @@ fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
     }
 }
 
-/// Reads what a URI names: data within it, or a file beside `path`.
-pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
-        return STANDARD.decode(text).map_err(|error| error.to_string());
-    }
-    let file = beside(uri, path)?;
-    std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))
+/// A range of elements in a buffer view.
+struct Elements {
+    offset: usize,
+    count: usize,
+    bytes: usize,
 }
 
-/// Gives the file beside `path` that a URI names.
-pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
-    if uri.contains(':') {
-        return Err(format!("{uri} is no file beside this one"));
+impl Elements {
+    /// Returns the bytes of each element; `None` if they lie outside the view or its buffer.
+    fn of<'a>(
+        &self,
+        view: &gltf::buffer::View<'_>,
+        buffers: &'a Buffers,
+    ) -> Option<impl Iterator<Item = &'a [u8]> + use<'a>> {
+        let bytes = self.bytes;
+        let stride = view.stride().unwrap_or(bytes);
+        if stride < bytes {
+            return None;
+        }
+        let begin = view.offset();
+        let view =
+            buffers.get(view.buffer().index())?.get(begin..begin.checked_add(view.length())?)?;
+        let span = match self.count.checked_sub(1) {
+            Some(last) => last.checked_mul(stride)?.checked_add(bytes)?,
+            None => 0,
+        };
+        let data = view.get(self.offset..self.offset.checked_add(span)?)?;
+        Some(data.chunks(stride).map(move |element| &element[..bytes]))
     }
-    let name = percent_decode_str(uri).decode_utf8().map_err(|error| error.to_string())?;
-    Ok(path.with_file_name(&*name))
+}
+
+struct Component {
+    kind: DataType,
+    normalized: bool,
+}
+
+impl Component {
+    fn bytes(&self) -> usize {
+        self.kind.size()
+    }
+
+    fn number(&self, bytes: &[u8]) -> f64 {
+        let (number, most) = match (self.kind, bytes) {
+            (DataType::I8, &[a]) => (f64::from(a as i8), f64::from(i8::MAX)),
+            (DataType::U8, &[a]) => (f64::from(a), f64::from(u8::MAX)),
+            (DataType::I16, &[a, b]) => {
+                (f64::from(i16::from_le_bytes([a, b])), f64::from(i16::MAX))
+            }
+            (DataType::U16, &[a, b]) => {
+                (f64::from(u16::from_le_bytes([a, b])), f64::from(u16::MAX))
+            }
+            (DataType::U32, &[a, b, c, d]) => {
+                (f64::from(u32::from_le_bytes([a, b, c, d])), f64::from(u32::MAX))
+            }
+            (_, &[a, b, c, d]) => return f64::from(f32::from_le_bytes([a, b, c, d])),
+            _ => return f64::NAN,
+        };
+        if self.normalized { (number / most).max(-1.0) } else { number }
+    }
+}
+
+fn index_bytes(kind: &IndexType) -> usize {
+    match kind {
+        IndexType::U8 => 1,
+        IndexType::U16 => 2,
+        IndexType::U32 => 4,
+    }
+}
+
+fn index(kind: &IndexType, bytes: &[u8]) -> usize {
+    bytes[..index_bytes(kind)].iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte))
+}
+
+/// Returns the index that restarts a strip or fan.
+fn restart(kind: DataType) -> Option<usize> {
+    match kind {
+        DataType::U8 => Some(u8::MAX.into()),
+        DataType::U16 => Some(u16::MAX.into()),
+        DataType::U32 => usize::try_from(u32::MAX).ok(),
+        _ => None,
+    }
 }

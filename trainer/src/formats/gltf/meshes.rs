@@ -1,68 +1,68 @@
-//! The meshes of a glTF file, joined into one.
+//! The meshes of a glTF file, joined into one, and their vertices welded by position.
 
+use super::file::{Buffers, is_surface, numbers, triangles};
+use crate::formats::error::FormatWarning;
+use crate::formats::scene::SceneError;
+use crate::mesh::EngineMesh;
 use gltf::{Document, Mesh, Node, Primitive, Semantic};
 use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::ops::Range;
 
-use super::accessor::numbers;
-use super::file::Buffers;
-use super::triangles::{is_surface, triangles};
-use crate::formats::scene::SceneError;
-use crate::formats::warning::FormatWarning;
-
-/// Every mesh that is read, one after another.
+/// All meshes that are read, one after another.
 pub(super) struct Meshes {
-    /// The nodes that show them.
+    /// The nodes that show the meshes.
     pub(super) instances: Vec<Instance>,
-    /// Positions, V, each in its mesh's space; morph targets have their default weights where these are wanted.
+    /// Positions, V, each in its mesh's space; with morph targets at their default weights if [`Wanted`] says so.
     pub(super) positions: Vec<[f64; 3]>,
-    /// Vertex numbers of each triangle.
+    /// Vertex indices of each triangle.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// Normals, V; 0 where a mesh has none.
+    /// Normals, V; 0 for a mesh without normals.
     pub(super) normals: Vec<[f64; 3]>,
-    /// Tangents and handedness, V; 0 where a mesh has none.
+    /// Tangents and handedness, V; 0 for a mesh without tangents.
     pub(super) tangents: Vec<[f64; 4]>,
-    /// Texture coordinates, V, v upward; 0 where a mesh has none.
+    /// Texture coordinates, V, v upward; 0 for a mesh without them.
     pub(super) uv: Vec<[f64; 2]>,
     /// Whether any mesh has normals, tangents and texture coordinates.
     pub(super) authored: [bool; 3],
-    /// Joints of the instance's skin and weights that carry each vertex; none without a skin.
+    /// Joints (of the instance's skin) and weights of each vertex; empty without a skin.
     pub(super) influences: Vec<Vec<(usize, f64)>>,
-    /// Names of meshes without a skin that were left out.
+    /// Names of meshes left out for lack of a skin.
     pub(super) unskinned: Vec<String>,
     /// Names of meshes whose points and lines were left out.
     pub(super) with_lines: Vec<String>,
 }
 
-/// Which meshes are read, and how they are at rest.
+/// The choice of the meshes to read, and of their rest shape.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted {
-    /// Whether those without a skin are left out.
+    /// Whether to leave out meshes without a skin.
     pub(super) skinned_only: bool,
-    /// Whether morph targets have their default weights: the shape that clips play on.
+    /// Whether to apply the default weights of the morph targets, on which clips build.
     pub(super) default_shape: bool,
 }
 
 /// A node that shows a mesh.
 pub(super) struct Instance {
-    /// The node.
+    /// Index of the node.
     pub(super) node: usize,
-    /// Its name, or that of its mesh.
+    /// Name of the node, or else of its mesh.
     pub(super) name: String,
-    /// Its skin.
+    /// Index of the skin.
     pub(super) skin: Option<usize>,
-    /// The first of its vertices.
+    /// Index of its first vertex.
     pub(super) first: usize,
     /// Displacements of its vertices by each morph target.
     pub(super) morphs: Vec<Vec<[f64; 3]>>,
-    /// Weights of the morph targets where nothing is animated.
+    /// Weights of the morph targets without animation.
     pub(super) weights: Vec<f64>,
 }
 
 impl Meshes {
-    /// Reads the meshes that the nodes of the file's scene show, in the nodes' order.
+    /// Reads the meshes of the shown nodes, in the order of the nodes.
     ///
     /// # Errors
-    /// [`SceneError::NoTriangles`] where there are points and lines alone, [`SceneError::Accessor`] and
+    /// [`SceneError::NoTriangles`] if all meshes consist of points and lines, [`SceneError::Accessor`] and
     /// [`SceneError::Count`].
     pub(super) fn read(
         document: &Document,
@@ -120,7 +120,7 @@ impl Meshes {
         }
     }
 
-    /// Tells of the meshes that were left out.
+    /// Warns of the meshes, points and lines that were left out.
     pub(super) fn warnings(&self) -> impl Iterator<Item = FormatWarning> + use<> {
         let [unskinned, with_lines] = [self.unskinned.clone(), self.with_lines.clone()];
         let unskinned =
@@ -130,6 +130,7 @@ impl Meshes {
         unskinned.into_iter().chain(with_lines)
     }
 
+    /// Appends the vertices and triangles of a primitive.
     fn add(
         &mut self,
         primitive: &Primitive<'_>,
@@ -172,7 +173,7 @@ impl Meshes {
         self.uv.resize(end, [0.0; 2]);
         if let Some(uv) = read(Semantic::TexCoords(0), 2)? {
             count("texture coordinates", 2 * vertex_len, uv.len())?;
-            // In glTF v grows downward.
+            // glTF's v grows downward.
             let upward = uv.as_chunks().0.iter().map(|&[u, v]| [u, 1.0 - v]);
             self.uv.splice(base.., upward);
             self.authored[2] = true;
@@ -210,41 +211,41 @@ impl Meshes {
         Ok(())
     }
 
-    /// The vertices of the instances by name, where there are several.
+    /// Returns the names and vertex ranges of the instances; empty for a single instance.
     pub(super) fn ranges(&self) -> Vec<(String, std::ops::Range<usize>)> {
         let named = |number: usize| (self.instances[number].name.clone(), self.vertices(number));
         let count = self.instances.len();
         if count < 2 { Vec::new() } else { (0..count).map(named).collect() }
     }
 
-    /// The vertices of an instance.
+    /// Returns the vertices of an instance.
     pub(super) fn vertices(&self, instance: usize) -> std::ops::Range<usize> {
         let end = self.instances.get(instance + 1).map_or(self.positions.len(), |next| next.first);
         self.instances[instance].first..end
     }
 }
 
-/// Tells whether a mesh has triangles.
+/// Returns whether a mesh has triangles.
 pub(super) fn has_surface(mesh: &Mesh<'_>) -> bool {
     mesh.primitives().any(|primitive| is_surface(&primitive))
 }
 
-/// Gives the weights of a mesh's morph targets where nothing is animated.
+/// Returns the weights of a mesh's morph targets without animation.
 pub(super) fn default_weights(node: &Node<'_>, mesh: &Mesh<'_>) -> Vec<f64> {
     let weights = node.weights().or(mesh.weights()).unwrap_or_default();
     weights.iter().copied().map(f64::from).collect()
 }
 
-/// What morph targets displace.
+/// An attribute that morph targets displace.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Attribute {
     Positions,
-    /// Of unit length where a target displaces them.
+    /// Normalised after a displacement.
     Normals,
 }
 
-/// Reads an attribute of a primitive's vertices, displaced by its morph targets with these weights; nothing where the
-/// primitive lacks it.
+/// Reads an attribute of a primitive's vertices, displaced by its morph targets with these weights; empty if the
+/// primitive lacks the attribute.
 ///
 /// # Errors
 /// [`SceneError::Accessor`] and [`SceneError::Count`].
@@ -283,4 +284,74 @@ pub(super) fn shaped(
         }
     }
     Ok(all)
+}
+
+/// Vertices welded by position. Vertices of a mesh with equal positions, influences and morph displacements become one
+/// vertex. The file's vertices remain the engine vertices, in the file's order.
+pub(super) struct Welded {
+    /// First file vertex of each welded vertex, V, ascending.
+    pub(super) firsts: Vec<usize>,
+    /// Vertex indices of each triangle.
+    pub(super) triangles: Vec<[usize; 3]>,
+    /// The file's vertices as engine vertices, if they differ from the welded ones or have attributes.
+    pub(super) engine: Option<EngineMesh>,
+    /// Number of vertices whose normal had no direction.
+    pub(super) repaired: usize,
+}
+
+impl Welded {
+    /// Welds the vertices of all meshes.
+    pub(super) fn new(meshes: &Meshes) -> Self {
+        let mut firsts = Vec::new();
+        let mut copy_of = Vec::with_capacity(meshes.positions.len());
+        for instance in 0..meshes.instances.len() {
+            let mut known = HashMap::new();
+            for (own, vertex) in meshes.vertices(instance).enumerate() {
+                let welded =
+                    *known.entry(key(meshes, instance, own, vertex)).or_insert(firsts.len());
+                if welded == firsts.len() {
+                    firsts.push(vertex);
+                }
+                copy_of.push(welded);
+            }
+        }
+        let positions: Vec<_> = firsts.iter().map(|&first| meshes.positions[first]).collect();
+        let triangles: Vec<_> =
+            meshes.triangles.iter().map(|corners| corners.map(|corner| copy_of[corner])).collect();
+        let [normals, tangents, uv] = meshes.authored;
+        let mut engine = EngineMesh {
+            copy_of,
+            triangles: meshes.triangles.clone(),
+            normals: normals.then(|| meshes.normals.clone()),
+            tangents: tangents.then(|| meshes.tangents.clone()),
+            uv: uv.then(|| meshes.uv.clone()),
+        };
+        let repaired = engine.complete(&positions, &triangles);
+        let engine = (!engine.is_plain()).then_some(engine);
+        Self { firsts, triangles, engine, repaired }
+    }
+
+    /// Converts a range of file vertices to welded vertices.
+    pub(super) fn range(&self, range: &Range<usize>) -> Range<usize> {
+        let below = |end: usize| self.firsts.partition_point(|&first| first < end);
+        below(range.start)..below(range.end)
+    }
+
+    /// Picks the positions of the welded vertices, V, from those of the file.
+    pub(super) fn pick(&self, all: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        self.firsts.iter().map(|&first| all[first]).collect()
+    }
+}
+
+/// Returns, as bits, everything that a vertex must share with its copies.
+fn key(meshes: &Meshes, instance: usize, own: usize, vertex: usize) -> Vec<u64> {
+    // Adding 0 joins the two zeros.
+    let bits = |x: &f64| (x + 0.0).to_bits();
+    let mut influences = meshes.influences[vertex].clone();
+    influences.sort_by_key(|&(joint, _)| joint);
+    let moved = meshes.instances[instance].morphs.iter().flat_map(|morph| &morph[own]);
+    let place = meshes.positions[vertex].iter().chain(moved).map(bits);
+    place
+        .chain(influences.iter().flat_map(|(joint, weight)| [*joint as u64, bits(weight)]))
+        .collect()
 }

@@ -1,45 +1,35 @@
-//! glTF 2.0: skeleton, skin, clips and morph targets, as a viewer shows them.
+//! glTF 2.0: reads characters, posed meshes, shapes and motion, as a viewer shows them.
 
-mod accessor;
-pub(super) mod appearance;
-mod bare;
-mod clips;
 mod file;
 mod meshes;
-mod motion;
 mod nodes;
 pub(crate) mod rigged;
-pub(crate) mod shaped;
 mod skins;
-mod triangles;
-mod viewed;
-mod welded;
+#[cfg(test)]
+mod tests;
 pub(crate) mod write;
 
-pub(super) use bare::read_mesh;
-pub(crate) use motion::read_motion;
-
+use super::error::{FormatError, FormatWarning};
+use super::mesh::{Mesh, MeshFile, ShapedMesh};
+use super::posed_meshes::{Part, PosedMeshes};
+use super::scene::{
+    JointNames, Motion, MotionJoints, SampledScene, Sampling, SceneError, bound, unique_names,
+};
+use file::Parsed;
+use meshes::{Meshes, Wanted, Welded};
+use nalgebra::{Matrix4, Vector3};
+use nodes::{ClipKeys, Nodes};
+use rayon::prelude::*;
+use rigged::shown_meshes;
+use serde_json::Value;
+use sinew_runtime::format::Space;
+use skins::{Scene, Skins, move_mesh};
 use std::path::Path;
 
-use rayon::prelude::*;
-use sinew_runtime::format::Space;
-
-use self::clips::ClipKeys;
-use self::file::Parsed;
-use self::meshes::{Meshes, Wanted};
-use self::nodes::Nodes;
-use self::skins::Skins;
-use self::viewed::Scene;
-use self::welded::Welded;
-use super::error::FormatError;
-use super::posed_meshes::{Part, PosedMeshes};
-use super::scene::{SampledScene, Sampling, SceneError};
-use super::warning::FormatWarning;
-
-/// Reads a rigged character: every mesh that has a skin, its joints, and every clip that moves them.
+/// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
     let parsed = file::open(path)?;
     let Parsed { document, buffers, .. } = &parsed;
@@ -104,12 +94,12 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     })
 }
 
-/// Reads posed meshes without joints: every mesh of the file, shaped by its morph targets, and carried by the joints of
-/// its skin or, without one, by its node.
+/// Reads posed meshes without joints. Every mesh is shaped by its morph targets, and moved by its skin or else by its
+/// node.
 ///
 /// # Errors
-/// As [`read`], but for meshes without a skin; [`SceneError::StillShapes`] where no morph target plays and nothing is
-/// skinned.
+/// As [`read`], except for meshes without a skin; [`SceneError::StillShapes`] if no morph target plays and no mesh has
+/// a skin.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
@@ -150,5 +140,179 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     })
 }
 
-#[cfg(test)]
-mod tests;
+/// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
+/// nodes place them.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
+    let Parsed { document, buffers, .. } = file::open(path)?;
+    let nodes = Nodes::read(&document)?;
+    let shown = nodes.shown(&document);
+    let skinned_only =
+        shown_meshes(&document, &nodes).iter().any(|(_, node)| node.skin().is_some());
+    let wanted = Wanted { skinned_only, default_shape: true };
+    let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
+    if meshes.instances.is_empty() {
+        let is_empty = !shown.contains(&true);
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh }.into());
+    }
+    Skins::read(&document, &buffers, &nodes, &mut meshes, true)?;
+    let worlds = nodes.worlds(&nodes.locals);
+    for instance in 0..meshes.instances.len() {
+        if meshes.instances[instance].skin.is_none() {
+            let world = worlds[meshes.instances[instance].node];
+            move_mesh(&mut meshes, instance, &world);
+        }
+    }
+    let welded = Welded::new(&meshes);
+    let mut warnings: Vec<FormatWarning> = meshes.warnings().collect();
+    if welded.repaired > 0 {
+        warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
+    }
+    let positions = welded.pick(&meshes.positions);
+    let Welded { triangles, engine, .. } = welded;
+    let mesh = Mesh { positions, triangles, engine }.checked()?;
+    Ok(MeshFile { mesh, space: Some(Space::GLTF), warnings })
+}
+
+/// Reads the meshes with morph targets as one mesh; targets of one name on several meshes become one shape.
+///
+/// A mesh with a skin is in its bind pose; another mesh is placed by its node.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
+    let bytes = file::read(path)?;
+    Ok(parse_shapes(&bytes, path)?)
+}
+
+/// Reads the motion of the nodes that are joints of a character, by name.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+pub(crate) fn read_motion(
+    path: &Path,
+    character: &[String],
+    names: &JointNames<'_>,
+    sampling: &Sampling<'_>,
+) -> Result<Motion, FormatError> {
+    let parsed = file::open(path)?;
+    let Parsed { document, buffers, .. } = &parsed;
+    let nodes = Nodes::read(document)?;
+    if nodes.names.is_empty() {
+        return Err(SceneError::Empty.into());
+    }
+    // Skins that disagree have no common bind pose; the nodes then give the rest pose.
+    let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
+    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
+    // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
+    // joint counts.
+    let below = |node: usize, other: &usize| {
+        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
+        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
+    };
+    let is_joint = |node: usize| match skins.joints.is_empty() {
+        false => skins.joints.contains(&node),
+        true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
+    };
+    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
+    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows[node]).collect();
+    candidates.sort_by_key(|&node| !is_joint(node));
+    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
+    let joints = MotionJoints::find(candidates, character, names)?;
+    let wanted = Wanted { skinned_only: true, default_shape: true };
+    let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
+    let found = &joints.nodes;
+    let mut warnings = Vec::from_iter(parsed.warning());
+    let (clips, moments) = scene.sample(found, sampling, &mut warnings)?;
+    let at_rest = scene.nodes.worlds(&scene.nodes.locals);
+    let mut binds = vec![None; at_rest.len()];
+    for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
+        binds[node] = Some(bind);
+    }
+    let binds = found.iter().map(|&node| bound(scene.nodes.upwards(node), &binds, &at_rest));
+    let frames = moments.iter().flat_map(|moment| {
+        let worlds = scene.nodes.worlds(&scene.at(moment).0);
+        found.iter().map(|&node| worlds[node]).collect::<Vec<_>>()
+    });
+    Ok(Motion {
+        space: Space::GLTF,
+        rest: found.iter().map(|&node| at_rest[node]).collect(),
+        binds: binds.collect(),
+        frames: frames.collect(),
+        joints,
+        clips,
+        warnings,
+    })
+}
+
+fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
+    let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
+    let tree = file::tree(bytes)?;
+    let nodes = Nodes::read(&document)?;
+    let shown = nodes.shown(&document);
+    // Default weights are not part of a face at rest.
+    let wanted = Wanted { skinned_only: false, default_shape: false };
+    let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
+    let (shaped, plain): (Vec<_>, Vec<_>) =
+        (0..meshes.instances.len()).partition(|&at| !meshes.instances[at].morphs.is_empty());
+    if shaped.is_empty() {
+        let is_empty = !shown.contains(&true);
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoShapes });
+    }
+    let mut out = ShapedMesh { space: Space::GLTF, is_split: true, ..ShapedMesh::default() };
+    out.warnings.extend(meshes.warnings());
+    if !plain.is_empty() {
+        let meshes = plain.iter().map(|&at| meshes.instances[at].name.clone()).collect();
+        out.warnings.push(FormatWarning::UnshapedMeshes { meshes });
+    }
+    let worlds = nodes.worlds(&nodes.locals);
+    let [has_normals, _, has_uv] = meshes.authored;
+    let mut normals = Vec::new();
+    let mut place_of = vec![None; meshes.positions.len()];
+    for &at in &shaped {
+        let (instance, own) = (&meshes.instances[at], meshes.vertices(at));
+        let world = match instance.skin {
+            Some(_) => Matrix4::identity(),
+            None => worlds[instance.node],
+        };
+        let first = out.positions.len();
+        let turned = |v: [f64; 3]| -> [f64; 3] { world.transform_vector(&v.into()).into() };
+        for vertex in own {
+            place_of[vertex] = Some(out.positions.len());
+            let place = world.transform_point(&meshes.positions[vertex].into());
+            out.positions.push(place.coords.into());
+            out.uv.push(meshes.uv[vertex]);
+            let normal =
+                Vector3::from(normal_matrix(&world) * Vector3::from(meshes.normals[vertex]));
+            normals.push(normal.try_normalize(0.0).unwrap_or_default().into());
+        }
+        let mesh = document.nodes().nth(instance.node).and_then(|node| node.mesh());
+        let names = mesh.map(|mesh| &tree["meshes"][mesh.index()]["extras"]["targetNames"]);
+        for (target, deltas) in instance.morphs.iter().enumerate() {
+            let name = names.and_then(|names| names.get(target)).and_then(Value::as_str);
+            let name = name.map_or_else(|| format!("target {target}"), str::to_owned);
+            out.add(&name, deltas.iter().enumerate().map(|(own, by)| (first + own, turned(*by))));
+        }
+    }
+    out.shapes.iter_mut().for_each(|shape| shape.deltas.resize(out.positions.len(), [0.0; 3]));
+    let faces = meshes.triangles.iter().filter_map(|corners| {
+        let [a, b, c] = corners.map(|corner| place_of[corner]);
+        Some(vec![a?, b?, c?])
+    });
+    out.faces = faces.collect();
+    match has_uv {
+        true => out.uv_faces.clone_from(&out.faces),
+        false => out.uv.clear(),
+    }
+    out.normals = has_normals.then_some(normals);
+    Ok(out)
+}
+
+/// Returns the matrix that transforms normals under a placement.
+fn normal_matrix(world: &Matrix4<f64>) -> nalgebra::Matrix3<f64> {
+    let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
+    linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
+}

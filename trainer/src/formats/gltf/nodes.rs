@@ -1,33 +1,34 @@
-//! The nodes of a glTF file: a forest of local transforms.
+//! The nodes of a glTF file, a forest of local transforms, and the animations that move them.
 
-use gltf::Document;
+use super::file::{Buffers, numbers, unnamed_clip};
+use crate::formats::scene::SceneError;
+use gltf::animation::{Interpolation, Property};
+use gltf::{Animation, Document};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::formats::scene::SceneError;
-
-/// A node's transform relative to its parent.
+/// Transform of a node relative to its parent.
 #[derive(Clone, Debug)]
 pub(super) enum Local {
-    /// Scaled, then turned, then moved.
+    /// Scale, then rotation, then translation.
     Parts {
         /// Offset.
         translation: Vector3<f64>,
-        /// Rotation, normalised where it is used.
+        /// Rotation, not normalised.
         rotation: Quaternion<f64>,
         /// Factor along each axis.
         scale: Vector3<f64>,
     },
-    /// As the file has it; such a node is not animated.
+    /// The file's matrix; such a node is not animated.
     Matrix(Matrix4<f64>),
 }
 
-/// Every node of the file, by its number.
+/// All nodes of the file.
 pub(super) struct Nodes {
-    /// Names, made up where the file has none.
+    /// Names of the nodes; made up for nodes without a name.
     pub(super) names: Vec<String>,
-    /// Parents.
+    /// Parent of each node.
     pub(super) parents: Vec<Option<usize>>,
-    /// Transforms where nothing is animated.
+    /// Transform of each node without animation.
     pub(super) locals: Vec<Local>,
     /// Nodes, parents before children.
     pub(super) order: Vec<usize>,
@@ -64,7 +65,7 @@ impl Nodes {
             order.extend(&children[node]);
             next += 1;
         }
-        // With one parent each, what hangs under no root is a cycle.
+        // Every node has at most one parent, so nodes that hang under no root form a cycle.
         if let Some(node) =
             (0..parents.len()).find(|node| order.len() < parents.len() && !order.contains(node))
         {
@@ -74,7 +75,7 @@ impl Nodes {
         Ok(Self { names, parents, locals, order })
     }
 
-    /// Gives the world transform of every node.
+    /// Returns the world transform of every node.
     pub(super) fn worlds(&self, locals: &[Local]) -> Vec<Matrix4<f64>> {
         let mut worlds = vec![Matrix4::identity(); locals.len()];
         for &node in &self.order {
@@ -84,7 +85,7 @@ impl Nodes {
         worlds
     }
 
-    /// Tells which nodes belong to the scene that the file shows; all of them where it names none.
+    /// Returns which nodes belong to the default scene; all nodes if the file has no scene.
     pub(super) fn shown(&self, document: &Document) -> Vec<bool> {
         let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
             return vec![true; self.names.len()];
@@ -93,20 +94,20 @@ impl Nodes {
         (0..self.names.len()).map(|node| self.upwards(node).any(|up| roots.contains(&up))).collect()
     }
 
-    /// Gives the nearest of some joints above each of them; several may have none.
+    /// Returns, for each joint, the nearest joint above it; several may have none.
     pub(super) fn parents_among(&self, joints: &[usize]) -> Vec<Option<usize>> {
         let of = |node: usize| joints.iter().position(|&joint| joint == node);
         joints.iter().map(|&node| self.upwards(node).skip(1).find_map(of)).collect()
     }
 
-    /// Walks from a node to its root.
+    /// Walks from a node up to its root.
     pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + Clone + '_ {
         std::iter::successors(Some(node), |&node| self.parents[node])
     }
 }
 
 impl Local {
-    /// Gives the transform as a matrix.
+    /// Returns the transform as a matrix.
     pub(super) fn matrix(&self) -> Matrix4<f64> {
         match self {
             Self::Parts { translation, rotation, scale } => {
@@ -119,6 +120,101 @@ impl Local {
     }
 }
 
+/// An animation.
+#[derive(Default)]
+pub(super) struct ClipKeys {
+    /// Name of the animation; made up if the file has none.
+    pub(super) name: String,
+    channels: Vec<Channel>,
+}
+
+impl ClipKeys {
+    /// Reads every animation.
+    ///
+    /// # Errors
+    /// [`SceneError::Accessor`] and [`SceneError::Count`].
+    pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<Vec<Self>, SceneError> {
+        document.animations().map(|animation| Self::read_one(&animation, buffers)).collect()
+    }
+
+    fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
+        let name = match animation.name() {
+            Some(name) => name.to_owned(),
+            None => unnamed_clip(animation.index()),
+        };
+        let mut channels = Vec::new();
+        for channel in animation.channels() {
+            let (target, sampler) = (channel.target(), channel.sampler());
+            let (node, property) = (target.node(), target.property());
+            let (width, components) = match property {
+                Property::Translation | Property::Scale => (3, 3),
+                Property::Rotation => (4, 4),
+                // Weights are stored one number at a time.
+                Property::MorphTargetWeights => {
+                    let primitives = node.mesh().and_then(|mesh| mesh.primitives().next());
+                    (primitives.map_or(0, |primitive| primitive.morph_targets().len()), 1)
+                }
+            };
+            let times = numbers(&sampler.input(), buffers, 1)?;
+            let values = numbers(&sampler.output(), buffers, components)?;
+            let interpolation = sampler.interpolation();
+            let per_key =
+                if interpolation == Interpolation::CubicSpline { 3 * width } else { width };
+            let (expected, found) = (per_key * times.len(), values.len());
+            if expected != found || times.is_empty() {
+                let place = format!("clip {name}, channel {}", channel.index());
+                return Err(SceneError::Count { place, what: "numbers", expected, found });
+            }
+            if !times.is_sorted_by(|a, b| a < b) {
+                return Err(SceneError::KeyTimes { clip: name });
+            }
+            let node = node.index();
+            channels.push(Channel { node, property, times, width, values, interpolation });
+        }
+        Ok(Self { name, channels })
+    }
+
+    /// Lists the key times of the channels that move a node of one set or shape a node of another set.
+    pub(super) fn times(
+        &self,
+        moves: impl Fn(usize) -> bool,
+        shapes: impl Fn(usize) -> bool,
+    ) -> Vec<f64> {
+        let matters = |channel: &&Channel| match channel.property {
+            Property::MorphTargetWeights => shapes(channel.node),
+            _ => moves(channel.node),
+        };
+        let channels = self.channels.iter().filter(matters);
+        channels.flat_map(|channel| channel.times.iter().copied()).collect()
+    }
+
+    /// Returns whether the animation changes morph weights of one of some nodes.
+    pub(super) fn shapes(&self, nodes: impl Fn(usize) -> bool) -> bool {
+        let weights = |c: &Channel| c.property == Property::MorphTargetWeights && nodes(c.node);
+        self.channels.iter().any(weights)
+    }
+
+    /// Sets the animated transforms of nodes and the animated weights of morph targets to their values at a time.
+    pub(super) fn apply(&self, time: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
+        for channel in &self.channels {
+            let value = channel.at(time);
+            if channel.property == Property::MorphTargetWeights {
+                weights[channel.node] = value;
+                continue;
+            }
+            let Local::Parts { translation, rotation, scale } = &mut locals[channel.node] else {
+                continue;
+            };
+            match channel.property {
+                Property::Translation => *translation = Vector3::from_column_slice(&value),
+                Property::Scale => *scale = Vector3::from_column_slice(&value),
+                _ => *rotation = quaternion(&value),
+            }
+        }
+    }
+}
+
+/// Converts a transform of the library.
 fn local(transform: &gltf::scene::Transform) -> Local {
     match *transform {
         gltf::scene::Transform::Matrix { matrix } => {
@@ -133,4 +229,67 @@ fn local(transform: &gltf::scene::Transform) -> Local {
             }
         }
     }
+}
+
+/// The keys of one property of one node.
+struct Channel {
+    node: usize,
+    property: Property,
+    times: Vec<f64>,
+    /// Numbers in a value: 3, 4, or the number of morph targets of the node's mesh.
+    width: usize,
+    /// Values; for cubic splines, the in-tangent, value and out-tangent of each key.
+    values: Vec<f64>,
+    interpolation: Interpolation,
+}
+
+impl Channel {
+    /// Interpolates as glTF 2.0, appendix C, specifies.
+    fn at(&self, time: f64) -> Vec<f64> {
+        let after = self.times.partition_point(|&key| key <= time);
+        let Some(before) = after.checked_sub(1) else { return self.key(0).to_vec() };
+        if after == self.times.len() {
+            return self.key(before).to_vec();
+        }
+        let step = self.times[after] - self.times[before];
+        let t = (time - self.times[before]) / step;
+        let (a, b) = (self.key(before), self.key(after));
+        match self.interpolation {
+            Interpolation::Step => a.to_vec(),
+            Interpolation::Linear if self.property == Property::Rotation => {
+                let [a, b] = [a, b].map(|key| UnitQuaternion::from_quaternion(quaternion(key)));
+                a.try_slerp(&b, t, 1e-12).unwrap_or(a).coords.as_slice().to_vec()
+            }
+            Interpolation::Linear => a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect(),
+            Interpolation::CubicSpline => {
+                let (out, into) = (self.tangents(before).1, self.tangents(after).0);
+                let (t2, t3) = (t * t, t * t * t);
+                let value = |i: usize| {
+                    (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
+                        + step * (t3 - 2.0 * t2 + t) * out[i]
+                        + (3.0 * t2 - 2.0 * t3) * b[i]
+                        + step * (t3 - t2) * into[i]
+                };
+                (0..self.width).map(value).collect()
+            }
+        }
+    }
+
+    /// Returns the value of a key.
+    fn key(&self, key: usize) -> &[f64] {
+        match self.interpolation {
+            Interpolation::CubicSpline => &self.values[(3 * key + 1) * self.width..][..self.width],
+            _ => &self.values[key * self.width..][..self.width],
+        }
+    }
+
+    /// Returns the tangents into a key and out of it.
+    fn tangents(&self, key: usize) -> (&[f64], &[f64]) {
+        let key = &self.values[3 * key * self.width..][..3 * self.width];
+        (&key[..self.width], &key[2 * self.width..])
+    }
+}
+
+fn quaternion(xyzw: &[f64]) -> Quaternion<f64> {
+    Quaternion::new(xyzw[3], xyzw[0], xyzw[1], xyzw[2])
 }

@@ -1,71 +1,69 @@
-//! A glTF file as it stands, to be added to: its tree and its bytes whole, and where its meshes and
-//! joints are.
+//! glTF files that are kept whole to be extended, and the appearance of their meshes.
 
-use std::path::Path;
-
-use ::gltf::Document;
-use nalgebra::Matrix4;
-use serde_json::{Map, Value, json};
-
-use super::file::{self, Buffers, Parsed};
+use super::file;
+use super::file::{Buffers, Parsed, is_surface, triangles};
 use super::meshes::{Attribute, default_weights, has_surface, shaped};
 use super::nodes::Nodes;
 use super::skins::Skins;
-use super::triangles::is_surface;
-use crate::formats::appearance::image;
+use crate::formats::appearance;
+use crate::formats::appearance::{Appearance, Image};
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
+use ::gltf::{Document, Semantic};
+use nalgebra::Matrix4;
+use serde_json::{Map, Value, json};
+use std::path::Path;
 
-/// A glTF file as it stands.
+/// Extensions that compress vertices, so that only readers of the extension see them.
+const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// A glTF file kept whole, with the places of its meshes and joints.
 #[derive(Clone, Debug)]
 pub(crate) struct RiggedFile {
-    /// All of its members; what was in other files is in its bytes.
+    /// All members of the JSON; external files are embedded.
     pub(crate) tree: Map<String, Value>,
-    /// The bytes of its one buffer.
+    /// Bytes of the single buffer.
     pub(crate) bytes: Vec<u8>,
-    /// Names of its nodes, made up where it has none; joints of equal names are told apart.
+    /// Names of the nodes; made up for nodes without a name, and unique for joints.
     pub(crate) names: Vec<String>,
-    /// Parents of the nodes.
+    /// Parent of each node.
     pub(crate) parents: Vec<Option<usize>>,
     /// Nodes, parents before children.
     pub(crate) order: Vec<usize>,
-    /// Transforms of the nodes where nothing is animated.
+    /// Transform of each node without animation.
     pub(crate) locals: Vec<Matrix4<f64>>,
-    /// Frames of the nodes that are joints, in the space in which they are bound.
+    /// Bind frame of each node that is a joint, in the common bind space.
     pub(crate) binds: Vec<Option<Matrix4<f64>>>,
-    /// The meshes that are read as a character's: those with a skin, or all where none has one.
+    /// Meshes of the character: all with a skin, or all meshes if none has a skin.
     pub(crate) meshes: Vec<RiggedMesh>,
 }
 
-/// A mesh as a node shows it.
+/// A mesh and the node that shows it.
 #[derive(Clone, Debug)]
 pub(crate) struct RiggedMesh {
-    /// The node.
+    /// Index of the node.
     pub(crate) node: usize,
-    /// The mesh.
+    /// Index of the mesh.
     pub(crate) mesh: usize,
-    /// The node's name, or that of the mesh.
+    /// Name of the node, or else of the mesh.
     pub(crate) name: String,
-    /// Its skin.
+    /// Index of the skin.
     pub(crate) skin: Option<usize>,
-    /// From the mesh to the space in which joints are bound; to the first mesh where there are none.
+    /// Transform from the mesh to the space in which joints are bound; without joints, to the space of the first mesh.
     pub(crate) to_bind: Matrix4<f64>,
-    /// Positions of each primitive, its morph targets at their default weights.
+    /// Positions of each primitive, with morph targets at their default weights.
     pub(crate) positions: Vec<Vec<[f64; 3]>>,
-    /// Whether each primitive is made of triangles, and not of points or lines.
+    /// Whether each primitive consists of triangles, rather than points or lines.
     pub(crate) surfaces: Vec<bool>,
 }
-
-/// Extensions that hide vertices from who does not know them.
-const COMPRESSIONS: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 impl RiggedFile {
     /// Reads a file, its buffers and its images.
     ///
     /// # Errors
-    /// [`FormatError::Read`]; [`FormatError::Scene`] with what is damaged, [`SceneError::Extension`] for
-    /// compressed meshes.
+    /// [`FormatError::Read`]; [`FormatError::Scene`] for damaged parts; [`SceneError::Extension`] for compressed
+    /// meshes.
     pub(crate) fn read(path: &Path) -> Result<Self, FormatError> {
         let bytes = file::read(path)?;
         Ok(Self::parse(&bytes, path)?)
@@ -104,7 +102,7 @@ impl RiggedFile {
         Ok(file)
     }
 
-    /// Gives the world transform of every node where nothing is animated.
+    /// Returns the world transform of every node without animation.
     pub(crate) fn worlds(&self) -> Vec<Matrix4<f64>> {
         let mut worlds = self.locals.clone();
         for &node in &self.order {
@@ -119,7 +117,7 @@ impl RiggedFile {
         self.tree.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten()
     }
 
-    /// Makes one buffer of all; of the first nothing moves.
+    /// Joins all buffers into one; the bytes of the first buffer keep their offsets.
     fn join_buffers(&mut self, document: &Document, buffers: &Buffers) {
         let mut begins = Vec::new();
         for (buffer, bytes) in document.buffers().zip(buffers) {
@@ -141,7 +139,7 @@ impl RiggedFile {
         }
     }
 
-    /// Takes in the images that are files of their own.
+    /// Embeds the images of external files.
     fn embed_images(&mut self, path: &Path) -> Result<(), SceneError> {
         let uri = |image: &mut Value| {
             let uri = image.get("uri").and_then(Value::as_str);
@@ -152,7 +150,7 @@ impl RiggedFile {
             let Some(uri) = uri else { continue };
             let damaged = |reason| SceneError::Image { image, reason };
             let bytes = file::resource(&uri, path).map_err(damaged)?;
-            let kind = image::kind(&bytes)
+            let kind = appearance::image_kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
             self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
             let view =
@@ -171,8 +169,7 @@ impl RiggedFile {
     }
 }
 
-/// Lists the meshes that are a character's, as nodes show them: those with a skin, or all where none has
-/// one.
+/// Lists the meshes of a character, with the nodes that show them: all with a skin, or all meshes if none has a skin.
 pub(super) fn shown_meshes<'a>(
     document: &'a Document,
     nodes: &Nodes,
@@ -189,7 +186,62 @@ pub(super) fn shown_meshes<'a>(
     all
 }
 
-/// Reads the meshes that are a character's, and the joints that they are bound to.
+/// Reads the appearance of the meshes that [`read`](super::read) reads.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::Scene`].
+pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, FormatError> {
+    let bytes = file::read(path)?;
+    let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
+    let mut tree = file::tree(&bytes)?;
+    let meshes = shown_meshes(&document, &Nodes::read(&document)?);
+    let primitives = meshes.iter().flat_map(|(mesh, _)| mesh.primitives());
+    let mut of_triangles = Vec::new();
+    for primitive in primitives.filter(is_surface) {
+        let positions = primitive.get(&Semantic::Positions);
+        let vertex_len = positions.map_or(0, |positions| positions.count());
+        let place = || "the meshes".to_owned();
+        let count = triangles(&primitive, &buffers, vertex_len, place)?.len();
+        of_triangles.extend(std::iter::repeat_n(primitive.material().index(), count));
+    }
+    let mut list = |name: &str| match tree.remove(name) {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    };
+    let mut appearance = Appearance {
+        mesh: match meshes.as_slice() {
+            [(mesh, node)] => node.name().or(mesh.name()).map(str::to_owned),
+            _ => None,
+        },
+        of_triangles,
+        materials: list("materials"),
+        textures: list("textures"),
+        samplers: list("samplers"),
+        ..Appearance::default()
+    };
+    let mut images = Vec::new();
+    for (number, members) in list("images").into_iter().enumerate() {
+        let Value::Object(members) = members else { continue };
+        let name = ["name", "uri"].iter().find_map(|name| members.get(*name)?.as_str());
+        let name = name.filter(|name| !name.starts_with("data:")).map(str::to_owned);
+        let uri = members.get("uri").and_then(Value::as_str);
+        let looked_for = uri.and_then(|uri| file::beside(uri, path).ok());
+        let found = picture(members, &document, &buffers, path);
+        if found.is_none() {
+            let name = name.unwrap_or_else(|| format!("image {number}"));
+            appearance.missing.push(appearance::missing_image(&name, looked_for.as_slice()));
+        }
+        images.push(found);
+    }
+    appearance.set_images(images);
+    let required = list("extensionsRequired");
+    let used = appearance.extensions();
+    let required = required.into_iter().filter_map(|name| name.as_str().map(str::to_owned));
+    appearance.required = required.filter(|name| used.contains(name)).collect();
+    Ok(appearance)
+}
+
+/// Reads the meshes of a character and their joints.
 fn meshes(
     document: &Document,
     buffers: &Buffers,
@@ -228,4 +280,25 @@ fn meshes(
         meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });
     }
     Ok((meshes, skins))
+}
+
+/// Returns an image with its bytes; `None` if they cannot be read or are no known kind of image.
+fn picture(
+    mut members: Map<String, Value>,
+    document: &Document,
+    buffers: &Buffers,
+    path: &Path,
+) -> Option<Image> {
+    members.remove("mimeType");
+    let bytes = match (members.remove("bufferView"), members.remove("uri")) {
+        (Some(view), _) => {
+            let view = document.views().nth(view.as_u64()? as usize)?;
+            let buffer = buffers.get(view.buffer().index())?;
+            let end = view.offset().checked_add(view.length())?;
+            buffer.get(view.offset()..end)?.to_vec()
+        }
+        (None, uri) => file::resource(uri?.as_str()?, path).ok()?,
+    };
+    appearance::image_kind(&bytes)?;
+    Some(Image { members, bytes })
 }

@@ -1,50 +1,52 @@
-//! The skins of a glTF file, joined into one skeleton.
+//! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
-use std::collections::HashMap;
-
+use super::file::{Buffers, numbers};
+use super::meshes::{Instance, Meshes};
+use super::nodes::{ClipKeys, Local, Nodes};
+use crate::formats::error::FormatWarning;
+use crate::formats::scene::{
+    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
+};
 use gltf::Document;
 use nalgebra::{Matrix4, Vector3};
+use std::collections::HashMap;
 
-use super::accessor::numbers;
-use super::file::Buffers;
-use super::meshes::Meshes;
-use super::nodes::Nodes;
-use crate::formats::scene::{SceneError, told_apart};
-use crate::formats::warning::FormatWarning;
-
-/// Two bind matrices of one joint agree within this share of their largest entry; files round them.
+/// Share of the largest entry within which two bind matrices of a joint agree; files round them.
 const AGREE: f64 = 1e-4;
 
-/// The joints of every skin that is read, each once.
+/// Blender's name for the joint that it adds for vertices without weights.
+const NEUTRAL: &str = "neutral_bone";
+
+/// The joints of all skins, each once.
 #[derive(Default)]
 pub(super) struct Skins {
     /// Node of each joint, J.
     pub(super) joints: Vec<usize>,
-    /// World frame of each joint where the joined rest mesh is bound, J.
+    /// World frame of each joint in the bind pose of the joined mesh, J.
     pub(super) binds: Vec<Matrix4<f64>>,
-    /// Their inverses.
+    /// Inverses of `binds`.
     pub(super) inverse_binds: Vec<Matrix4<f64>>,
-    /// Each skin that a mesh has.
+    /// The skins of the meshes, by their index in the file.
     pub(super) members: HashMap<usize, Member>,
 }
 
-/// One skin among them.
+/// A skin of the skeleton.
 pub(super) struct Member {
-    /// Numbers of its joints among the J.
+    /// Its joints, as indices into J.
     pub(super) joints: Vec<usize>,
-    /// Where its meshes stand in the space of the first skin.
+    /// Transform of its meshes into the space of the first skin.
     pub(super) shift: Matrix4<f64>,
 }
 
 impl Skins {
-    /// Joins the skins of the meshes that have one and moves each to where the first one's joints bind it:
-    /// exporters differ in whether all skins of a character share one space.
+    /// Joins the skins of all meshes, and moves each mesh into the bind space of the first skin. Exporters differ in
+    /// whether all skins of a character share a space.
     ///
-    /// - `unbound`: whether a vertex may follow no joint.
+    /// - `unbound`: whether a vertex may have no joint weight.
     ///
     /// # Errors
-    /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
-    /// of the bind matrices' accessor.
+    /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`], and
+    /// the errors of the bind matrices' accessor.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
@@ -69,7 +71,7 @@ impl Skins {
         Ok(all)
     }
 
-    /// Joins all skins of a file, whatever hangs on them.
+    /// Joins all skins of a file, used by a mesh or not.
     ///
     /// # Errors
     /// Those of [`Skins::join`].
@@ -85,11 +87,10 @@ impl Skins {
         Ok(all)
     }
 
-    /// Takes up the joints of a skin.
+    /// Adds the joints of a skin to the skeleton.
     ///
     /// # Errors
-    /// [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those of the bind matrices'
-    /// accessor.
+    /// [`SceneError::SingularBind`], [`SceneError::OtherBind`], and the errors of the bind matrices' accessor.
     pub(super) fn join(
         &mut self,
         skin: &gltf::Skin<'_>,
@@ -125,7 +126,7 @@ impl Skins {
         Ok(Member { joints, shift })
     }
 
-    /// Tells of a joint that no rig has, but Blender adds.
+    /// Warns of the joint that Blender adds for vertices without weights.
     pub(super) fn neutral(&self, nodes: &Nodes, meshes: &Meshes) -> Option<FormatWarning> {
         let neutral = |&joint: &usize| nodes.names[self.joints[joint]].starts_with(NEUTRAL);
         let found = (0..self.joints.len()).find(neutral)?;
@@ -142,7 +143,7 @@ impl Skins {
         Some(FormatWarning::NeutralBone { joint, count: followers.sum() })
     }
 
-    /// Gives the joint weights of some of the meshes' vertices, in ascending order: as many rows of J.
+    /// Returns the joint weights of some vertices (in ascending order): a row of J for each vertex.
     pub(super) fn weights_of(&self, meshes: &Meshes, vertices: &[usize]) -> Vec<f64> {
         let mut all = vec![0.0; vertices.len() * self.joints.len()];
         let rows = all.chunks_exact_mut(self.joints.len().max(1)).zip(vertices);
@@ -157,19 +158,178 @@ impl Skins {
         all
     }
 
-    /// Tells the joints of equal names apart; gives the names of all nodes, and tells of those that differ from before.
+    /// Returns the names of all nodes, with the names of joints made unique, and a warning if names changed.
     pub(super) fn names(&self, nodes: &Nodes) -> (Vec<String>, Option<FormatWarning>) {
         let is_joint = |node: usize| self.joints.contains(&node);
-        let (names, renamed) = told_apart(&nodes.names, &nodes.parents, is_joint);
+        let (names, renamed) = unique_names(&nodes.names, &nodes.parents, is_joint);
         let joints: Vec<String> = renamed.into_iter().map(|node| names[node].clone()).collect();
         let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
         (names, warning)
     }
 }
 
-/// What Blender calls the joint that it adds for vertices without weights.
-const NEUTRAL: &str = "neutral_bone";
+/// Transforms the vertices and morph targets of a mesh; a mirroring also reverses the triangles' winding.
+pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
+    if *shift == Matrix4::identity() {
+        return;
+    }
+    let vertices = meshes.vertices(instance);
+    for position in &mut meshes.positions[vertices.clone()] {
+        *position = shift.transform_point(&(*position).into()).into();
+    }
+    let linear = shift.fixed_view::<3, 3>(0, 0).into_owned();
+    // Normals stay orthogonal to the surface under any scale.
+    let turn = super::normal_matrix(shift);
+    for normal in &mut meshes.normals[vertices.clone()] {
+        *normal = (turn * Vector3::from(*normal)).into();
+    }
+    for [x, y, z, _] in &mut meshes.tangents[vertices.clone()] {
+        [*x, *y, *z] = (linear * Vector3::new(*x, *y, *z)).into();
+    }
+    if linear.determinant() < 0.0 {
+        for [a, b, _] in meshes.triangles.iter_mut().filter(|[a, ..]| vertices.contains(a)) {
+            std::mem::swap(a, b);
+        }
+    }
+    for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
+        *displacement = shift.transform_vector(&(*displacement).into()).into();
+    }
+}
 
+/// The nodes, meshes and animations of a file.
+pub(super) struct Scene {
+    pub(super) nodes: Nodes,
+    pub(super) meshes: Meshes,
+    pub(super) animations: Vec<ClipKeys>,
+    /// A clip without keys.
+    pub(super) nothing: ClipKeys,
+}
+
+/// A time of a clip.
+#[derive(Clone, Copy)]
+pub(super) struct Moment<'a> {
+    pub(super) clip: &'a ClipKeys,
+    pub(super) time: f64,
+}
+
+impl Scene {
+    pub(super) fn new(nodes: Nodes, meshes: Meshes, animations: Vec<ClipKeys>) -> Self {
+        Self { nodes, meshes, animations, nothing: ClipKeys::default() }
+    }
+
+    /// Lists the clips to read and their sample times, for these moving joints or other nodes.
+    pub(super) fn sample(
+        &self,
+        joints: &[usize],
+        sampling: &Sampling<'_>,
+        warnings: &mut Vec<FormatWarning>,
+    ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), SceneError> {
+        if sampling.still {
+            return Ok((vec![Clip::still()], vec![Moment { clip: &self.nothing, time: 0.0 }]));
+        }
+        let names: Vec<String> = self.animations.iter().map(|keys| keys.name.clone()).collect();
+        sampling.check(names.clone())?;
+        let mut moved = vec![false; self.nodes.names.len()];
+        for node in joints.iter().flat_map(|&joint| self.nodes.upwards(joint)) {
+            moved[node] = true;
+        }
+        let parents = self.nodes.parents_among(joints);
+        let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
+        for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
+            let times = keys.times(|node| moved[node], |node| self.shows(node));
+            let pose = |time| {
+                let worlds = self.nodes.worlds(&self.at(&Moment { clip: keys, time }).0);
+                Ok(joints.iter().map(|&node| worlds[node]).collect())
+            };
+            let joints = MovingJoints { parents: &parents, frame: 0.0, pose };
+            let samples = samples(&keys.name, times, sampling, &joints)?;
+            if samples.is_empty() {
+                idle.push(keys.name.clone());
+                continue;
+            }
+            let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
+            clips.push(Clip::at(keys.name.clone(), moments.len(), &times));
+            let moment = |Sample { at: time, .. }| Moment { clip: keys, time };
+            moments.extend(samples.into_iter().map(moment));
+        }
+        if clips.is_empty() {
+            return Err(SceneError::NothingMoves { clips: names });
+        }
+        if !idle.is_empty() {
+            warnings.push(FormatWarning::IdleClips { clips: idle });
+        }
+        Ok((clips, moments))
+    }
+
+    /// Returns whether a node shows a mesh.
+    pub(super) fn shows(&self, node: usize) -> bool {
+        self.meshes.instances.iter().any(|instance| instance.node == node)
+    }
+
+    /// Returns the nodes' transforms at a moment, and the weights of their morph targets.
+    pub(super) fn at(&self, moment: &Moment<'_>) -> (Vec<Local>, Vec<Vec<f64>>) {
+        let mut locals = self.nodes.locals.clone();
+        let mut weights = vec![Vec::new(); locals.len()];
+        for instance in &self.meshes.instances {
+            weights[instance.node].clone_from(&instance.weights);
+        }
+        moment.clip.apply(moment.time, &mut locals, &mut weights);
+        (locals, weights)
+    }
+
+    /// Returns the posed vertices for nodes at these world transforms; a mesh without a skin moves with its node.
+    pub(super) fn skinned(
+        &self,
+        skins: &Skins,
+        worlds: &[Matrix4<f64>],
+        weights: &[Vec<f64>],
+    ) -> Vec<[f64; 3]> {
+        let maps: Vec<_> = skins
+            .joints
+            .iter()
+            .zip(&skins.inverse_binds)
+            .map(|(&joint, inverse)| worlds[joint] * inverse)
+            .collect();
+        self.each(weights, |instance, vertex, shape| {
+            let Some(skin) = instance.skin else {
+                return worlds[instance.node].transform_point(&shape.into()).coords;
+            };
+            let members = &skins.members[&skin].joints;
+            let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+            for &(member, weight) in &self.meshes.influences[vertex] {
+                sum += maps[members[member]].transform_point(&shape.into()).coords * weight;
+                total += weight;
+            }
+            sum / total
+        })
+    }
+
+    /// Applies the morph targets to every vertex, and then `place`.
+    fn each(
+        &self,
+        weights: &[Vec<f64>],
+        place: impl Fn(&Instance, usize, Vector3<f64>) -> Vector3<f64>,
+    ) -> Vec<[f64; 3]> {
+        let mut all = Vec::with_capacity(self.meshes.positions.len());
+        for (number, instance) in self.meshes.instances.iter().enumerate() {
+            let more = weights[instance.node].iter().zip(&instance.weights);
+            // The positions already include the default weights.
+            let more = more.map(|(weight, default)| weight - default);
+            let active = instance.morphs.iter().zip(more);
+            let active: Vec<_> = active.filter(|(_, weight)| *weight != 0.0).collect();
+            for (own, vertex) in self.meshes.vertices(number).enumerate() {
+                let mut shape = Vector3::from(self.meshes.positions[vertex]);
+                for (morph, weight) in &active {
+                    shape += Vector3::from(morph[own]) * *weight;
+                }
+                all.push(place(instance, vertex, shape).into());
+            }
+        }
+        all
+    }
+}
+
+/// Checks that every vertex has joints, unless `unbound`, and that the joints exist.
 fn check_influences(
     influences: &[Vec<(usize, f64)>],
     joint_len: usize,
@@ -188,7 +348,7 @@ fn check_influences(
     Ok(())
 }
 
-/// Reads the joints of a skin and their inverse bind matrices, which are none at all or one each.
+/// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.
 fn read_one(
     skin: &gltf::Skin<'_>,
     buffers: &Buffers,
@@ -209,34 +369,7 @@ fn read_one(
     Ok((joints, own))
 }
 
+/// Returns whether two bind matrices agree up to rounding.
 fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
     (a - b).amax() <= AGREE * a.amax()
-}
-
-/// Moves all that a mesh has in space; where it is mirrored, its triangles are turned over.
-pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
-    if *shift == Matrix4::identity() {
-        return;
-    }
-    let vertices = meshes.vertices(instance);
-    for position in &mut meshes.positions[vertices.clone()] {
-        *position = shift.transform_point(&(*position).into()).into();
-    }
-    let linear = shift.fixed_view::<3, 3>(0, 0).into_owned();
-    // Normals go with the surface, whatever the scale along its axes.
-    let turn = linear.try_inverse().map_or(linear, |inverse| inverse.transpose());
-    for normal in &mut meshes.normals[vertices.clone()] {
-        *normal = (turn * Vector3::from(*normal)).into();
-    }
-    for [x, y, z, _] in &mut meshes.tangents[vertices.clone()] {
-        [*x, *y, *z] = (linear * Vector3::new(*x, *y, *z)).into();
-    }
-    if linear.determinant() < 0.0 {
-        for [a, b, _] in meshes.triangles.iter_mut().filter(|[a, ..]| vertices.contains(a)) {
-            std::mem::swap(a, b);
-        }
-    }
-    for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
-        *displacement = shift.transform_vector(&(*displacement).into()).into();
-    }
 }

@@ -1,8 +1,17 @@
-//! A glTF file in the making, as the tree that it is: nodes, skins, animations, and the bytes behind them.
+//! Writes glTF files: nodes, skins, animations and their arrays.
 
 use serde_json::{Map, Value, json};
 
-/// A glTF file that cannot be put together.
+/// Component types of glTF.
+pub(crate) const U8: u32 = 5121;
+pub(crate) const U16: u32 = 5123;
+pub(crate) const U32: u32 = 5125;
+pub(crate) const F32: u32 = 5126;
+
+/// Bytes of a GLB's header and of the headers of its two chunks.
+const HEADS: usize = 12 + 8 + 8;
+
+/// Reasons why a glTF file cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum GlbError {
     /// The file would be larger than binary glTF allows.
@@ -11,7 +20,7 @@ pub enum GlbError {
         /// Bytes needed.
         bytes: usize,
     },
-    /// The file could not be put together.
+    /// The JSON could not be written.
     #[error("cannot be put together: {0}")]
     Json(serde_json::Error),
 }
@@ -23,8 +32,8 @@ pub(crate) type SkinIndex = usize;
 /// An array of the document.
 pub(crate) type ArrayIndex = usize;
 
-/// A tree of members, one scene and one buffer: begun empty, or with a file, of which every member stays
-/// as it is that nobody asks to change.
+/// The tree of a glTF file with one scene and one buffer. It begins empty, or with a file whose other members stay as
+/// they are.
 pub(crate) struct Document {
     pub(crate) root: Map<String, Value>,
     pub(crate) nodes: Vec<Value>,
@@ -33,30 +42,30 @@ pub(crate) struct Document {
     pub(crate) animations: Vec<Value>,
     pub(crate) accessors: Vec<Value>,
     pub(crate) views: Vec<Value>,
-    /// Nodes of the scene that is shown; none where the file has no scene.
+    /// Nodes of the default scene; `None` if the file has no scene.
     scene: Option<Vec<Value>>,
-    /// Accessors and views that nothing uses any more; new ones take their places.
+    /// Accessors and views that are no longer used; new ones take their indices.
     pub(crate) free: [Vec<usize>; 2],
     pub(crate) bytes: Vec<u8>,
 }
 
-/// Places a node against its parent: scaled, then turned, then moved.
+/// Placement of a node relative to its parent: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Placed {
-    /// Where its origin is.
+    /// Translation.
     pub(crate) translation: [f32; 3],
-    /// A unit quaternion, xyzw.
+    /// Unit quaternion, xyzw.
     pub(crate) rotation: [f32; 4],
-    /// Factors along its own axes.
+    /// Factors along the node's axes.
     pub(crate) scale: [f32; 3],
 }
 
 impl Placed {
-    /// Coincides with the parent.
+    /// The identity.
     pub(crate) const AT_PARENT: Self =
         Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] };
 
-    /// States in a node's members what differs from its parent's place.
+    /// Writes the components that differ from the identity into a node's members.
     pub(crate) fn state(&self, node: &mut Value) {
         let Self { translation, rotation, scale } = *self;
         let rest = Self::AT_PARENT;
@@ -72,26 +81,19 @@ impl Placed {
     }
 }
 
-/// What moves one property of a node: one value a key time.
+/// The keys of one property of a node: one value a key time.
 pub(crate) struct Track {
     /// The node.
     pub(crate) node: NodeIndex,
     /// The values.
     pub(crate) keys: ChannelKeys,
-    /// Whether each value holds until the next key; else values are interpolated linearly.
+    /// Whether each value holds until the next key, rather than being interpolated linearly.
     pub(crate) holds: bool,
 }
 
-/// Lists the keys that stand right before a jump: those whose times are one step of single precision before the next.
+/// Lists the keys right before a jump: those one step of single precision before the next key.
 pub(crate) fn before_jumps(times: &[f32]) -> impl Iterator<Item = usize> + '_ {
     (1..times.len()).filter(|&key| times[key - 1].next_up() == times[key]).map(|key| key - 1)
-}
-
-/// Leaves out the rows of some keys, `width` a key.
-fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) -> Vec<[f32; N]> {
-    let width = (rows.len() / key_len.max(1)).max(1);
-    let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
-    kept.flat_map(|(_, rows)| rows).copied().collect()
 }
 
 /// Values of one property.
@@ -102,11 +104,11 @@ pub(crate) enum ChannelKeys {
     Rotation(Vec<[f32; 4]>),
     /// Scales.
     Scale(Vec<[f32; 3]>),
-    /// Weights of a mesh's morph targets, those of a key one after the other.
+    /// Weights of a mesh's morph targets; all weights of a key are adjacent.
     Weights(Vec<[f32; 1]>),
 }
 
-/// What an array holds, and how its elements are called.
+/// Type and use of an array.
 pub(crate) struct ArrayKind {
     component: u32,
     element: &'static str,
@@ -114,30 +116,24 @@ pub(crate) struct ArrayKind {
 }
 
 impl ArrayKind {
-    /// An attribute of vertices of these components.
+    /// A vertex attribute.
     pub(crate) const fn vertices(component: u32, element: &'static str) -> Self {
         Self { component, element, target: Some(34962) }
     }
 
-    /// Floats that are no vertices'.
+    /// Floats that are not a vertex attribute.
     pub(crate) const fn floats(element: &'static str) -> Self {
         Self { component: F32, element, target: None }
     }
 
-    /// Vertex numbers.
+    /// Vertex indices.
     const fn indices(component: u32) -> Self {
         Self { component, element: "SCALAR", target: Some(34963) }
     }
 }
 
-/// The components of glTF.
-pub(crate) const U8: u32 = 5121;
-pub(crate) const U16: u32 = 5123;
-pub(crate) const U32: u32 = 5125;
-pub(crate) const F32: u32 = 5126;
-
 impl Document {
-    /// Begins a document whose asset carries a note.
+    /// Begins an empty document whose asset carries a note.
     pub(crate) fn new(note: &str) -> Self {
         let generator = format!("sinew {}", env!("CARGO_PKG_VERSION"));
         let asset = json!({ "version": "2.0", "generator": generator, "extras": { "note": note } });
@@ -146,7 +142,7 @@ impl Document {
         Self::of(root.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(), vec![])
     }
 
-    /// Begins with a file's tree and the bytes of its one buffer.
+    /// Begins with a file's JSON and the bytes of its single buffer.
     pub(crate) fn of(mut root: Map<String, Value>, bytes: Vec<u8>) -> Self {
         let mut list = |name: &str| match root.remove(name) {
             Some(Value::Array(items)) => items,
@@ -192,7 +188,7 @@ impl Document {
         }
     }
 
-    /// Adds a skin of joints under a common root, with their inverse bind matrices (rows of 3 x 4).
+    /// Adds a skin of joints under a common root, with inverse bind matrices (3 x 4, by rows).
     pub(crate) fn skin(
         &mut self,
         root: NodeIndex,
@@ -204,9 +200,10 @@ impl Document {
         push(&mut self.skins, skin)
     }
 
-    /// Adds an animation with keys at some times, in seconds, ascending; between them values are
-    /// interpolated linearly, rotations along the shorter arc. Tracks that hold their values have no keys right before
-    /// jumps.
+    /// Adds an animation with keys at ascending times, in seconds.
+    ///
+    /// Between keys, values are interpolated linearly, and rotations along the shorter arc. Tracks that hold their
+    /// values have no keys right before jumps.
     pub(crate) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
         let len = times.len();
         let times: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();
@@ -257,7 +254,7 @@ impl Document {
         input
     }
 
-    /// Gives the file's bytes.
+    /// Returns the bytes of the file.
     ///
     /// # Errors
     /// [`GlbError`]
@@ -299,10 +296,10 @@ impl Document {
         Ok(glb)
     }
 
-    /// Adds vertex numbers of triangles.
+    /// Adds the vertex indices of triangles.
     pub(crate) fn indices(&mut self, triangles: &[[usize; 3]], vertex_len: usize) -> ArrayIndex {
         let corners = triangles.as_flattened();
-        // The largest number of a width is kept free: some engines restart a strip at it.
+        // The largest index of a type stays unused, because some engines restart a strip there.
         if vertex_len <= usize::from(u16::MAX) {
             let bytes = corners.iter().flat_map(|&vertex| (vertex as u16).to_le_bytes()).collect();
             return self.array(ArrayKind::indices(U16), corners.len(), bytes);
@@ -311,7 +308,7 @@ impl Document {
         self.array(ArrayKind::indices(U32), corners.len(), bytes)
     }
 
-    /// Adds matrices, rows of 3 x 4.
+    /// Adds matrices (3 x 4, by rows).
     pub(crate) fn matrices(&mut self, matrices: &[[[f32; 4]; 3]]) -> ArrayIndex {
         let columns = |m: &[[f32; 4]; 3]| -> [f32; 16] {
             std::array::from_fn(|at| match (at % 4, at / 4) {
@@ -334,7 +331,7 @@ impl Document {
         self.array(kind, rows.len(), bytes)
     }
 
-    /// Adds an array in a view of its own, which begins on a multiple of four.
+    /// Adds an array in a separate view, aligned to four bytes.
     pub(crate) fn array(&mut self, kind: ArrayKind, len: usize, bytes: Vec<u8>) -> ArrayIndex {
         let ArrayKind { component, element, target } = kind;
         let view = self.view(bytes);
@@ -347,7 +344,7 @@ impl Document {
         put(&mut self.accessors, &mut self.free[0], accessor)
     }
 
-    /// Adds bytes, which begin on a multiple of four.
+    /// Adds bytes, aligned to four, and returns their view.
     pub(crate) fn view(&mut self, bytes: Vec<u8>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let begin = self.bytes.len();
@@ -356,7 +353,7 @@ impl Document {
         put(&mut self.views, &mut self.free[1], view)
     }
 
-    /// States an array's bounds, which glTF wants of positions and of key times.
+    /// Writes an array's bounds, which glTF requires for positions and key times.
     pub(crate) fn bound<const N: usize>(&mut self, array: ArrayIndex, rows: &[[f32; N]]) {
         let bound = |choose: fn(f32, f32) -> f32, from: f32| -> Value {
             let all = |axis: usize| rows.iter().map(|row| row[axis]).fold(from, choose);
@@ -367,15 +364,19 @@ impl Document {
     }
 }
 
-/// Bytes of a GLB's head and of those of its two chunks.
-const HEADS: usize = 12 + 8 + 8;
+/// Removes the rows of the given keys; `rows` has equally many rows for each of `key_len` keys.
+fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) -> Vec<[f32; N]> {
+    let width = (rows.len() / key_len.max(1)).max(1);
+    let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
+    kept.flat_map(|(_, rows)| rows).copied().collect()
+}
 
 fn push(items: &mut Vec<Value>, item: Value) -> usize {
     items.push(item);
     items.len() - 1
 }
 
-/// Puts an item where one is free, else at the end.
+/// Stores an item at a free index, or else at the end.
 fn put(items: &mut Vec<Value>, free: &mut Vec<usize>, item: Value) -> usize {
     match free.pop() {
         None => push(items, item),

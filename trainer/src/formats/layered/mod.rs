@@ -1,13 +1,11 @@
-//! Pictures in layers: OpenRaster and Photoshop files.
+//! Layered pictures: OpenRaster and Photoshop files.
 
-mod error;
 mod ora;
 mod psd;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub use error::LayeredError;
 pub(crate) use tree::PaintedLayer;
 
 use super::error::{FileError, FormatError};
@@ -15,23 +13,18 @@ use super::pixels::Pixels;
 use std::fs::File;
 use std::path::Path;
 
-/// A picture in layers, opened; pictures of layers are decoded on demand.
+/// An open layered picture; its layers are decoded on demand.
 pub(crate) struct LayeredPicture {
     /// Width and height.
     pub(crate) size: [usize; 2],
-    /// Layers out of their groups, the hindmost first.
+    /// All layers, outside their groups, the hindmost first.
     pub(crate) layers: Vec<PaintedLayer>,
-    /// Paths of groups.
+    /// Paths of the groups.
     groups: Vec<String>,
     content: Content,
 }
 
-enum Content {
-    Ora(ora::Archive),
-    Psd(psd::Document),
-}
-
-/// Whether a file's ending is that of a picture in layers.
+/// Whether a file has the ending of a layered picture.
 pub(crate) fn is_layered(file: &Path) -> bool {
     let ending = file.extension().map(|ending| ending.to_ascii_lowercase());
     ending.is_some_and(|ending| ending == "ora" || ending == "psd")
@@ -41,7 +34,7 @@ impl LayeredPicture {
     /// Opens a file by its ending and reads its list of layers.
     ///
     /// # Errors
-    /// [`LayeredError`], and that the file cannot be read.
+    /// [`LayeredError`], or the file cannot be read.
     pub(crate) fn open(path: &Path) -> Result<Self, FileError> {
         Self::opened(path).map_err(|error| FileError { file: path.to_owned(), error })
     }
@@ -57,11 +50,11 @@ impl LayeredPicture {
             let (archive, size, nodes) = ora::Archive::open(file)?;
             (Content::Ora(archive), size, nodes)
         };
-        let (layers, groups) = tree::listed(nodes)?;
+        let (layers, groups) = tree::list_layers(nodes)?;
         Ok(Self { size, layers, groups, content })
     }
 
-    /// Returns the index of a layer by its path, or by its name where no other layer has it.
+    /// Returns the index of a layer by its path, or by its name if only one layer has it.
     ///
     /// # Errors
     /// [`LayeredError::NoLayer`], [`LayeredError::Several`] and [`LayeredError::Group`].
@@ -89,7 +82,7 @@ impl LayeredPicture {
         }
     }
 
-    /// Decodes a layer over the whole picture, without its opacity and clipping.
+    /// Decodes a layer at the size of the whole picture, without its opacity and clipping.
     ///
     /// # Errors
     /// [`LayeredError::Blend`] and [`LayeredError::Picture`].
@@ -115,7 +108,7 @@ impl LayeredPicture {
         Ok(canvas)
     }
 
-    /// Draws the layers over each other.
+    /// Draws all layers over each other.
     ///
     /// # Errors
     /// Those of [`Self::picture`].
@@ -123,7 +116,7 @@ impl LayeredPicture {
         let [width, height] = self.size;
         let mut sum = vec![[0.0f32; 4]; width * height];
         let mut shapes: Vec<Vec<f32>> = vec![Vec::new(); self.layers.len()];
-        // The last layer that is clipped to each.
+        // For each layer, the last layer that is clipped to it.
         let mut lasts = vec![0; self.layers.len()];
         for (number, layer) in self.layers.iter().enumerate() {
             layer.clip.into_iter().for_each(|base| lasts[base] = number);
@@ -155,4 +148,89 @@ impl LayeredPicture {
         };
         Ok(Pixels { size: self.size, rgba: sum.into_iter().flat_map(straight).collect() })
     }
+}
+
+/// Reasons why a layered picture cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum LayeredError {
+    /// The file is not a zip archive.
+    #[error("expected an OpenRaster file, which is a zip archive: {0}")]
+    Archive(String),
+    /// The archive lacks a file.
+    #[error("has no {0}: expected an OpenRaster file")]
+    Missing(String),
+    /// The list of layers cannot be read.
+    #[error("stack.xml: {0}")]
+    Stack(String),
+    /// The file is not a Photoshop file.
+    #[error("expected a Photoshop file, which begins with 8BPS")]
+    NoPsd,
+    /// The bytes contradict each other.
+    #[error("is damaged: {0}")]
+    Damaged(String),
+    /// A feature of the file is not supported.
+    #[error("has {found}, expected {expected}: convert it and save it again")]
+    Unread {
+        /// The unsupported feature.
+        found: String,
+        /// The supported features.
+        expected: &'static str,
+    },
+    /// The picture, or a part of it, is too large.
+    #[error("is too large: {0}")]
+    TooLarge(String),
+    /// The file has no layers.
+    #[error("has no layers: save it with layers, or save a PNG")]
+    Empty,
+    /// Two layers have the same path.
+    #[error("has two layers \"{0}\": give each its own name")]
+    Twice(String),
+    /// No layer has the requested name.
+    #[error("has no layer \"{name}\": its layers are {found}")]
+    NoLayer {
+        /// The requested name.
+        name: String,
+        /// Paths of the layers.
+        found: String,
+    },
+    /// Several layers have the requested name.
+    #[error("has several layers \"{name}\": write one of {found}")]
+    Several {
+        /// The name.
+        name: String,
+        /// Paths of these layers.
+        found: String,
+    },
+    /// The requested name belongs to a group.
+    #[error("\"{0}\" is a group: merge it, or name its layers")]
+    Group(String),
+    /// A layer is clipped to a group, to several layers, or to nothing.
+    #[error("layer \"{layer}\" is clipped to {base}, expected one layer below it in its group")]
+    Clip {
+        /// The layer.
+        layer: String,
+        /// What lies below the layer, in words.
+        base: String,
+    },
+    /// A layer has an unsupported blend mode.
+    #[error("layer \"{layer}\" has the blend mode {mode}, expected normal: merge it down")]
+    Blend {
+        /// The layer.
+        layer: String,
+        /// Blend mode, as the file writes it.
+        mode: String,
+    },
+    /// The picture of a layer cannot be read.
+    #[error("layer \"{layer}\": {what}")]
+    Picture {
+        /// The layer.
+        layer: String,
+        /// The fault.
+        what: String,
+    },
+}
+
+enum Content {
+    Ora(ora::Archive),
+    Psd(psd::Document),
 }

@@ -1,6 +1,6 @@
-//! OpenRaster: a zip archive of a `stack.xml` and a PNG a layer.
+//! OpenRaster: a zip archive of a `stack.xml` and a PNG for each layer.
 
-use super::error::LayeredError;
+use super::LayeredError;
 use super::tree::{DEPTH, Node};
 use crate::formats::pixels::{Pixels, check_size, read_png};
 use roxmltree::Document;
@@ -9,14 +9,14 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use zip::ZipArchive;
 
-/// Most bytes of `stack.xml`: thousands of layers. Time grows with the square of one element's attributes, and with that
-/// of all namespaces.
+/// Most bytes of `stack.xml`, enough for thousands of layers. Parsing time grows with the square of the number of an
+/// element's attributes, and of all namespaces.
 const LIST: u64 = 1 << 19;
 /// Most declarations of namespaces.
 const SPACES: usize = 64;
 /// Most bytes of a layer's PNG.
 const PICTURE: u64 = 1 << 29;
-/// Blend mode of layers that lie over the others.
+/// Blend mode of layers that lie over the layers below.
 const NORMAL: &str = "svg:src-over";
 /// Blend mode of layers that show only within the layers below.
 const CLIPPED: &str = "svg:src-atop";
@@ -24,7 +24,7 @@ const CLIPPED: &str = "svg:src-atop";
 /// An open archive.
 pub(super) struct Archive {
     zip: RefCell<ZipArchive<BufReader<File>>>,
-    /// By the numbers of nodes.
+    /// File and position of each layer or group, by its index in the file.
     entries: Vec<Entry>,
 }
 
@@ -34,10 +34,10 @@ struct Entry {
 }
 
 impl Archive {
-    /// Opens an archive: its pictures' width and height, and its layers.
+    /// Opens an archive; returns its layers, and the width and height of the picture.
     ///
     /// # Errors
-    /// [`LayeredError`].
+    /// [`LayeredError`]
     pub(super) fn open(file: File) -> Result<(Self, [usize; 2], Vec<Node>), LayeredError> {
         let zip = ZipArchive::new(BufReader::new(file));
         let zip = RefCell::new(zip.map_err(|error| LayeredError::Archive(error.to_string()))?);
@@ -64,10 +64,10 @@ impl Archive {
         Ok((Self { zip, entries }, size, nodes))
     }
 
-    /// Decodes the picture of a layer, with its corner.
+    /// Decodes the picture of a layer; also returns the position of its upper left corner.
     ///
     /// # Errors
-    /// The fault in words.
+    /// The fault, in words.
     pub(super) fn picture(&self, source: usize) -> Result<(Pixels, [i64; 2]), String> {
         let Entry { file, corner } = &self.entries[source];
         let bytes = entry(&self.zip, file, PICTURE).map_err(|error| error.to_string())?;
@@ -76,7 +76,7 @@ impl Archive {
     }
 }
 
-/// Reads a file of an archive, if it is not longer than `most` bytes.
+/// Reads a file of the archive, of at most `most` bytes.
 fn entry(
     zip: &RefCell<ZipArchive<BufReader<File>>>,
     name: &str,
@@ -94,7 +94,7 @@ fn entry(
     Ok(bytes)
 }
 
-/// Reads an attribute that is a number.
+/// Parses a numeric attribute; `None` if it is missing.
 fn number<T: std::str::FromStr>(
     node: roxmltree::Node<'_, '_>,
     name: &str,
@@ -107,7 +107,7 @@ fn number<T: std::str::FromStr>(
     text.trim().parse().map(Some).map_err(|_| wrong())
 }
 
-/// Reads the members of a stack, which the file lists from front to back.
+/// Reads the members of a stack, the hindmost first; the file lists the front first.
 fn members(
     stack: roxmltree::Node<'_, '_>,
     entries: &mut Vec<Entry>,
@@ -143,7 +143,7 @@ fn members(
         });
     }
     out.reverse();
-    // What shows only within all that is below it.
+    // A layer that shows only within several layers below cannot be represented.
     let mut below = 0;
     for node in &out {
         if node.is_clipped && !node.is_hidden && below > 1 {

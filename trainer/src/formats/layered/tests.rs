@@ -1,4 +1,4 @@
-//! Files of drawing programs, and files that no program writes.
+//! Tests of layered pictures: files of drawing programs, and faulty files.
 
 use super::*;
 use crate::formats::pixels::Pixels;
@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// 24 x 16 pixels: "back", and in the group "head" a "face" that is masked from x = 12 on, a hidden "eye" and a "mouth".
-/// GIMP 2.10 wrote the first two, Krita 5.1 the others.
+/// 24 x 16 pixels: a layer "back", and a group "head" of a "face" masked from x = 12, a hidden "eye" and a "mouth".
+/// GIMP 2.10 wrote the first two files, Krita 5.1 the other two.
 const PICTURES: [&str; 4] = ["gimp.psd", "gimp16.psd", "krita.psd", "krita.ora"];
 
 fn picture(name: &str) -> LayeredPicture {
@@ -24,7 +24,7 @@ fn rectangle([left, top, right, bottom]: [usize; 4], colour: [u8; 4]) -> Pixels 
     Pixels { size: [24, 16], rgba: (0..24 * 16).flat_map(pixel).collect() }
 }
 
-/// Checks that two pictures agree where they cover something.
+/// Checks that two pictures agree wherever they are not transparent.
 fn assert_same(found: &Pixels, expected: &Pixels, what: &str) {
     for (at, (own, other)) in found.rgba.chunks(4).zip(expected.rgba.chunks(4)).enumerate() {
         assert_eq!(own[3], other[3], "{what}: alpha at {}, {}", at % 24, at / 24);
@@ -58,7 +58,7 @@ fn files_of_drawing_programs_have_their_layers() {
         let pixel = |x: usize, y: usize| &whole.rgba[4 * (24 * y + x)..4 * (24 * y + x) + 4];
         assert_eq!(pixel(2, 3), [200, 40, 40, 255], "{name}");
         assert_eq!(pixel(8, 7), [250, 200, 160, 255], "{name}: the eye is hidden");
-        // 128 of 255 of the mouth over the face.
+        // The mouth over the face, at 128 of 255.
         assert_eq!(pixel(9, 10), [170, 105, 95, 255], "{name}");
         assert_eq!(pixel(23, 0), [0; 4], "{name}");
     }
@@ -141,7 +141,7 @@ fn open_raster_files_with_faults_are_refused() {
     assert!(list(&"<stack>".repeat(70)).starts_with("stack.xml: "), "unclosed");
     let deep = ["<stack>".repeat(70), "</stack>".repeat(70)].concat();
     assert_eq!(list(&deep), "stack.xml: groups within groups, more than 64 deep");
-    // Entities that grow without end.
+    // Entities that expand exponentially.
     let bomb =
         "<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><image>&b;</image>";
     assert!(said(&[("stack.xml", bomb.as_bytes())]).contains("DTD"));
@@ -151,7 +151,7 @@ fn open_raster_files_with_faults_are_refused() {
     let long = vec![b' '; (1 << 19) + 1];
     let found = said(&[("stack.xml", &long)]);
     assert_eq!(found, "is too large: stack.xml, expected at most 524288 bytes");
-    // A picture that says it is larger than memory.
+    // A picture that claims to be larger than memory.
     let mut png =
         b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\x7f\xff\xff\xff\x7f\xff\xff\xff\x08\x06\0\0\0".to_vec();
     png.extend(crc(&png[12..]).to_be_bytes());
@@ -166,10 +166,10 @@ fn crc(bytes: &[u8]) -> u32 {
     crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
 }
 
-/// A layer of a PSD file: its name, its opacity and flag of clipping, its kind of section and its blend mode.
+/// A layer of a PSD file: name, opacity and clipping flag, kind of section, blend mode.
 type Row<'a> = (&'a str, [u8; 2], u32, &'a [u8; 4]);
 
-/// Writes a PSD file of 2 x 1 pixels, whose layers are grey.
+/// Returns a PSD file of 2 x 1 pixels with grey layers.
 fn psd(depth: u16, mode: u16, rows: &[Row<'_>]) -> Vec<u8> {
     let mut layers = (rows.len() as i16).to_be_bytes().to_vec();
     for (name, [opacity, clipping], section, blend) in rows {
@@ -234,7 +234,7 @@ fn a_clipped_layer_is_as_opaque_as_its_base() {
     let folder = Folder::new("layered-opacity");
     let rows: [Row<'_>; 2] = [("skin", [102, 0], 0, b"norm"), ("line", [255, 1], 0, b"norm")];
     let mut bytes = psd(8, 1, &rows);
-    // Every sample is 255.
+    // Sets every sample to 255.
     let channels = bytes.len() - 4 * 2 * rows.len();
     bytes[channels..].chunks_mut(4).for_each(|channel| channel[2..].fill(255));
     let path = folder.write("made.psd", bytes);
@@ -244,7 +244,7 @@ fn a_clipped_layer_is_as_opaque_as_its_base() {
 }
 
 #[test]
-fn layers_whose_pixels_are_not_all_are_refused() {
+fn layers_with_effects_are_refused() {
     let folder = Folder::new("layered-unread");
     let rows: [Row<'_>; 1] = [("a", [255, 0], 0, b"norm")];
     for (key, what) in
@@ -265,7 +265,7 @@ fn layers_whose_pixels_are_not_all_are_refused() {
 fn photoshop_files_without_layers_are_refused() {
     let folder = Folder::new("layered-flat");
     let whole = psd(8, 1, &[]);
-    // The length of the section of layers, then of the layers.
+    // The length of the layer section, then the length of the layers.
     let at = whole.len() - 2 - 8;
     let flat = [&whole[..at], &[0; 4]].concat();
     let empty = [&whole[..at], &[0, 0, 0, 8], &[0; 8]].concat();
@@ -312,8 +312,8 @@ fn no_bytes_of_a_photoshop_file_make_the_reader_panic() {
     for whole in [psd(8, 1, &rows), std::fs::read(folder.join("gimp16.psd")).unwrap()] {
         spoil(&whole, |bytes| {
             let Ok((document, size, nodes)) = psd::Document::read(bytes.to_vec()) else { return };
-            let Ok((layers, groups)) = tree::listed(nodes) else { return };
-            // Sizes are bounded, but large ones take their time.
+            let Ok((layers, groups)) = tree::list_layers(nodes) else { return };
+            // Sizes are bounded, but large pictures take too long.
             if size[0] * size[1] > 1 << 12 {
                 return;
             }

@@ -1,25 +1,25 @@
-//! Layers in groups, and the list of layers that they make.
+//! The tree of layers and groups, and its list of layers.
 
-use super::error::LayeredError;
+use super::LayeredError;
 
-/// Most groups within each other.
+/// Largest depth of nested groups.
 pub(super) const DEPTH: usize = 64;
 /// Most layers of a file.
 const LAYERS: usize = 8192;
-/// Most bytes of a layer's name with those of its groups.
+/// Most bytes of a layer's path.
 const PATH: usize = 4096;
 
 /// A layer or a group.
 pub(super) struct Node {
     pub(super) name: String,
-    /// Its number in the file.
+    /// Index in the file.
     pub(super) source: usize,
-    /// From 0 to 1.
+    /// Opacity, in [0, 1].
     pub(super) opacity: f64,
-    /// Its blend mode as the file writes it, unless normal.
+    /// Blend mode, as the file writes it; `None` for normal.
     pub(super) blend: Option<String>,
     pub(super) is_hidden: bool,
-    /// Whether it shows only within the layer below.
+    /// Whether the layer shows only within the layer below.
     pub(super) is_clipped: bool,
     /// Members of a group, the hindmost first; `None` for a layer.
     pub(super) members: Option<Vec<Node>>,
@@ -28,20 +28,21 @@ pub(super) struct Node {
 /// A layer of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PaintedLayer {
-    /// Its name after the names of its groups: `head/eye`.
+    /// Path: the names of the groups and of the layer, as `head/eye`.
     pub(crate) path: String,
-    /// Its name.
+    /// Name of the layer.
     pub(crate) name: String,
-    /// From 0 to 1, the opacities of its groups included, but not of those that contain the layer it is clipped to. It
-    /// is 0 if the layer or one of its groups is hidden.
+    /// Opacity in [0, 1], times the opacities of the groups; 0 if the layer or a group is hidden. A clipped layer
+    /// leaves out the groups that also contain its base layer.
     pub(crate) opacity: f64,
-    /// Index of the layer that it is clipped to. Its coverage is multiplied with the coverage and opacity of that layer.
+    /// Index of the base layer that this layer is clipped to. The layer's coverage is multiplied with the coverage and
+    /// opacity of the base.
     pub(crate) clip: Option<usize>,
-    /// Its blend mode or that of a group, unless normal.
+    /// Blend mode of the layer or of a group; `None` for normal.
     pub(super) blend: Option<String>,
-    /// Its number in the file.
+    /// Index in the file.
     pub(super) source: usize,
-    /// Its groups' numbers in the file.
+    /// Indices of the groups in the file.
     pub(super) groups: Vec<usize>,
 }
 
@@ -49,7 +50,9 @@ pub(crate) struct PaintedLayer {
 ///
 /// # Errors
 /// [`LayeredError::Twice`], [`LayeredError::Clip`], [`LayeredError::TooLarge`] and [`LayeredError::Empty`].
-pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>), LayeredError> {
+pub(super) fn list_layers(
+    nodes: Vec<Node>,
+) -> Result<(Vec<PaintedLayer>, Vec<String>), LayeredError> {
     let mut out = Lists::default();
     let root = PaintedLayer {
         path: String::new(),
@@ -71,15 +74,15 @@ pub(super) fn listed(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>
 }
 
 impl PaintedLayer {
-    /// Whether it is drawn: neither it nor a layer that it is clipped to is hidden.
+    /// Whether the layer is drawn: neither the layer nor its base is hidden.
     ///
-    /// - `all`: the layers of the file.
+    /// - `all`: all layers of the file.
     pub(crate) fn is_shown(&self, all: &[Self]) -> bool {
         self.opacity > 0.0 && self.clip.is_none_or(|base| all[base].is_shown(all))
     }
 }
 
-/// The node that clipped layers show within.
+/// The node to which the following layers are clipped.
 enum Base {
     Nothing,
     Layer(usize),
@@ -93,7 +96,7 @@ struct Lists {
 }
 
 impl Lists {
-    /// Adds the members of a group, whose properties they take over.
+    /// Adds the members of a group; they inherit the properties of the group.
     fn add(&mut self, nodes: Vec<Node>, group: &PaintedLayer) -> Result<(), LayeredError> {
         let mut base = Base::Nothing;
         for node in nodes {
@@ -123,7 +126,7 @@ impl Lists {
             let opacity = if node.is_hidden { 0.0 } else { node.opacity };
             let own = PaintedLayer {
                 name: node.name,
-                // The layer that it is clipped to has the group's.
+                // The base of a clipped layer already has the group's opacity.
                 opacity: if node.is_clipped { opacity } else { group.opacity * opacity },
                 clip,
                 blend: node.blend.or_else(|| group.blend.clone()),
@@ -169,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_take_over_from_their_groups() {
+    fn layers_inherit_from_their_groups() {
         let inner = vec![
             node("a", false, None),
             node("b", true, None),
@@ -181,7 +184,7 @@ mod tests {
             node("group", true, Some(inner)),
             node("front", true, None),
         ];
-        let (layers, groups) = listed(nodes).unwrap();
+        let (layers, groups) = list_layers(nodes).unwrap();
         let found: Vec<_> =
             layers.iter().map(|own| (own.path.as_str(), own.opacity, own.clip)).collect();
         let expected = [
@@ -198,7 +201,7 @@ mod tests {
 
     #[test]
     fn clipped_layers_without_a_layer_below_and_equal_names_are_refused() {
-        let said = |nodes| listed(nodes).unwrap_err().to_string();
+        let said = |nodes| list_layers(nodes).unwrap_err().to_string();
         let group = || node("g", false, Some(vec![node("a", false, None)]));
         assert!(said(vec![node("x", true, None)]).starts_with("layer \"x\" is clipped to nothing"));
         assert_eq!(
@@ -210,7 +213,7 @@ mod tests {
     }
     #[test]
     fn files_of_more_layers_or_longer_names_than_any_program_writes_are_refused() {
-        let said = |nodes| listed(nodes).unwrap_err().to_string();
+        let said = |nodes| list_layers(nodes).unwrap_err().to_string();
         let many = (0..=LAYERS).map(|at| node(&at.to_string(), false, None));
         assert_eq!(said(many.collect()), "is too large: expected at most 8192 layers");
         let long = "x".repeat(2048);

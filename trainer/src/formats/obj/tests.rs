@@ -1,9 +1,7 @@
-//! Meshes that are read, and lines that are refused.
+//! Tests of OBJ: meshes read and written, faulty lines, folders of shapes.
 
-use super::read::{load, parse};
+use super::*;
 use crate::formats::testing::{Folder, spoil};
-use crate::formats::{FileError, FormatError, Mesh};
-use std::path::Path;
 
 const SQUARE: &str = "\
 # a comment
@@ -49,7 +47,7 @@ fn vertices_keep_their_order_and_numbers_count_from_either_end() {
 }
 
 #[test]
-fn a_seam_splits_the_engine_s_vertices_alone() {
+fn a_seam_splits_only_the_engine_s_vertices() {
     let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nvt 1 0\n";
     let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let faces = "f 1/1 2/2 3/3\nf 2/5 4/4 3/3\n";
@@ -73,13 +71,13 @@ fn normals_by_corner_keep_edges_hard() {
     assert_eq!(engine.copy_of, [0, 0, 1, 1, 2, 3]);
     assert_eq!(engine.triangles, [[0, 4, 2], [1, 3, 5]]);
     let (down, back) = ([0.0, 0.0, -1.0], [0.0, -1.0, 0.0]);
-    // The last has no direction: it has that of its face.
+    // The third normal has no direction; the normal of the face replaces it.
     assert_eq!(engine.normals.unwrap(), [down, back, down, back, down, back]);
 }
 
 #[test]
 fn faces_of_every_group_and_object_are_kept_in_order() {
-    // The crate obj drops the face before `o`, and panics on the names in wide spaces.
+    // The crate obj drops the face before `o`, and panics on names between wide spaces.
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\ng\no b\nf 2 3 1\ng\u{2003}name\n\u{3000}o\n\
                 usemtl m\nf 3 1 2\ncurv 0 1 2\n";
     assert_eq!(mesh(text).unwrap().triangles, [[0, 1, 2], [1, 2, 0], [2, 0, 1]]);
@@ -94,7 +92,7 @@ fn a_comment_in_another_encoding_does_no_harm() {
 }
 
 #[test]
-fn what_is_no_text_is_called_so() {
+fn binary_files_are_refused() {
     let folder = Folder::new("obj-binary");
     let error = load(&folder.write("a.obj", b"PK\x03\x04\0\0v \xff")).unwrap_err();
     assert!(error.to_string().ends_with("is no text, as an OBJ file is"), "{error}");
@@ -127,18 +125,15 @@ fn bad_lines_are_named() {
 }
 
 #[test]
-fn faces_that_name_what_is_not_there_are_named() {
+fn faces_with_missing_items_are_refused() {
     for bad in
         ["f 1 2 5", "f -5 1 2", &format!("f 1 2 {}", i64::MAX), &format!("f 1 2 {}", i64::MIN)]
     {
-        refused(
-            &format!("{SQUARE}{bad}\n"),
-            "face 3 names a vertex that is none of the 4 there are",
-        );
+        refused(&format!("{SQUARE}{bad}\n"), "face 3 refers to a missing vertex; the file has 4");
     }
-    let expected = "face 3 names a texture coordinate that is none of the 2 there are";
+    let expected = "face 3 refers to a missing texture coordinate; the file has 2";
     refused(&format!("{SQUARE}f 1/1 2/3 3/1\n"), expected);
-    let expected = "face 3 names a normal that is none of the 1 there are";
+    let expected = "face 3 refers to a missing normal; the file has 1";
     refused(&format!("{SQUARE}f 1//1 2//2 3//1\n"), expected);
 }
 
@@ -190,4 +185,69 @@ fn a_real_head_is_as_another_reader_sees_it() {
         corners.extend((2..face.num_indices).map(|last| [0, last - 1, last].map(corner)));
     }
     assert_eq!(mesh.triangles, corners);
+}
+
+const NEUTRAL_TEXT: &str =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/1\n";
+const SMILE: &str = "v 0 0 0\nv 1 0 0.5\nv 1 1 0\nv -1 1 0\n";
+
+fn said(folder: &Folder) -> String {
+    read_folder(&folder.0).unwrap_err().to_string()
+}
+
+#[test]
+fn files_beside_the_neutral_one_are_shapes_by_name() {
+    let folder = Folder::new("obj-shapes");
+    folder.write("neutral.obj", NEUTRAL_TEXT);
+    folder.write("smile.obj", SMILE);
+    folder.write("blink.obj", NEUTRAL_TEXT);
+    folder.write("notes.txt", "no mesh");
+    let mesh = read_folder(&folder.0).unwrap();
+    let names: Vec<_> = mesh.shapes.iter().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["blink", "smile"]);
+    assert_eq!(mesh.shapes[0].deltas, [[0.0; 3]; 4]);
+    let expected = [[0.0; 3], [0.0, 0.0, 0.5], [0.0; 3], [-1.0, 0.0, 0.0]];
+    assert_eq!(mesh.shapes[1].deltas, expected);
+    assert_eq!((mesh.faces, mesh.uv_faces), (vec![vec![0, 1, 2, 3]], vec![vec![0, 1, 2, 0]]));
+    assert_eq!(mesh.uv, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+}
+
+#[test]
+fn folders_that_are_not_faces_are_refused() {
+    let folder = Folder::new("obj-none");
+    assert!(said(&folder).contains("has no neutral.obj"), "{}", said(&folder));
+    folder.write("neutral.obj", NEUTRAL_TEXT);
+    assert!(said(&folder).contains("has no shape beside neutral.obj"), "{}", said(&folder));
+    folder.write("smile.obj", "v 0 0 0\nf 1 1 1\n");
+    let error = said(&folder);
+    assert!(
+        error.ends_with("smile.obj: expected 4 vertices, as neutral.obj has, found 1"),
+        "{error}"
+    );
+    folder.write("smile.obj", "v 0 0\n");
+    assert!(said(&folder).contains("smile.obj: line 1 is no vertex"), "{}", said(&folder));
+    folder.write("neutral.obj", "v 0 0 0\n");
+    assert!(said(&folder).contains("neutral.obj: has no face"), "{}", said(&folder));
+}
+
+#[test]
+fn a_written_mesh_reads_back_and_takes_other_positions() {
+    let positions = [[0.0, 0.5, 0.0], [1.0, 0.0, -2.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let (uv, faces) = ([[0.0, 0.25], [1.0, 0.0]], vec![vec![0, 1, 2, 3], vec![2, 1, 0]]);
+    let uv_faces = vec![vec![0, 1, 1, 0], vec![1, 1, 1]];
+    let text = text(&positions, &uv, &faces, &uv_faces);
+    assert!(text.ends_with("f 1/1 2/2 3/2 4/1\nf 3/2 2/2 1/2\n"), "{text}");
+    let parsed = parse(text.as_bytes()).unwrap();
+    assert_eq!((parsed.positions, parsed.texture), (positions.to_vec(), uv.to_vec()));
+    assert!(parsed.polygons.iter().eq(faces.iter().map(Vec::as_slice)));
+    let other = positions.map(|position| position.map(|x| x + 0.125));
+    let moved = with_positions(&text, &other);
+    assert_eq!(parse(moved.as_bytes()).unwrap().positions, other);
+    assert_eq!(moved.lines().skip(4).collect::<Vec<_>>(), text.lines().skip(4).collect::<Vec<_>>());
+}
+
+#[test]
+fn faces_without_texture_have_only_vertex_numbers() {
+    let text = text(&[[0.0; 3]; 3], &[], &[vec![0, 1, 2]], &[]);
+    assert_eq!(text, "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
 }

@@ -1,18 +1,18 @@
-//! Sequences of OBJ files, one a frame, by the numbers in their names.
+//! Sequences of OBJ files, one a frame, ordered by the numbers in their names.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::data::PosedMeshes;
-use super::error::SequenceError;
+use super::PosedMeshes;
+use super::SequenceError;
 use crate::formats::error::{FileError, FormatError};
 use crate::formats::extension::extension;
 use crate::formats::obj;
 use crate::formats::polygons::Polygons;
 
-/// Reads the sequence that [`files`] finds. Triangles are those of the first file.
+/// Reads the sequence that [`files`] finds, with the triangles of its first file.
 pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
     let files = files(path)?;
     let Some((first, others)) = files.split_first() else {
@@ -21,7 +21,8 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
     let obj::Parsed { positions, polygons, .. } = obj::read(first)?;
     let read = |file: &PathBuf| {
         let found = obj::read(file)?;
-        same(first, positions.len(), &polygons, &found).map_err(|error| blame(file, error))?;
+        check_same_mesh(first, positions.len(), &polygons, &found)
+            .map_err(|error| blame(file, error))?;
         Ok(found.positions)
     };
     let shapes: Vec<Result<Vec<[f64; 3]>, FileError>> = others.par_iter().map(read).collect();
@@ -34,8 +35,10 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
     Ok(PosedMeshes { triangles, ..PosedMeshes::bare(positions.len(), vertices) })
 }
 
-/// Lists the files of a sequence in the order of their numbers: all `.obj` files of a folder, or
-/// those beside a file whose names differ from its own in the number at the end alone.
+/// Lists the files of a sequence in the order of their numbers.
+///
+/// - `path`: a folder, for all its `.obj` files; or a file, for all files beside it whose names differ from its name
+///   only in the number at the end.
 pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
     let whole = path.is_dir();
     let folder = if whole { path } else { path.parent().unwrap_or(path) };
@@ -44,7 +47,7 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         (false, Some((stem, _))) => Some(stem),
         (false, None) => return Err(blame(path, SequenceError::NoNumber)),
     };
-    // The folder of a bare name is the empty path, which is not listed.
+    // The folder of a bare file name is the empty path, which cannot be listed.
     let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let unread = |error| FileError { file: listed.to_owned(), error: FormatError::Read(error) };
     let mut files = BTreeMap::new();
@@ -52,12 +55,12 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
     for entry in std::fs::read_dir(listed).map_err(unread)? {
         names.push(entry.map_err(unread)?.file_name());
     }
-    // Folders are listed in no order of their own.
+    // The system lists folders in no particular order.
     names.sort();
     for name in names {
         let file = folder.join(&name);
         let is_obj = file.extension().is_some_and(|found| found.eq_ignore_ascii_case("obj"));
-        // Hidden files are what systems keep beside files.
+        // Operating systems keep hidden files beside files.
         if !is_obj || name.as_encoded_bytes().starts_with(b".") {
             continue;
         }
@@ -75,15 +78,15 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
     Ok(files.into_values().collect())
 }
 
-/// Names the files that a sequence leaves out, where its numbers are otherwise evenly apart.
+/// Names the files that a sequence lacks, if its numbers are otherwise evenly spaced.
 pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
     let numbers: Option<Vec<(String, u64)>> = files.iter().map(|file| numbered(file)).collect();
     let numbers = numbers.unwrap_or_default();
     let steps = numbers.windows(2).map(|pair| pair[1].1 - pair[0].1);
-    let Some(step) = usual(steps.clone()) else { return Vec::new() };
+    let Some(step) = most_frequent(steps.clone()) else { return Vec::new() };
     let gaps = steps.clone().filter(|gap| *gap != step);
     let missing: u64 = gaps.map(|gap| gap / step - 1).sum();
-    // Numbers that are uneven otherwise, or leave more out than they have, are no sequence with a hole.
+    // Uneven numbers, or more missing files than files, are not a sequence with a gap.
     if steps.clone().any(|gap| gap % step != 0) || missing > files.len() as u64 {
         return Vec::new();
     }
@@ -97,8 +100,8 @@ pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
     names
 }
 
-/// The most frequent of some steps, the least of them where several are.
-fn usual(steps: impl Iterator<Item = u64>) -> Option<u64> {
+/// Returns the most frequent step, the smallest of several; `None` without steps.
+fn most_frequent(steps: impl Iterator<Item = u64>) -> Option<u64> {
     let mut counts = BTreeMap::new();
     for step in steps {
         *counts.entry(step).or_insert(0_usize) += 1;
@@ -107,16 +110,15 @@ fn usual(steps: impl Iterator<Item = u64>) -> Option<u64> {
     most.map(|(step, _)| step)
 }
 
-/// Parts a file's name, without its extension, into what stands before the number at its end, and
-/// the number.
+/// Splits a file's name, without its extension, into its stem and the number at its end.
 fn numbered(file: &Path) -> Option<(String, u64)> {
     let name = file.file_stem()?.to_string_lossy().into_owned();
     let stem = name.trim_end_matches(|digit: char| digit.is_ascii_digit());
     Some((stem.to_owned(), name[stem.len()..].parse().ok()?))
 }
 
-/// Checks that a mesh has the vertices and faces of the first.
-fn same(
+/// Checks that a mesh has the vertices and faces of the first mesh.
+fn check_same_mesh(
     first: &Path,
     vertex_len: usize,
     polygons: &Polygons,
@@ -136,7 +138,7 @@ fn same(
     Ok(())
 }
 
-/// Gives the name of a file, without its folder.
+/// Returns the name of a file, without its folder.
 pub(crate) fn name_of(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,14 +1,14 @@
-//! Posed meshes that are read, and files that are refused.
+//! Tests of posed meshes: read back, and refused.
 
 use std::path::{Path, PathBuf};
 
-use super::pc2::save_pc2;
+use super::cache::save_pc2;
 use super::sequence::{missing, read};
-use super::{PointCacheError, PosedMeshes, mdd, pc2};
+use super::{PointCacheError, PosedMeshes, cache};
 use crate::formats::FormatError;
 use crate::formats::testing::{Folder, spoil};
 
-/// Two frames of three points, as numbers that single precision holds.
+/// Two frames of three points, as numbers that single precision holds exactly.
 const FRAMES: [[f64; 3]; 6] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -48,20 +48,20 @@ fn refused(path: &Path, at: &Path, expected: &str) {
 fn point_caches_are_read_in_either_order_of_bytes() {
     let folder = Folder::new("caches");
     let little = folder.write("a.pc2", pc2_bytes(3, 2, 1));
-    assert_eq!(pc2::read(&little).unwrap(), bare(3, &FRAMES));
+    assert_eq!(cache::read_pc2(&little).unwrap(), bare(3, &FRAMES));
     let big = folder.write("a.mdd", mdd_bytes(3, 2));
-    assert_eq!(mdd::read(&big).unwrap(), bare(3, &FRAMES));
-    assert_eq!(pc2::parse(&pc2_bytes(2, 3, 1)).unwrap().vertex_len, 2);
+    assert_eq!(cache::read_mdd(&big).unwrap(), bare(3, &FRAMES));
+    assert_eq!(cache::parse_pc2(&pc2_bytes(2, 3, 1)).unwrap().vertex_len, 2);
 }
 
 #[test]
-fn what_is_saved_as_pc2_is_read_again() {
+fn a_saved_pc2_reads_back() {
     let folder = Folder::new("save-pc2");
     let file = folder.0.join("b.pc2");
     save_pc2(&file, 3, &FRAMES).unwrap();
-    assert_eq!(pc2::read(&file).unwrap(), bare(3, &FRAMES));
+    assert_eq!(cache::read_pc2(&file).unwrap(), bare(3, &FRAMES));
     let bytes = std::fs::read(&file).unwrap();
-    // First frame 0 and step 1; all else as in the bytes above.
+    // First frame 0 and step 1; everything else equals the bytes above.
     assert_eq!(bytes[20..28], [0, 0, 0, 0, 0, 0, 0x80, 0x3f]);
     let expected = pc2_bytes(3, 2, 1);
     assert!(bytes[..20] == expected[..20] && bytes[28..] == expected[28..]);
@@ -78,26 +78,27 @@ fn what_is_saved_as_pc2_is_read_again() {
 }
 
 #[test]
-fn headers_that_lie_are_refused_before_anything_is_made() {
+fn wrong_headers_are_refused_before_allocation() {
     let fault = |result: Result<PosedMeshes, PointCacheError>| result.unwrap_err().to_string();
-    let found = fault(pc2::parse(&pc2_bytes(4, 2, 1)));
+    let found = fault(cache::parse_pc2(&pc2_bytes(4, 2, 1)));
     assert_eq!(
         found,
         "should have 128 bytes by its header, found 104; export the point cache again"
     );
-    let found = fault(mdd::parse(&mdd_bytes(3, 3)));
+    let found = fault(cache::parse_mdd(&mdd_bytes(3, 3)));
     assert_eq!(
         found,
         "should have 128 bytes by its header, found 88; export the point cache again"
     );
-    let found = fault(pc2::parse(&pc2_bytes(i32::MAX, i32::MAX, 1)));
+    let found = fault(cache::parse_pc2(&pc2_bytes(i32::MAX, i32::MAX, 1)));
     let expected = "counts 2147483647 points in 2147483647 frames, more than a file can hold; export \
                     the point cache again";
-    assert_eq!([found, fault(mdd::parse(&mdd_bytes(i32::MAX, i32::MAX)))], [expected; 2]);
+    assert_eq!([found, fault(cache::parse_mdd(&mdd_bytes(i32::MAX, i32::MAX)))], [expected; 2]);
     for (points, frames, what) in [(0, 2, "0 points"), (3, -2, "-2 frames"), (-1, 0, "-1 points")] {
-        for found in
-            [pc2::parse(&pc2_bytes(points, frames, 1)), mdd::parse(&mdd_bytes(points, frames))]
-        {
+        for found in [
+            cache::parse_pc2(&pc2_bytes(points, frames, 1)),
+            cache::parse_mdd(&mdd_bytes(points, frames)),
+        ] {
             let expected =
                 format!("counts {what}, expected 1 at least; export the point cache again");
             assert_eq!(fault(found), expected);
@@ -105,38 +106,38 @@ fn headers_that_lie_are_refused_before_anything_is_made() {
     }
     let expected =
         "is no PointCache2 file of version 1: it is of version 2; export it as .pc2 again";
-    assert_eq!(fault(pc2::parse(&pc2_bytes(3, 2, 2))), expected);
+    assert_eq!(fault(cache::parse_pc2(&pc2_bytes(3, 2, 2))), expected);
     let expected = "is no PointCache2 file of version 1: it does not begin with POINTCACHE2; export \
                     it as .pc2 again";
-    assert_eq!(fault(pc2::parse(&mdd_bytes(3, 2))), expected);
+    assert_eq!(fault(cache::parse_pc2(&mdd_bytes(3, 2))), expected);
 }
 
 #[test]
-fn cut_caches_and_bytes_after_the_end_are_refused_and_none_panics() {
+fn truncated_and_too_long_caches_are_refused_without_panic() {
     let (mut pc2, mut mdd) = (pc2_bytes(3, 2, 1), mdd_bytes(3, 2));
     for len in 0..pc2.len() {
-        assert!(pc2::parse(&pc2[..len]).is_err(), "{len}");
+        assert!(cache::parse_pc2(&pc2[..len]).is_err(), "{len}");
     }
     for len in 0..mdd.len() {
-        assert!(mdd::parse(&mdd[..len]).is_err(), "{len}");
+        assert!(cache::parse_mdd(&mdd[..len]).is_err(), "{len}");
     }
-    spoil(&pc2, |bytes| drop(pc2::parse(bytes)));
-    spoil(&mdd, |bytes| drop(mdd::parse(bytes)));
+    spoil(&pc2, |bytes| drop(cache::parse_pc2(bytes)));
+    spoil(&mdd, |bytes| drop(cache::parse_mdd(bytes)));
     pc2.push(0);
     mdd.push(0);
     let (expected, found) = (104, 105);
-    let fault = pc2::parse(&pc2).unwrap_err();
+    let fault = cache::parse_pc2(&pc2).unwrap_err();
     assert!(
         matches!(fault, PointCacheError::Length { expected: e, found: f } if (e, f) == (expected, found))
     );
-    assert!(mdd::parse(&mdd).is_err());
+    assert!(cache::parse_mdd(&mdd).is_err());
 }
 
 fn shape(number: usize) -> String {
     format!("v 0 0 {number}\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
 }
 
-/// Writes the shapes of some numbers under names of a pattern.
+/// Writes the meshes of some numbers under the given names.
 fn sequence(test: &str, files: &[(&str, usize)]) -> (Folder, Vec<PathBuf>) {
     let folder = Folder::new(test);
     let files = files.iter().map(|&(name, number)| folder.write(name, shape(number))).collect();
@@ -184,7 +185,7 @@ fn two_meshes_of_one_number_are_refused() {
 }
 
 #[test]
-fn what_a_sequence_leaves_out_is_named_as_its_neighbours_are() {
+fn missing_files_are_named_like_their_neighbours() {
     let leaves_out = |files: &[&str]| missing(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
     assert_eq!(leaves_out(&["leg0048.obj", "leg0049.obj", "leg0051.obj"]), ["leg0050.obj"]);
     assert_eq!(
@@ -193,7 +194,7 @@ fn what_a_sequence_leaves_out_is_named_as_its_neighbours_are() {
     );
     assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p20.obj", "p25.obj"]), ["p15.obj"]);
     let none: [&str; 0] = [];
-    // Every fifth frame, one file, none, uneven numbers, clips far apart.
+    // Every fifth frame; one file; no file; uneven numbers; clips far apart.
     assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p15.obj"]), none);
     assert_eq!(leaves_out(&["p5.obj"]), none);
     assert_eq!(leaves_out(&[]), none);
@@ -214,7 +215,7 @@ fn every_mesh_must_have_the_vertices_and_faces_of_the_first() {
     refused(&files[2], &files[1], expected);
     folder.write("p2.obj", shape(2).replace("1 2 3 4", "2 3 4 1"));
     assert!(read(&files[2]).unwrap_err().error.to_string().contains("from face 1 on (1 in all"));
-    // The first in order is told of, whichever thread finds another first.
+    // The error names the first faulty file in order, whichever thread finds a fault first.
     folder.write("p3.obj", "v 1\n");
     assert!(read(&files[2]).unwrap_err().file.ends_with("p2.obj"));
     folder.write("p2.obj", shape(2));

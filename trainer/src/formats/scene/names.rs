@@ -2,14 +2,14 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names, as in
-/// `left arm/hand` and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
+/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names: `left arm/hand`
+/// and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
 ///
 /// - `names`, `parents`: of all nodes.
 /// - `is_joint`: whether a node is a joint; other nodes keep their names.
 ///
 /// Returns the names of all nodes, and the nodes that were renamed.
-pub(in crate::formats) fn told_apart(
+pub(in crate::formats) fn unique_names(
     names: &[String],
     parents: &[Option<usize>],
     is_joint: impl Fn(usize) -> bool,
@@ -120,7 +120,7 @@ pub(crate) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
     if by_case == most {
         return Some("its names differ in case: give --ignore-case".to_owned());
     }
-    let told = |(from, to): &(String, String), more: &str| {
+    let advice = |(from, to): &(String, String), more: &str| {
         let begin = |prefix: &str| match prefix {
             "" => "without a prefix".to_owned(),
             prefix => format!("with {prefix}"),
@@ -135,14 +135,14 @@ pub(crate) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
         )
     };
     if by_prefix == most {
-        return Some(told(&prefix, ""));
+        return Some(advice(&prefix, ""));
     }
-    // The prefix in the file's own case.
+    // The prefix, in the case that the file uses.
     let from = &prefix_lower.0;
     let own = found
         .iter()
         .find_map(|name| name.get(..from.len()).filter(|begin| begin.to_lowercase() == *from));
-    Some(told(&(own.unwrap_or(from).to_owned(), prefix_lower.1), " --ignore-case"))
+    Some(advice(&(own.unwrap_or(from).to_owned(), prefix_lower.1), " --ignore-case"))
 }
 
 /// Counts the known names that are found.
@@ -158,7 +158,7 @@ fn prefixes(known: &[String], found: &[String]) -> Option<((String, String), usi
     for (number, known) in known.iter().enumerate() {
         let ends: HashSet<&str> = ends(known).collect();
         for found in found {
-            // The longest end that both have.
+            // The longest ending that both names have.
             let end = self::ends(found).find(|end| ends.contains(end)).or_else(|| {
                 let is_end = found.ends_with(known.as_str()) || known.ends_with(found.as_str());
                 is_end.then_some(if found.len() < known.len() { found.as_str() } else { known })
@@ -176,7 +176,7 @@ fn prefixes(known: &[String], found: &[String]) -> Option<((String, String), usi
     Some(((from.to_owned(), to.to_owned()), own.len()))
 }
 
-/// Lists a name, and the rest of the name after each punctuation mark.
+/// Lists a name, and the rest of the name behind each punctuation mark.
 fn ends(name: &str) -> impl Iterator<Item = &str> {
     let marks = name.char_indices().filter(|(_, c)| !c.is_alphanumeric());
     std::iter::once(name).chain(marks.map(|(place, mark)| &name[place + mark.len_utf8()..]))
@@ -191,10 +191,10 @@ mod tests {
     }
 
     #[test]
-    fn equal_names_are_told_apart_by_what_is_above_or_by_number() {
+    fn equal_names_get_a_qualifier_or_a_number() {
         let names = strings(&["rig", "left", "hand", "right", "hand", "thumb", "thumb"]);
         let parents = [None, Some(0), Some(1), Some(0), Some(3), Some(2), Some(4)];
-        let (labels, renamed) = told_apart(&names, &parents, |_| true);
+        let (labels, renamed) = unique_names(&names, &parents, |_| true);
         let expected = ["left/hand", "right/hand", "left/thumb", "right/thumb"];
         assert_eq!([2, 4, 5, 6].map(|node| labels[node].as_str()), expected);
         assert_eq!(renamed, [2, 4, 5, 6]);
@@ -202,13 +202,13 @@ mod tests {
         // Two copies under one node.
         let names = strings(&["rig", "root", "mid", "tip", "root", "mid", "tip", "root 2"]);
         let parents = [None, Some(0), Some(1), Some(2), Some(0), Some(4), Some(5), Some(0)];
-        let (labels, _) = told_apart(&names, &parents, |_| true);
+        let (labels, _) = unique_names(&names, &parents, |_| true);
         assert_eq!(
             labels[1..],
             ["root", "root/mid", "root/tip", "root 3", "root 3/mid", "root 3/tip", "root 2"]
         );
-        // A mesh called as a joint is none.
-        let (labels, renamed) = told_apart(&names, &parents, |node| node < 4);
+        // A mesh with the name of a joint is not a joint.
+        let (labels, renamed) = unique_names(&names, &parents, |node| node < 4);
         assert_eq!((labels, renamed), (names, vec![]));
     }
 
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mismatch_is_named_with_the_option_that_mends_it() {
+    fn a_mismatch_names_the_option_that_helps() {
         let own = ["root", "mid", "tip"];
         let with = |prefix: &str| own.map(|name| format!("{prefix}{name}"));
         for (prefix, option) in [

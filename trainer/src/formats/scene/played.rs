@@ -1,41 +1,42 @@
 //! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
-use super::error::SceneError;
-use super::sampling::Sampling;
-use super::times::{SAME, sample_times};
+use super::SceneError;
+use super::clip::Sampling;
+use super::clip::{SAME_TIME, sample_times};
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Largest error of the joints between two samples, over the skeleton's size; what jumps by more is a jump. Skins must be
+/// Largest error of the joints between two samples, over the skeleton's size; a larger step is a jump. Skins must stay
 /// within 1e-3 of their diagonal.
 const NEAR: f64 = 2e-4;
-/// How often the step between two keys may be halved.
+/// Number of times that the step between two keys may be halved.
 const HALVINGS: u32 = 10;
-/// Frames of a baked file that may stand apart: what lies between them is not meant.
+/// Largest step, in frames of a baked file, that is not subdivided: the file does not define the motion between its
+/// frames.
 const FRAMES: f64 = 1.5;
-/// Where between two samples linear interpolation is compared with the clip.
+/// Places between two samples at which linear interpolation is compared with the clip.
 const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// A moment of a clip, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::formats) struct Sample {
-    /// When the clip has the pose.
+    /// Time at which the clip has the pose.
     pub(in crate::formats) at: f64,
-    /// When the pose plays.
+    /// Time at which the pose plays.
     pub(in crate::formats) time: f64,
 }
 
-/// Frames of joints in the world.
+/// World frames of the joints.
 pub(in crate::formats) type Pose = Vec<Matrix4<f64>>;
 
-/// Joints that a clip moves.
+/// The joints that a clip moves.
 pub(in crate::formats) struct MovingJoints<'a, F> {
-    /// Their parents.
+    /// Parent of each joint.
     pub(in crate::formats) parents: &'a [Option<usize>],
-    /// Seconds of a frame, of a file that bakes its frames; nothing shorter is halved. 0 for other files.
+    /// Seconds of a frame in a file of baked frames, whose steps are not halved further; 0 for other files.
     pub(in crate::formats) frame: f64,
-    /// World frames of the joints at a time in seconds.
+    /// Returns the world frames of the joints at a time in seconds.
     pub(in crate::formats) pose: F,
 }
 
@@ -66,7 +67,7 @@ pub(in crate::formats) fn samples(
     let measure = Measure::new(parents, *frame, reached.iter().map(|[_, after]| after));
     let mut kept = Vec::new();
     for (moment, [before, after]) in moments.iter().zip(&reached) {
-        let is_jump = !kept.is_empty() && measure.apart(before, after) > NEAR;
+        let is_jump = !kept.is_empty() && measure.distance(before, after) > NEAR;
         if moment.is_sample || is_jump {
             kept.push((moment, if is_jump { before } else { after }, after, is_jump));
         }
@@ -91,15 +92,15 @@ pub(in crate::formats) fn samples(
     Ok(all)
 }
 
-/// Keys at nearly one time, or a time between keys.
+/// Keys at nearly one time, or a requested time between keys.
 struct Moment {
     first: f64,
     last: f64,
-    /// Whether the moment is a sample without a jump, too.
+    /// Whether the moment is a sample even without a jump.
     is_sample: bool,
 }
 
-/// Merges keys at nearly one time. Each moment is a sample, or only the `wanted` times are.
+/// Merges keys at nearly one time. Every moment is a sample, or only the `wanted` times are.
 fn moments(keys: Vec<f64>, wanted: Option<&[f64]>) -> Vec<Moment> {
     let keys = keys.into_iter().map(|key| (key, wanted.is_none()));
     let wanted = wanted.into_iter().flatten().map(|&time| (time, true));
@@ -107,7 +108,7 @@ fn moments(keys: Vec<f64>, wanted: Option<&[f64]>) -> Vec<Moment> {
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut moments: Vec<Moment> = Vec::new();
     for (time, is_sample) in all {
-        match moments.last_mut().filter(|moment| time - moment.first < SAME) {
+        match moments.last_mut().filter(|moment| time - moment.first < SAME_TIME) {
             Some(moment) => {
                 moment.last = time;
                 moment.is_sample |= is_sample;
@@ -121,7 +122,7 @@ fn moments(keys: Vec<f64>, wanted: Option<&[f64]>) -> Vec<Moment> {
 /// Compares poses of a skeleton.
 struct Measure<'a> {
     parents: &'a [Option<usize>],
-    /// Parents before children.
+    /// Joints, parents before children.
     order: Vec<usize>,
     /// Diagonal of the box around the joints.
     size: f64,
@@ -142,14 +143,14 @@ impl<'a> Measure<'a> {
         order.sort_by_key(depth);
         let poses: Vec<&Pose> = poses.collect();
         let one = extent(poses.first().into_iter().copied());
-        // A single joint has the size of its way.
+        // A single joint has no extent, so its path gives the size.
         let size = if one > 0.0 { one } else { extent(poses.into_iter()) };
         let size = if size > 0.0 { size } else { 1.0 };
         Self { parents, order, size, least: FRAMES * frame }
     }
 
-    /// Measures how far points near the joints are apart in two poses, over the skeleton's size.
-    fn apart(&self, a: &Pose, b: &Pose) -> f64 {
+    /// Returns the largest distance between two poses near their joints, over the skeleton's size.
+    fn distance(&self, a: &Pose, b: &Pose) -> f64 {
         let joints = a.iter().zip(b).map(|(a, b)| {
             let moved = (a - b).fixed_view::<3, 1>(0, 3).norm() / self.size;
             let [linear, other] = [a, b].map(|m| m.fixed_view::<3, 3>(0, 0).into_owned());
@@ -159,7 +160,7 @@ impl<'a> Measure<'a> {
         joints.fold(0.0, f64::max)
     }
 
-    /// Lists the times between two samples at which linear interpolation needs more.
+    /// Lists the further sample times that linear interpolation needs between two samples.
     fn between(
         &self,
         [from, to]: [f64; 2],
@@ -176,7 +177,7 @@ impl<'a> Measure<'a> {
         let mut is_near = true;
         for part in PARTS {
             let there = pose(from + part * (to - from))?;
-            is_near &= self.apart(&there, &self.blended(start, end, part)) <= NEAR;
+            is_near &= self.distance(&there, &self.blended(start, end, part)) <= NEAR;
         }
         if is_near {
             return Ok(Vec::new());
@@ -188,8 +189,8 @@ impl<'a> Measure<'a> {
         Ok(all)
     }
 
-    /// Interpolates between two poses as linear keys do: the origin of a joint moves along a line and its axes along an
-    /// arc, relative to the parent.
+    /// Interpolates between two poses as linear keys do, relative to the parent: the origin of a joint moves along a
+    /// line, and its axes along an arc.
     fn blended(&self, start: &Pose, end: &Pose, part: f64) -> Pose {
         let mut worlds = vec![Matrix4::identity(); start.len()];
         for &joint in &self.order {
@@ -211,7 +212,7 @@ impl<'a> Measure<'a> {
     }
 }
 
-/// Parts a frame: its stretch, how it is turned, and where it is.
+/// Splits a frame into stretch, rotation and position.
 fn parts(local: &Matrix4<f64>) -> (Matrix3<f64>, UnitQuaternion<f64>, Vector3<f64>) {
     let linear = local.fixed_view::<3, 3>(0, 0).into_owned();
     let (turn, stretch) = polar(&linear).unwrap_or((Matrix3::identity(), linear));
@@ -219,7 +220,7 @@ fn parts(local: &Matrix4<f64>) -> (Matrix3<f64>, UnitQuaternion<f64>, Vector3<f6
     (stretch, turn, local.fixed_view::<3, 1>(0, 3).into_owned())
 }
 
-/// Measures the box around the joints in some poses.
+/// Returns the diagonal of the box around the joints in some poses.
 fn extent<'a>(poses: impl Iterator<Item = &'a Pose>) -> f64 {
     let origins = poses.flatten().map(|frame| frame.fixed_view::<3, 1>(0, 3).into_owned());
     let bounds = origins.map(|x| (x, x)).reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
@@ -230,7 +231,7 @@ fn extent<'a>(poses: impl Iterator<Item = &'a Pose>) -> f64 {
 mod tests {
     use super::*;
 
-    /// One joint on an arm of length 1 that turns about z by `angle`, and the joint at its end.
+    /// Returns a joint at the origin, turned about z by `angle`, and a joint at the end of its arm of length 1.
     fn arm(angle: f64) -> Pose {
         let turn = Matrix4::from_axis_angle(&Vector3::z_axis(), angle);
         vec![turn, turn * Matrix4::new_translation(&Vector3::new(1.0, 0.0, 0.0))]
@@ -248,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_turn_needs_its_keys_alone() {
+    fn an_even_turn_needs_only_its_keys() {
         assert_eq!(times(&sampled(&[0.0, 1.0, 2.5], None, |time| time)), [0.0, 1.0, 2.5]);
     }
 
@@ -259,7 +260,7 @@ mod tests {
         let before = f64::from(1.0_f32.next_down());
         assert_eq!(times(&found), [0.0, before, 1.0, 2.0]);
         assert_eq!([step(found[1].at), step(found[2].at)], [0.0, 1.0]);
-        // Frames of a rate miss a jump between them, which stays one.
+        // A jump between the frames of a given rate stays a jump.
         assert_eq!(
             times(&sampled(&[0.0, 0.7, 2.0], Some(1.0), |t| f64::from(u8::from(t >= 0.7)))),
             [0.0, f64::from(0.7_f32.next_down()), 0.7, 1.0, 2.0]
@@ -267,10 +268,10 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_a_baked_file_are_not_parted() {
+    fn baked_frames_are_not_subdivided() {
         let sampling =
             Sampling { fps: None, clips: &[], shapes: false, still: false, played: true };
-        // A turn that a file of 24 frames a second bakes over a frame, and a curve over ten.
+        // A turn over one baked frame at 24 frames a second, then a curve over ten frames.
         let keys = [0.0, 1.0 / 24.0, 11.0 / 24.0];
         let pose =
             |time: f64| Ok(arm(if time < keys[1] { 100.0 * time * time } else { time * time }));
@@ -284,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_has_as_many_as_bring_it_near() {
+    fn a_curve_has_enough_samples() {
         let curve = |time: f64| time * time;
         let found = sampled(&[0.0, 1.0], None, curve);
         let measure =
@@ -294,8 +295,8 @@ mod tests {
             for part in [0.1, 0.3, 0.6, 0.9] {
                 let [from, to] = [pair[0].time, pair[1].time];
                 let blended = measure.blended(&arm(curve(from)), &arm(curve(to)), part);
-                let apart = measure.apart(&arm(curve(from + part * (to - from))), &blended);
-                assert!(apart < 1.2 * NEAR, "{apart}");
+                let distance = measure.distance(&arm(curve(from + part * (to - from))), &blended);
+                assert!(distance < 1.2 * NEAR, "{distance}");
             }
         }
     }

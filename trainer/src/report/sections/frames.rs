@@ -36,7 +36,10 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
             .zip(&rms)
             .map(|(series, rms)| format!("{} {}", series.name, comparison.length(rms[place])))
             .collect();
-        chart.tell(cell(place), &format!("{}: {}", comparison.source.label(frame), at.join(", ")));
+        chart.tooltip(
+            cell(place),
+            &format!("{}: {}", comparison.source.label(frame), at.join(", ")),
+        );
     }
     legend(comparison)
         + &chart.finish("RMS error of each skin in each frame")

@@ -1,7 +1,9 @@
 //! Errors by joint.
 
 use super::series::{legend, length, names};
-use crate::page::bars::bars;
+use crate::envelope::report::comparison::Comparison;
+use crate::envelope::report::joints::by_joint;
+use crate::page::chart::bars;
 use crate::page::html::{grouped, paragraph, table, text};
 use crate::report::comparison::Comparison;
 use crate::report::joints::by_joint;

@@ -1,6 +1,6 @@
 //! Least squares by Householder reflections, in scalar loops of one order.
 
-use crate::numeric::dot::dot;
+use crate::numeric::columns::dot;
 
 /// A column is a sum of earlier ones where no more than this share of its length is its own.
 const DEPENDENT: f64 = 1e-13;

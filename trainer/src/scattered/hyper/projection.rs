@@ -4,7 +4,7 @@
 use super::energy::{Energy, Parameters, Point};
 use super::quasi_newton::{Memory, add, search};
 use super::trace::{Step, Stop, Trace};
-use crate::numeric::dot::dot;
+use crate::numeric::columns::dot;
 
 /// How far the first step goes at most, in units of u and of W.
 const REACH: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! L-BFGS: directions of descent by the last steps, and lengths that hold Wolfe's conditions (Nocedal
 //! and Wright 2006, §3.1 and algorithm 7.4).
 
-use crate::numeric::dot::dot;
+use crate::numeric::columns::dot;
 use std::collections::VecDeque;
 
 /// Steps that are remembered.

@@ -3,8 +3,8 @@
 //! Points are rows, n x d: a column holds one coordinate of all of them, so that a loop over points
 //! runs over contiguous memory. Each distance is summed in the order of [`crate::scattered::sum`].
 
-use crate::numeric::registers;
-use crate::regression::function::Exact;
+use crate::kernel::function::Exact;
+use crate::numeric::columns;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
@@ -62,7 +62,7 @@ fn add_squared(
     centre: usize,
     out: &mut [f64],
 ) {
-    registers::narrow();
+    columns::narrow_registers();
     for c in 0..points.ncols() {
         let t = centres[(centre, c)];
         for (s, x) in out.iter_mut().zip(&points.col_as_slice(c)[first..]) {

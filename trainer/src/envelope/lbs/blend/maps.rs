@@ -1,7 +1,7 @@
 //! The fit of maps to given weights.
 
 use super::items::{Items, Maps, Weights};
-use crate::numeric::registers;
+use crate::numeric::columns;
 use faer::prelude::*;
 use faer::{Mat, MatMut, Side};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64
     let chunk = items.len().div_ceil(CHUNKS).max(1);
     let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
         .into_par_iter()
-        .map_init(registers::narrow, |(), c| {
+        .map_init(columns::narrow_registers, |(), c| {
             let mut normal = Mat::zeros(size, size);
             let mut right = Mat::zeros(rank, size);
             for item in c * chunk..((c + 1) * chunk).min(items.len()) {

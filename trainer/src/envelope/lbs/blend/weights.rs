@@ -1,8 +1,7 @@
 //! The fit of weights to given maps.
 
 use super::items::{Items, Maps, Pull, Pulled, Supports, Weights};
-use crate::numeric::dot::dot_by_lanes;
-use crate::numeric::registers;
+use crate::numeric::columns::{self, dot_by_lanes};
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
@@ -73,7 +72,7 @@ impl Products {
             Supports::Free(_) | Supports::Better { .. } => {
                 let out = MatMut::from_column_major_slice_mut(&mut onto, size, y.ncols());
                 matmul(out, Accum::Replace, self.by_entry.transpose(), y, 1.0, Par::Seq);
-                registers::narrow();
+                columns::narrow_registers();
             }
             Supports::Fixed(weights) => {
                 for (row, out) in onto.chunks_exact_mut(size).enumerate() {

@@ -1,4 +1,4 @@
-//! Archives made for tests, byte by byte, of what a test names.
+//! Builds Alembic archives for tests, byte by byte.
 
 /// A group or data of a file.
 pub(super) enum Node {
@@ -23,22 +23,22 @@ pub(super) struct Object {
 pub(super) struct Property {
     name: &'static str,
     info: u32,
-    /// Samples, first and last that change; none of a compound.
+    /// Number of samples, first and last sample that change; empty for a compound.
     counts: Vec<u32>,
     node: Node,
 }
 
-/// The bytes of a file with some objects at its top.
+/// Returns the bytes of a file with some objects at its top.
 pub(super) fn archive(objects: Vec<Object>) -> Vec<u8> {
     let version = |number: u32| Data(number.to_le_bytes().to_vec());
     let top = Object { name: "", schema: "", properties: Vec::new(), children: objects };
     let text = |text: &str| Data(text.as_bytes().to_vec());
-    // One text in the table, with its length: objects name it where they say no more.
+    // The table holds one text, with its length; objects without metadata refer to it.
     let table = text("\u{9}a=b;c=d;e");
     file(&Group(vec![version(0), version(10803), top.node(), text("made"), text(""), table]))
 }
 
-/// The bytes of a file with a root.
+/// Returns the bytes of a file with a root.
 pub(super) fn file(root: &Node) -> Vec<u8> {
     let mut bytes = b"Ogawa\xff\0\x01".to_vec();
     bytes.extend([0; 8]);
@@ -92,7 +92,7 @@ impl Object {
         Group(nodes)
     }
 
-    /// Puts an object under this one.
+    /// Adds an object as a child of this object.
     pub(super) fn over(mut self, child: Object) -> Self {
         self.children.push(child);
         self
@@ -104,13 +104,13 @@ pub(super) fn other(name: &'static str) -> Object {
     Object { name, schema: "", properties: Vec::new(), children: Vec::new() }
 }
 
-/// A transform of properties in its schema.
+/// Makes a transform with properties in its schema.
 pub(super) fn transform(name: &'static str, properties: Vec<Property>) -> Object {
     let properties = vec![compound(".xform", properties)];
     Object { name, schema: "AbcGeom_Xform_v3", properties, children: Vec::new() }
 }
 
-/// A mesh of properties in its schema.
+/// Makes a mesh with properties in its schema.
 pub(super) fn mesh(name: &'static str, properties: Vec<Property>) -> Object {
     let properties = vec![compound(".geom", properties)];
     Object { name, schema: "AbcGeom_PolyMesh_v1", properties, children: Vec::new() }
@@ -134,13 +134,13 @@ fn compound_node(properties: Vec<Property>) -> Node {
     Group(nodes)
 }
 
-/// Numbers that stay, by their kind in a file: 0 for truth values, 1 for bytes, 11 for doubles.
+/// Makes a constant scalar; `kind` is its type in the file: 0 for truth values, 1 for bytes, 11 for doubles.
 pub(super) fn scalar(name: &'static str, kind: u32, extent: u32, bytes: Vec<u8>) -> Property {
     let info = 1 | kind << 4 | 0x800 | extent << 12;
     Property { name, info, counts: vec![1], node: Group(vec![sample(bytes)]) }
 }
 
-/// Doubles over time, as scalars or as arrays.
+/// Makes doubles over time, as a scalar or as an array.
 pub(super) fn doubles(name: &'static str, array: bool, samples: &[Vec<f64>]) -> Property {
     let extent = if array { 1 } else { samples[0].len() as u32 };
     let bytes = |sample: &Vec<f64>| sample.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -148,7 +148,7 @@ pub(super) fn doubles(name: &'static str, array: bool, samples: &[Vec<f64>]) -> 
     sampled(name, if array { 2 } else { 1 } | 11 << 4 | extent << 12, &samples)
 }
 
-/// Points over time.
+/// Makes points over time.
 pub(super) fn points(name: &'static str, samples: &[Vec<[f32; 3]>]) -> Property {
     let bytes = |sample: &Vec<[f32; 3]>| {
         sample.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect()
@@ -157,14 +157,14 @@ pub(super) fn points(name: &'static str, samples: &[Vec<[f32; 3]>]) -> Property 
     sampled(name, 2 | 10 << 4 | 3 << 12, &samples)
 }
 
-/// Whole numbers over time.
+/// Makes whole numbers over time.
 pub(super) fn wholes(name: &'static str, samples: &[Vec<i32>]) -> Property {
     let bytes = |sample: &Vec<i32>| sample.iter().flat_map(|x| x.to_le_bytes()).collect();
     let samples: Vec<Vec<u8>> = samples.iter().map(bytes).collect();
     sampled(name, 2 | 6 << 4 | 1 << 12, &samples)
 }
 
-/// Samples, of which those before the first change and behind the last are stored once.
+/// Makes a sampled property; samples before the first change and after the last change are stored once.
 fn sampled(name: &'static str, info: u32, samples: &[Vec<u8>]) -> Property {
     let changes: Vec<usize> =
         (1..samples.len()).filter(|&i| samples[i] != samples[i - 1]).collect();
@@ -190,7 +190,7 @@ fn sample(bytes: Vec<u8>) -> Node {
 }
 
 impl Property {
-    /// Claims other counts: samples, first and last that change.
+    /// Replaces the counts: samples, first and last sample that change.
     pub(super) fn claiming(mut self, counts: [u32; 3]) -> Self {
         self.counts = counts.to_vec();
         self

@@ -1,6 +1,9 @@
-//! One refusal a test: each says what is not there and what to export.
+//! Tests of FBX: refused files and their messages; blendshapes; and real scenes against
+//! another importer.
 
 use super::*;
+use crate::examples::{Examples, npz};
+use crate::formats::fbx::meshes::parse_shapes;
 
 #[track_caller]
 fn says(fault: &SceneError, expected: &str) {
@@ -10,7 +13,7 @@ fn says(fault: &SceneError, expected: &str) {
 }
 
 #[test]
-fn what_is_no_fbx_is_refused_and_named() {
+fn files_that_are_not_fbx_are_refused() {
     let folder = Folder::new("fbx");
     for bytes in [&b""[..], b"garbage", b"v 0 0 0\n", b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0"] {
         let path = folder.write("a.fbx", bytes);
@@ -43,7 +46,7 @@ fn a_scene_without_a_mesh_a_joint_or_an_animation_is_refused() {
 }
 
 #[test]
-fn clips_that_are_not_there_or_move_nothing_are_refused() {
+fn missing_and_idle_clips_are_refused() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("empty");
     let fault = |clip: &str| {
@@ -121,7 +124,7 @@ fn spoiled_scenes_do_not_panic() {
 }
 
 #[test]
-fn numbers_that_are_none_do_not_panic() {
+fn numbers_that_are_not_finite_do_not_panic() {
     let text = Arm::skinned("Linear").scene.text();
     for number in ["nan", "inf", "-inf", "1e308", "-1e308", "99999999999"] {
         for place in text.match_indices("a: ").map(|(place, _)| place + 3) {
@@ -129,5 +132,183 @@ fn numbers_that_are_none_do_not_panic() {
             let spoiled = format!("{}{number}{}", &text[..place], &text[end..]);
             drop(parse(spoiled.as_bytes(), &KEYS));
         }
+    }
+}
+
+const TEXTURE: &str = "LayerElementUV: 0 {\nVersion: 101\nMappingInformationType: \"ByPolygonVertex\"\n\
+    ReferenceInformationType: \"IndexToDirect\"\nUV: *6 {\na: 0,0,1,0,1,1\n}\nUVIndex: *7 {\na: 0,1,2,0,1,2,2\n}\n}\n\
+    Layer: 0 {\nVersion: 100\nLayerElement: {\nType: \"LayerElementUV\"\nTypedIndex: 0\n}\n}\n";
+
+#[test]
+fn channels_are_shapes_and_of_several_in_one_the_last() {
+    let mut scene = Scene::default();
+    let node = scene.node("head", "Mesh", 0, &[("Lcl Scaling", [2.0, 2.0, 2.0])]);
+    let mesh = scene.mesh(node, &ARM, &FACES, TEXTURE);
+    let smile = [(50.0, 3, [0.0, 0.0, 2.0]), (100.0, 3, [0.0, 1.0, 1.0])];
+    scene.channel(mesh, "smile", &smile);
+    scene.channel(mesh, "blink", &[(100.0, 1, [1.0, 0.0, 0.0])]);
+    let plain = scene.node("hat", "Mesh", 0, &[]);
+    scene.mesh(plain, &ARM, &FACES, "");
+    let found = parse_shapes(scene.text().as_bytes()).unwrap();
+    near(&found.positions, &ARM.map(|p| p.map(|x| 2.0 * x)));
+    let names: Vec<_> = found.shapes.iter().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["smile", "blink"]);
+    near(&found.shapes[0].deltas[3..4], &[[0.0, 2.0, 2.0]]);
+    near(&found.shapes[1].deltas[..2], &[[0.0; 3], [2.0, 0.0, 0.0]]);
+    assert_eq!(found.faces, [vec![0, 1, 3, 4], vec![1, 2, 3]]);
+    assert_eq!(found.uv, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(found.uv_faces, [vec![0, 1, 2, 0], vec![1, 2, 2]]);
+    let (meshes, channels) = (vec!["hat".to_owned()], vec!["smile".to_owned()]);
+    let expected =
+        [FormatWarning::UnshapedMeshes { meshes }, FormatWarning::ShapesBetween { channels }];
+    assert_eq!(found.warnings, expected);
+}
+
+#[test]
+fn a_mesh_without_channels_is_refused() {
+    let mut scene = Scene::default();
+    let node = scene.node("head", "Mesh", 0, &[]);
+    scene.mesh(node, &ARM, &FACES, "");
+    let error = parse_shapes(scene.text().as_bytes()).unwrap_err().to_string();
+    assert_eq!(error, "has no blendshape: export the face with its shape keys (morph targets)");
+}
+
+const DATA: &str = "../../shared/data/dem-bones";
+
+/// Returns the folder of the real scenes; `None` if there is none, which is a failure in CI.
+fn data() -> Option<std::path::PathBuf> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join(DATA);
+    if !data.is_dir() {
+        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
+        eprintln!("not run: there is no {}", data.display());
+        return None;
+    }
+    Some(data)
+}
+
+/// Reads a scene, and the arrays that Blender's importers of Alembic and FBX made of it.
+fn shared(scene: &str) -> Option<(Examples, SampledScene)> {
+    let data = data()?;
+    let examples = npz::load(&data.join("bone.npz")).unwrap().examples;
+    Some((examples, read(&data.join(scene), &KEYS).unwrap_or_else(|error| panic!("{error}"))))
+}
+
+/// The rotation from y up to z up, as in Blender.
+fn turn() -> Matrix4<f64> {
+    Matrix4::new(1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.)
+}
+
+fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [x, -z, y]
+}
+
+/// Returns the joint of the arrays with a given name.
+fn of_name(examples: &Examples, name: &str) -> usize {
+    examples.skeleton.names.iter().position(|other| other == name).unwrap()
+}
+
+fn check(examples: &Examples, rig: &SampledScene) {
+    let mut names = rig.names.clone();
+    names.sort();
+    assert_eq!(names, ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6"]);
+    assert_eq!((rig.rest.len(), rig.triangles.len(), rig.frames.len()), (754, 1504, 400 * 6));
+    assert_eq!(rig.triangles, examples.triangles);
+    assert_eq!(rig.warnings, []);
+    // Normals are smooth and the texture has seams, so vertices split only by texture coordinates and tangents.
+    let engine = rig.engine.as_ref().unwrap();
+    let uv = engine.uv.iter().flatten().map(|uv| uv.map(f64::to_bits));
+    let apart: std::collections::BTreeSet<_> = engine.copy_of.iter().zip(uv).collect();
+    assert_eq!((apart.len(), engine.normals.is_some()), (808, true));
+    for (found, expected) in rig.rest.iter().zip(&examples.rest) {
+        let found = turned(*found);
+        assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 2e-7));
+    }
+    let mut worst: f64 = 0.0;
+    for (joint, name) in rig.names.iter().enumerate() {
+        let other = of_name(examples, name);
+        let parent = rig.parents[joint].map(|parent| of_name(examples, &rig.names[parent]));
+        // In the arrays, the second root hangs under the first root.
+        assert!(parent == examples.skeleton.parents[other] || name == "joint4");
+        let back = rig.binds[joint].try_inverse().unwrap();
+        for frame in 0..400 {
+            let map = turn() * rig.frames[6 * frame + joint] * back * turn().transpose();
+            let expected = examples.pose(frame)[other];
+            for (row, expected) in expected.iter().enumerate() {
+                for (column, expected) in expected.iter().enumerate() {
+                    worst = worst.max((map[(row, column)] - expected).abs());
+                }
+            }
+        }
+    }
+    // Blender computes in single precision.
+    assert!(worst < 1e-6, "{worst:e}");
+}
+
+#[test]
+fn a_skeleton_beside_a_mesh_moves_as_another_importer_says() {
+    let Some((examples, rig)) = shared("Bone_Trans.fbx") else { return };
+    check(&examples, &rig);
+    assert!(rig.shapes.is_none());
+    let [clip] = &rig.clips[..] else { panic!("{:?}", rig.clips) };
+    assert_eq!((clip.name.as_str(), clip.times.len()), ("Take 001", 400));
+    // The take begins at frame 1.
+    assert!((clip.times[0] - 1.0 / 24.0).abs() < 1e-9);
+    assert!((clip.times[399] - 400.0 / 24.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_skin_poses_its_mesh_as_the_other_importer_s_maps_do() {
+    let Some((examples, rig)) = shared("Bone_All.fbx") else { return };
+    check(&examples, &rig);
+    assert!(!rig.morphs);
+    // Weights from the file; rest positions and maps from the arrays.
+    let scene = open(&std::fs::read(data().unwrap().join("Bone_All.fbx")).unwrap()).unwrap();
+    let mut weights = vec![[0.0; 6]; 754];
+    for cluster in &scene.skin_deformers[0].clusters {
+        let joint = of_name(&examples, &cluster.bone_node.as_ref().unwrap().element.name);
+        for (&vertex, &weight) in cluster.vertices.iter().zip(&cluster.weights) {
+            weights[vertex as usize][joint] = weight;
+        }
+    }
+    let mut worst: f64 = 0.0;
+    for (frame, shape) in shapes(&rig).into_iter().enumerate() {
+        for (vertex, found) in shape.iter().enumerate() {
+            // FBX divides weights by their sum, which is only nearly 1 here.
+            let sum: f64 = weights[vertex].iter().sum();
+            let mut expected = [0.0; 3];
+            for (map, weight) in examples.pose(frame).iter().zip(weights[vertex]) {
+                for (row, expected) in map.iter().zip(&mut expected) {
+                    let moved: f64 =
+                        (0..3).map(|axis| row[axis] * examples.rest[vertex][axis]).sum();
+                    *expected += weight / sum * (moved + row[3]);
+                }
+            }
+            let found = turned(*found);
+            worst = (0..3).map(|axis| (found[axis] - expected[axis]).abs()).fold(worst, f64::max);
+        }
+    }
+    assert!(worst < 2e-6, "{worst:e}");
+}
+
+#[test]
+fn real_scenes_without_an_animation_say_so() {
+    let Some(data) = data() else { return };
+    let fault = |scene: &str| read(&data.join(scene), &KEYS).err().unwrap().to_string();
+    assert!(fault("Bone_Geom.fbx").starts_with("has no joint: "));
+    assert!(fault("Bone_Skin.fbx").contains("(clips: Take 001)"));
+}
+
+#[test]
+fn spoiled_binary_scenes_do_not_panic() {
+    let Some(data) = data() else { return };
+    let bytes = std::fs::read(data.join("Bone_All.fbx")).unwrap();
+    for len in (0..bytes.len()).step_by(1999) {
+        drop(parse(&bytes[..len], &KEYS));
+    }
+    let mut spoiled = bytes.clone();
+    for place in (0..bytes.len()).step_by(1499) {
+        spoiled[place] ^= 0xff;
+        drop(parse(&spoiled, &KEYS));
+        spoiled[place] = bytes[place];
     }
 }

@@ -1,18 +1,11 @@
-//! Scenes written for a test, and what is read of them.
+//! Tests of FBX scenes that a test writes and reads back.
 
-use super::read::{open, parse};
 use super::*;
-use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::formats::FormatWarning;
 use crate::formats::testing::{Folder, spoil};
-use crate::formats::{FormatError, FormatWarning};
-use nalgebra::Matrix4;
-use sinew_runtime::format::{Axis, Handedness, Space};
-use std::path::Path;
 
 mod faults;
-mod real;
 mod scene;
-mod shaped;
 
 use scene::{Scene, translation};
 
@@ -25,7 +18,7 @@ const ARM: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 const FACES: [i32; 7] = [0, 1, 3, -5, 1, 2, -4];
 
-/// Whole numbers of a scene's objects.
+/// A scene of an arm, with the numbers of its objects.
 struct Arm {
     scene: Scene,
     root: u32,
@@ -35,8 +28,8 @@ struct Arm {
 }
 
 impl Arm {
-    /// An arm on two joints: the tip, at 1 0 0, turns by a quarter about z from one frame to the next,
-    /// while the root goes 3 along x. Its mesh is neither skinned nor moved.
+    /// An arm of two joints. The tip, at 1 0 0, makes a quarter turn about z from one frame to the next, while the root
+    /// moves by 3 along x. The mesh has no skin and does not move.
     fn bare() -> Self {
         let mut scene = Scene::default();
         let root = scene.node("root", "LimbNode", 0, &[]);
@@ -49,7 +42,7 @@ impl Arm {
         Self { scene, root, tip, mesh, layer }
     }
 
-    /// The same with a skin, by which vertex 2 follows both joints and 3 the tip.
+    /// The arm with a skin, in which vertex 2 follows both joints and vertex 3 the tip.
     fn skinned(method: &str) -> Self {
         let mut arm = Self::bare();
         arm.bind(arm.mesh, method);
@@ -103,7 +96,7 @@ fn a_skinned_mesh_is_read_with_its_joints_and_frames() {
     let origins = |frames: &[Matrix4<f64>]| frames.iter().map(origin).collect::<Vec<_>>();
     near(&origins(&rig.binds), &[[0.0; 3], [1.0, 0.0, 0.0]]);
     near(&origins(&rig.frames), &[[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 0.0, 0.0]]);
-    // The quarter turn carries x to y.
+    // The quarter turn maps x to y.
     let weights = [[1.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 0.0]];
     assert_eq!(rig.joint_weights.as_deref(), Some(weights.as_flattened()));
     near(&[[rig.frames[3].m11, rig.frames[3].m21, rig.frames[3].m31]], &[[0.0, 1.0, 0.0]]);
@@ -113,7 +106,7 @@ fn a_skinned_mesh_is_read_with_its_joints_and_frames() {
     near(shapes(&rig)[1], &bent);
     let [clip] = &rig.clips[..] else { panic!("{:?}", rig.clips) };
     assert_eq!((clip.name.as_str(), clip.first, clip.times.len()), ("bend", 0, 2));
-    // The file's own seconds: its first frame is 1.
+    // Times of the file, whose first frame is 1.
     let frames: Vec<f64> = clip.times.iter().map(|time| 24.0 * time).collect();
     assert!((frames[0] - 1.0).abs() < 1e-9 && (frames[1] - 2.0).abs() < 1e-9, "{frames:?}");
 }
@@ -123,9 +116,9 @@ fn dual_quaternions_turn_where_linear_blending_shrinks() {
     let rig = Arm::skinned("DualQuaternion").rig();
     assert!(rig.morphs, "these are not plain LBS");
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    // Half of both motions is a screw: half of the turn about the point that the whole leaves where
-    // it is. The tip turns p to (1, 0) + R (p - (1, 0)) + (3, 0), the root goes to p + (3, 0): between
-    // them is a turn about the tip's origin, half of which is an eighth of a full turn.
+    // Half of both motions is a screw: half the turn about the fixed point of the whole motion. The tip maps p to (1,
+    // 0) + R (p - (1, 0)) + (3, 0), and the root maps p to p + (3, 0). Between them lies a turn about the tip's origin;
+    // half of that turn is an eighth of a full turn.
     let expected = [4.0 + half, half, 0.0];
     near(&[shapes(&rig)[1][2]], &[expected]);
     near(&shapes(&rig)[1][3..4], &[[3.0, 1.0, 0.0]]);
@@ -141,14 +134,14 @@ fn blendshapes_move_before_the_skin_through_the_shapes_between() {
     let rig = arm.rig();
     assert!(rig.morphs);
     near(&rig.rest, &ARM);
-    // At a quarter, half of the first shape; at three quarters, half of each.
+    // At a quarter: half of the first shape. At three quarters: half of each shape.
     near(&[shapes(&rig)[0][3]], &[[2.0, 1.0, 1.0]]);
     near(&[shapes(&rig)[1][3]], &[[4.0 - 1.5, 1.0, 1.5]]);
 }
 
-/// What an animation weighs is off at rest: its own weight is that of the frame in which the file was saved.
+/// An animated channel is off at rest: its stored weight is that of the frame in which the file was saved.
 #[test]
-fn a_channel_that_no_clip_weighs_belongs_to_the_rest_mesh() {
+fn a_channel_without_keys_belongs_to_the_rest_mesh() {
     let mut arm = Arm::skinned("Linear");
     let fat = arm.scene.channel(arm.mesh, "fat", &[(100.0, 3, [0.0, 0.0, 2.0])]);
     let smile = arm.scene.channel(arm.mesh, "smile", &[(100.0, 1, [0.0, 1.0, 0.0])]);
@@ -165,7 +158,7 @@ fn a_channel_that_no_clip_weighs_belongs_to_the_rest_mesh() {
     near(&[shapes(&rig)[0][1], shapes(&rig)[0][3]], &[[1.0, 0.25, 0.0], rest[3]]);
     near(&[shapes(&rig)[1][3]], &[[3.0, 1.0, 1.0]]);
 
-    // Alone it is no shape that moves.
+    // Alone, the constant channel is no moving shape.
     let mut arm = Arm::skinned("Linear");
     let fat = arm.scene.channel(arm.mesh, "fat", &[(100.0, 3, [0.0, 0.0, 2.0])]);
     arm.scene.weigh(fat, 50.0);
@@ -186,13 +179,13 @@ fn keys_that_hold_jump_where_they_are_played() {
     assert_eq!(times, [(1.0_f64 / 24.0) as f32, end.next_down(), end]);
     let roots = [0, 2, 4].map(|place| rig.frames[place].m14.round());
     assert_eq!(roots, [0.0, 0.0, 3.0]);
-    // By default they are straight lines, and a turn of a quarter about one axis needs no more.
+    // Keys are linear by default, and a quarter turn about one axis needs no more samples.
     let rig = Arm::skinned("Linear").sampled(&played).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(rig.clips[0].times.len(), 2);
 }
 
 #[test]
-fn joints_of_equal_names_are_told_apart() {
+fn joints_of_equal_names_get_different_names() {
     let mut arm = Arm::skinned("Linear");
     let [left, right] =
         ["left", "right"].map(|name| arm.scene.node(name, "LimbNode", arm.root, &[]));
@@ -212,11 +205,11 @@ fn joints_of_equal_names_are_told_apart() {
 }
 
 #[test]
-fn a_mesh_stands_where_it_is_bound_whatever_its_node_does() {
+fn the_bind_pose_places_a_mesh_whatever_its_node_does() {
     let mut arm = Arm::bare();
     let placed = [
         ("GeometricTranslation", [0.0, 2.0, 0.0]),
-        // Not where it was bound, 5 along z.
+        // Differs from the bind pose, 5 along z.
         ("Lcl Translation", [9.0, 9.0, 9.0]),
     ];
     let node = arm.scene.node("bound", "Mesh", 0, &placed);
@@ -233,7 +226,7 @@ fn a_mesh_stands_where_it_is_bound_whatever_its_node_does() {
 }
 
 #[test]
-fn bones_above_bound_joints_are_joints_and_what_is_no_bone_moves_them() {
+fn bones_above_bound_joints_are_joints_and_other_nodes_move_them() {
     let mut scene = Scene::default();
     let group = scene.node("group", "Null", 0, &[("Lcl Translation", [0.0, 0.0, 1.0])]);
     let hip = scene.node("hip", "LimbNode", group, &[]);
@@ -289,7 +282,7 @@ fn meshes_are_joined_in_the_order_of_their_nodes() {
     }
 }
 
-/// The axes and the unit of a file, as it numbers them: right, up and front, with their signs.
+/// Axes and unit as a file numbers them: right, up and front, with their signs.
 #[test]
 fn axes_and_unit_are_those_that_the_file_says() {
     let space = |axes: [(u8, i8); 3], centimetres: f64| {
@@ -316,7 +309,7 @@ fn axes_and_unit_are_those_that_the_file_says() {
         handedness,
         unit: Some(unit),
     };
-    // Maya's axes, those of 3ds Max in inches, and left-handed ones.
+    // Maya's axes, the axes of 3ds Max in inches, and left-handed axes.
     assert_eq!(
         space([(0, 1), (1, 1), (2, 1)], 1.0),
         expected(Axis::Y, Axis::Z, Handedness::Right, 0.01)
@@ -329,7 +322,7 @@ fn axes_and_unit_are_those_that_the_file_says() {
         space([(0, -1), (1, 1), (2, 1)], 100.0),
         expected(Axis::Y, Axis::Z, Handedness::Left, 1.0)
     );
-    // A file without settings says nothing of its axes.
+    // A file without settings does not state its axes.
     let unsaid = Arm::skinned("Linear").rig().space;
     assert_eq!((unsaid.up, unsaid.forward, unsaid.handedness), (None, None, Handedness::Right));
 }
@@ -337,7 +330,7 @@ fn axes_and_unit_are_those_that_the_file_says() {
 #[test]
 fn without_a_skin_bones_and_a_mesh_in_its_place_are_enough() {
     let mut arm = Arm::bare();
-    // Mirrored along x, so that faces turn the other way in the world.
+    // Mirrored along x, so that the faces wind the other way in the world.
     let mirror = [("Lcl Scaling", [-1.0, 1.0, 1.0]), ("Lcl Translation", [0.0, 0.0, 4.0])];
     let node = arm.scene.node("mirrored", "Mesh", 0, &mirror);
     arm.scene.mesh(node, &ARM, &FACES, "");
@@ -352,7 +345,7 @@ fn without_a_skin_bones_and_a_mesh_in_its_place_are_enough() {
 }
 
 #[test]
-fn a_seam_splits_the_engine_s_vertices_alone() {
+fn a_seam_splits_only_the_engine_s_vertices() {
     let texture = |indices: &str| {
         format!(
             "LayerElementUV: 0 {{\nMappingInformationType: \"ByPolygonVertex\"\n\
@@ -375,13 +368,13 @@ fn a_seam_splits_the_engine_s_vertices_alone() {
     let seam = with("0,1,2,3,1,5,4");
     assert_eq!((seam.rest.len(), seam.warnings.len()), (5, 1));
     let engine = seam.engine.unwrap();
-    // At 1 the coordinates agree, but the seam runs from there and parts the tangents.
+    // At vertex 1 the coordinates agree. The tangents differ there, because the seam starts at vertex 1.
     assert_eq!(engine.copy_of, [0, 1, 1, 2, 3, 3, 4]);
     assert_eq!(engine.triangles, [[0, 1, 4], [0, 4, 6], [2, 3, 5]]);
     assert_eq!(engine.uv.unwrap()[4..6], [[1.0, 1.0], [0.5, 0.5]]);
 }
 
-/// Normals of one size a corner; the triangle's lean, and the last of them has no direction.
+/// Normals by corner: those of the triangle lean, and the last one has no direction.
 #[test]
 fn normals_by_corner_go_where_the_mesh_is_bound() {
     let (up, lean) = ("0,0,2", "0.6,0,0.8");
@@ -392,7 +385,7 @@ fn normals_by_corner_go_where_the_mesh_is_bound() {
     );
     let mut scene = Scene::default();
     let tip = scene.node("tip", "LimbNode", 0, &[]);
-    // Mirrored and stretched along x: a normal's part along x shrinks.
+    // Mirrored and stretched along x, which shrinks a normal's x component.
     let node = scene.node("mirrored", "Mesh", 0, &[("Lcl Scaling", [-2.0, 1.0, 1.0])]);
     scene.mesh(node, &ARM, &FACES, &normals);
     let layer = scene.animation("bend");
@@ -408,7 +401,7 @@ fn normals_by_corner_go_where_the_mesh_is_bound() {
 }
 
 #[test]
-fn animations_are_clips_by_name_or_all_and_empty_ones_are_passed_over() {
+fn animations_are_clips_and_empty_ones_are_skipped() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("Take 001");
     let layer = arm.scene.animation("walk");
@@ -443,7 +436,7 @@ fn a_mesh_of_a_point_cache_has_no_shapes_of_the_scene_s_own() {
 }
 
 #[test]
-fn the_same_file_gives_the_same_frames_on_any_number_of_threads() {
+fn frames_do_not_depend_on_the_number_of_threads() {
     let mut arm = Arm::skinned("Linear");
     let keys: Vec<(i64, f64)> = (1..60).map(|frame| (frame, (frame as f64).sin())).collect();
     arm.scene.keys(arm.layer, arm.tip, "Lcl Translation", "d|Y", &keys);

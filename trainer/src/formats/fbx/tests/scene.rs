@@ -1,18 +1,18 @@
-//! Scenes written as FBX text, piece by piece.
+//! Builds scenes as FBX text, piece by piece.
 
 use std::fmt::Write;
 
 /// FBX's clock, in ticks a second.
 const TICKS: i64 = 46_186_158_000;
 
-/// 4 x 4 matrices as files hold them: column by column.
+/// A 4 x 4 matrix as files store it: column by column.
 pub(super) type Columns = [f64; 16];
 
 pub(super) fn translation(x: f64, y: f64, z: f64) -> Columns {
     [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., x, y, z, 1.]
 }
 
-/// Objects, by the numbers that connections call them.
+/// Objects of a scene, numbered for their connections.
 #[derive(Clone, Default)]
 pub(super) struct Scene {
     objects: String,
@@ -29,7 +29,7 @@ impl Scene {
         )
     }
 
-    /// Adds a node under another; 0 is the root of the scene. `kind` is LimbNode for a bone.
+    /// Adds a node under another node; 0 is the root of the scene. The `kind` of a bone is LimbNode.
     pub(super) fn node(
         &mut self,
         name: &str,
@@ -50,7 +50,7 @@ impl Scene {
         node
     }
 
-    /// Adds a mesh to a node; faces in FBX's way, the last corner of each as its complement.
+    /// Adds a mesh to a node. As in FBX, the last corner of each face is stored as its complement.
     pub(super) fn mesh(
         &mut self,
         node: u32,
@@ -72,8 +72,8 @@ impl Scene {
         skin
     }
 
-    /// Adds a joint's cluster to a skin: weights, the way from the mesh to the joint, and the place
-    /// of the joint, both where they are bound.
+    /// Adds a joint's cluster to a skin: weights, the transform from the mesh to the joint, and the frame of the joint,
+    /// both in the bind pose.
     pub(super) fn cluster(
         &mut self,
         skin: u32,
@@ -92,15 +92,14 @@ impl Scene {
         self.connect(joint, cluster);
     }
 
-    /// Adds a pose of binding with one node in it.
+    /// Adds a bind pose of a single node.
     pub(super) fn bind_pose(&mut self, node: u32, place: Columns) {
         let place = numbers("Matrix", &place);
         let inside = format!("Type: \"BindPose\"\nPoseNode: {{\nNode: {node}\n{place}}}\n");
         self.object("Pose", "bind", "BindPose", &inside);
     }
 
-    /// Adds a channel of shapes, each with the weight in percent at which it is reached, the vertices
-    /// that it moves, and by how much.
+    /// Adds a channel of shapes. Each shape has the weight in percent at which it is reached, a vertex, and its offset.
     pub(super) fn channel(
         &mut self,
         mesh: u32,
@@ -121,7 +120,7 @@ impl Scene {
         channel
     }
 
-    /// Gives a channel a weight of its own, in percent.
+    /// Sets the stored weight of a channel, in percent.
     pub(super) fn weigh(&mut self, channel: u32, percent: f64) {
         let begin = self.objects.find(&format!("Deformer: {channel},")).unwrap();
         let at = begin + self.objects[begin..].find("DeformPercent: 0").unwrap();
@@ -129,13 +128,13 @@ impl Scene {
         self.objects.replace_range(at..end, &format!("DeformPercent: {percent}"));
     }
 
-    /// Makes all keys hold their values until the next.
+    /// Makes every key hold its value until the next key.
     pub(super) fn hold_keys(&mut self) {
         let [linear, constant] = [4, 2].map(|flags| numbers("KeyAttrFlags", &[flags]));
         self.objects = self.objects.replace(&linear, &constant);
     }
 
-    /// Adds an animation, and gives its layer.
+    /// Adds an animation and returns its layer.
     pub(super) fn animation(&mut self, name: &str) -> u32 {
         let stack = self.object("AnimationStack", name, "", "");
         let layer = self.object("AnimationLayer", "", "", "");
@@ -143,8 +142,8 @@ impl Scene {
         layer
     }
 
-    /// Adds keys (frame of 24 a second, value), with straight lines between them, to an axis of a
-    /// property: `d|X`, or the name of what is no vector.
+    /// Adds linear keys to an axis of a property. A key is a frame, at 24 a second, and a value. The axis is `d|X`, or
+    /// the name of a scalar property.
     pub(super) fn keys(
         &mut self,
         layer: u32,

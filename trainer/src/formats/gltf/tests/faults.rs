@@ -1,4 +1,4 @@
-//! Files that are refused, and the words that say why.
+//! Tests of refused glTF files and their messages.
 
 use super::*;
 use serde_json::Value;
@@ -8,7 +8,7 @@ fn refused(made: &Made, test: &str) -> String {
     load(&Source::file(&made.write(test))).unwrap_err().to_string()
 }
 
-/// Changes one thing of the good scene and expects a refusal in these words.
+/// Changes one thing of the valid scene and expects a message with these words.
 #[track_caller]
 fn refuses(test: &str, change: impl FnOnce(&mut Value), words: &str) {
     let mut made = Made::scene();
@@ -19,7 +19,7 @@ fn refuses(test: &str, change: impl FnOnce(&mut Value), words: &str) {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_parts_are_named() {
     let remove =
         |key: &'static str| move |json: &mut Value| drop(json.as_object_mut().unwrap().remove(key));
     refuses("no-animation", remove("animations"), "holds no animation");
@@ -49,7 +49,7 @@ fn what_is_missing_is_named() {
 }
 
 #[test]
-fn what_goes_beyond_the_format_is_named() {
+fn unsupported_features_are_named() {
     refuses(
         "draco",
         |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
@@ -158,13 +158,13 @@ fn keys_out_of_order_are_named() {
 }
 
 #[test]
-fn an_unknown_clip_is_answered_with_those_there_are() {
+fn an_unknown_clip_lists_the_known_clips() {
     let file = Made::scene().write("unknown-clip");
     let error = load(&Source { clips: &["walk".to_owned()], ..Source::file(&file) }).unwrap_err();
     assert!(error.to_string().ends_with("has no clip walk, there are: bend"), "{error}");
 }
 
-/// Whatever a byte becomes and wherever the file ends, the answer is an answer.
+/// Changing any byte, or cutting the file anywhere, gives a result or an error, never a panic.
 #[test]
 fn damaged_files_never_panic() {
     let file = Made::scene().write("damaged");

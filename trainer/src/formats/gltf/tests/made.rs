@@ -1,12 +1,12 @@
-//! A scene made for a test: two joints in a row along x, a triangle that follows both, one morph
-//! target, one clip in which the second joint turns.
+//! Builds a glTF scene for tests: two joints along x, a triangle that follows both, a morph target, and a clip in which
+//! the second joint turns.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// A glTF file in the making.
+/// A glTF file under construction.
 pub(super) struct Made {
     pub(super) json: Value,
     pub(super) bytes: Vec<u8>,
@@ -103,7 +103,7 @@ impl Made {
         }));
     }
 
-    /// Writes the file and gives its place.
+    /// Writes the file and returns its path.
     pub(super) fn write(&self, test: &str) -> PathBuf {
         let mut json = self.json.clone();
         if json.get("buffers").is_none() {

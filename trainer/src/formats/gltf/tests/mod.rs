@@ -1,13 +1,13 @@
-//! What becomes of files, all the way to examples.
+//! Tests of glTF: from files to examples, and morph targets by name.
 
 mod faults;
 mod made;
-mod shaped;
 
 use super::*;
 use crate::examples::{Loaded, Source, Split, Warning, load};
 use crate::formats::scene::Clip;
 use crate::formats::testing::shared;
+use crate::formats::{FormatWarning, ShapedMesh};
 use made::{Made, NO_TURN, QUARTER, moved_by};
 use serde_json::json;
 use sinew_runtime::format::{Axis, Handedness};
@@ -21,7 +21,7 @@ fn loaded(made: &Made, test: &str) -> Loaded {
     load(&Source::file(&made.write(test))).unwrap()
 }
 
-/// The expected positions were computed by a script from the format's specification.
+/// A script computed the expected positions from the specification of the format.
 #[test]
 fn the_fox_runs() {
     let Some(fox) = shared("gltf-loader/Fox.glb") else { return };
@@ -44,7 +44,7 @@ fn the_fox_runs() {
     assert_eq!(load(&run).unwrap().examples.frame_len(), 70);
 }
 
-/// It has no skin, so it serves as the shapes of another scene; expected values as above.
+/// The file has no skin, so its shapes are targets of another scene; a script computed the expected values.
 #[test]
 fn morph_targets_pass_through_their_keys() {
     let Some(file) = shared("gltf-loader/MorphStressTest.gltf") else { return };
@@ -71,7 +71,7 @@ fn a_joint_carries_its_vertices() {
     let bent = examples.frame(1);
     near(bent[0], [1.0, 0.0, 0.0], 1e-7);
     near(bent[1], [2.0, 1.0, 0.0], 1e-7);
-    // Half way between (2, 1, 0) and its image (1, 0, 0).
+    // Half-way between (2, 1, 0) and its image (1, 0, 0).
     near(bent[2], [1.5, 0.5, 0.0], 1e-7);
     let bend = examples.pose(1)[1];
     near(bend[0][..3].try_into().unwrap(), [0.0, -1.0, 0.0], 1e-7);
@@ -79,7 +79,7 @@ fn a_joint_carries_its_vertices() {
 }
 
 #[test]
-fn a_joint_that_only_blender_knows_is_told_of() {
+fn blender_s_extra_joint_gives_a_warning() {
     let mut made = Made::scene();
     made.json["nodes"][2]["name"] = json!("neutral_bone");
     let Loaded { warnings, .. } = loaded(&made, "neutral");
@@ -100,7 +100,7 @@ fn morph_targets_are_skinned() {
     assert_eq!(examples.frame(3), examples.rest);
 }
 
-/// What another scene learns from a file is what a viewer shows of it: shapes, carried by the joints.
+/// Targets from a file are its shapes, moved by the joints, as a viewer shows them.
 #[test]
 fn posed_meshes_are_skinned_where_they_have_a_skin() {
     let mut made = Made::scene();
@@ -108,7 +108,7 @@ fn posed_meshes_are_skinned_where_they_have_a_skin() {
     let target = json!({ "node": 0, "path": "weights" });
     made.clip("raise", target, times, weights, "LINEAR");
     let nodes = made.json["nodes"].as_array_mut().unwrap();
-    // It goes with its skin, and not with its node.
+    // The mesh follows its skin instead of its node.
     nodes[0]["translation"] = json!([7.0, 0.0, 0.0]);
     nodes.push(json!({ "name": "rigid", "mesh": 0, "translation": [0.0, 5.0, 0.0] }));
     made.json["scenes"][0]["nodes"] = json!([0, 1, 3]);
@@ -130,7 +130,7 @@ fn posed_meshes_that_nothing_shapes_are_refused() {
 }
 
 #[test]
-fn keys_are_interpolated_as_they_say() {
+fn keys_are_interpolated_by_their_mode() {
     let mut made = Made::scene();
     let times = made.floats(&[[0.0], [1.0]]);
     let ends = made.floats(&[[2.0, 0.0, 0.0], [2.0, 4.0, 0.0]]);
@@ -167,7 +167,7 @@ fn keys_are_interpolated_as_they_say() {
     assert!((quarter("turn")[1][0] - angle.sin()).abs() < 1e-7);
 }
 
-/// An armature in centimetres under a node that makes metres of them.
+/// An armature in centimetres, under a node that scales it to metres.
 #[test]
 fn a_common_scale_goes_into_the_rest_mesh() {
     let mut made = Made::scene();
@@ -185,7 +185,7 @@ fn a_common_scale_goes_into_the_rest_mesh() {
     assert!((examples.pose(1)[1][1][0] - 1.0).abs() < 1e-7);
 }
 
-/// A second mesh, half as far along x in a space of its own, with a skin of its own for it.
+/// A second mesh, half as far along x in a separate space, with a separate skin.
 #[test]
 fn meshes_are_joined_in_one_space() {
     let mut made = Made::scene();
@@ -213,7 +213,7 @@ fn meshes_are_joined_in_one_space() {
     );
     let ranges = [("body".to_owned(), 0..3), ("sleeve".to_owned(), 3..6)];
     assert_eq!(examples.ranges, ranges);
-    // What glTF says of every scene; one mesh has no ranges.
+    // Every glTF scene has these axes. A single mesh has no ranges.
     let plain = loaded(&Made::scene(), "plain").examples;
     let space = Space {
         up: Some(Axis::Y),
@@ -233,7 +233,7 @@ fn texture_coordinates_grow_upward() {
     assert_eq!(uv, [[0.25, 1.0], [0.5, 0.75], [0.0, 0.0]]);
 }
 
-/// The scene's triangle, and a second one on its edge from 1 to 2, with vertices of its own there.
+/// Returns the scene with a second triangle on the edge from 1 to 2, which has separate vertices there.
 fn seamed() -> (Made, usize) {
     let mut made = Made::scene();
     let edge = [[3.0, 0.0, 0.0], [2.0, 1.0, 0.0]];
@@ -253,7 +253,7 @@ fn seamed() -> (Made, usize) {
 }
 
 #[test]
-fn vertices_of_one_place_are_copies_of_one_in_the_file_s_order() {
+fn vertices_at_one_position_are_copies_in_the_file_s_order() {
     let (made, _) = seamed();
     let Loaded { examples, .. } = loaded(&made, "welded");
     assert_eq!((examples.vertex_len(), &examples.triangles[..]), (4, &[[0, 1, 2], [2, 1, 3]][..]));
@@ -261,7 +261,7 @@ fn vertices_of_one_place_are_copies_of_one_in_the_file_s_order() {
     let engine = examples.engine.as_ref().unwrap();
     assert_eq!(engine.copy_of, [0, 1, 2, 2, 1, 3]);
     assert_eq!(engine.triangles, [[0, 1, 2], [3, 4, 5]]);
-    // Nothing shades along the seam.
+    // The seam does not shade.
     assert_eq!(examples.surface().normals(), [[0.0, 0.0, 1.0]; 6]);
     let plain = loaded(&Made::scene(), "not-welded").examples;
     assert!(plain.engine.is_none());
@@ -331,6 +331,91 @@ fn integers_are_scaled_and_sparse_values_replace() {
     made.json["accessors"][0]["sparse"] = sparse;
     let Loaded { examples, .. } = loaded(&made, "sparse");
     near(examples.rest[1], [3.0, 0.0, 7.0], 0.0);
-    // A fifth at (2, 1, 0), four at (1, 0, 0).
+    // A fifth at (2, 1, 0), four fifths at (1, 0, 0).
     near(examples.frame(1)[2], [1.2, 0.2, 0.0], 1e-7);
+}
+
+fn shaped(made: &Made, test: &str) -> ShapedMesh {
+    read_shapes(&made.write(test)).unwrap()
+}
+
+#[test]
+fn targets_have_the_names_beside_them() {
+    let mut made = Made::scene();
+    let bare = shaped(&made, "shaped-bare");
+    assert_eq!(bare.shapes[0].name, "target 0");
+    made.json["meshes"][0]["extras"] = json!({ "targetNames": ["raised"] });
+    let mesh = shaped(&made, "shaped-named");
+    assert_eq!(mesh.positions, [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]]);
+    assert_eq!((mesh.faces, mesh.uv.len(), mesh.normals), (vec![vec![0, 1, 2]], 0, None));
+    assert_eq!(mesh.shapes.len(), 1);
+    assert_eq!(mesh.shapes[0].name, "raised");
+    assert_eq!(mesh.shapes[0].deltas, [[0.0; 3], [0.0, 0.0, 1.0], [0.0; 3]]);
+}
+
+#[test]
+fn shapes_of_one_name_on_several_meshes_are_one_and_placed_by_their_nodes() {
+    let mut made = Made::scene();
+    made.json["meshes"][0]["extras"] = json!({ "targetNames": ["raised"] });
+    let mut second = made.json["meshes"][0].clone();
+    second["extras"] = json!({ "targetNames": ["raised", "other"] });
+    let targets = &mut second["primitives"][0]["targets"];
+    let again = targets[0].clone();
+    targets.as_array_mut().unwrap().push(again);
+    made.json["meshes"].as_array_mut().unwrap().push(second);
+    let mut plain = made.json["meshes"][0].clone();
+    plain["primitives"][0].as_object_mut().unwrap().remove("targets");
+    plain["weights"].take();
+    made.json["meshes"].as_array_mut().unwrap().push(plain);
+    let nodes = made.json["nodes"].as_array_mut().unwrap();
+    // Doubled, a quarter turn about x, and moved.
+    nodes.push(json!({ "name": "teeth", "mesh": 1, "translation": [0.0, 5.0, 0.0], "scale": [2.0, 2.0, 2.0],
+        "rotation": [std::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2] }));
+    nodes.push(json!({ "name": "eyes", "mesh": 2 }));
+    made.json["scenes"][0]["nodes"] = json!([0, 1, 3, 4]);
+    let mesh = shaped(&made, "shaped-several");
+    assert_eq!(mesh.warnings, [FormatWarning::UnshapedMeshes { meshes: vec!["eyes".to_owned()] }]);
+    assert_eq!((mesh.positions.len(), mesh.faces.len()), (6, 2));
+    assert_eq!(mesh.faces[1], [3, 4, 5]);
+    let names: Vec<_> = mesh.shapes.iter().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["raised", "other"]);
+    near(mesh.positions[5], [4.0, 5.0, 2.0], 1e-6);
+    near(mesh.shapes[0].deltas[1], [0.0, 0.0, 1.0], 1e-6);
+    near(mesh.shapes[0].deltas[4], [0.0, -2.0, 0.0], 1e-6);
+    near(mesh.shapes[1].deltas[1], [0.0; 3], 0.0);
+    near(mesh.shapes[1].deltas[4], [0.0, -2.0, 0.0], 1e-6);
+}
+
+#[test]
+fn a_scene_without_targets_is_refused() {
+    let mut made = Made::scene();
+    made.json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("targets");
+    made.json["meshes"][0].as_object_mut().unwrap().remove("weights");
+    let error = read_shapes(&made.write("shaped-none")).unwrap_err().to_string();
+    assert_eq!(error, "has no blendshape: export the face with its shape keys (morph targets)");
+}
+
+/// A script read the expected counts and names from the file by the specification of the format.
+#[test]
+fn a_real_file_has_eight_keys() {
+    let Some(file) = shared("gltf-loader/MorphStressTest.gltf") else { return };
+    let mesh = read_shapes(&file).unwrap();
+    assert_eq!(mesh.positions.len(), 24 + 1504);
+    let names: Vec<_> = mesh.shapes.iter().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["Key 1", "Key 2", "Key 3", "Key 4", "Key 5", "Key 6", "Key 7", "Key 8"]);
+    assert!(mesh.normals.is_some_and(|normals| normals.len() == 24 + 1504));
+}
+
+#[test]
+fn spoiled_names_do_not_panic() {
+    let mut made = Made::scene();
+    for names in [json!(1), json!([]), json!([1]), json!({ "a": 1 }), json!(null)] {
+        made.json["meshes"][0]["extras"] = json!({ "targetNames": names });
+        assert_eq!(shaped(&made, "shaped-spoiled").shapes[0].name, "target 0");
+    }
+    let file = made.write("shaped-bytes");
+    let bytes = std::fs::read(&file).unwrap();
+    for len in (0..bytes.len()).step_by(7) {
+        let _ = parse_shapes(&bytes[..len], &file);
+    }
 }

@@ -1,18 +1,30 @@
-//! Photoshop files: layers, groups, masks (Adobe, "Photoshop File Formats Specification").
+//! Photoshop files: layers, groups and masks (Adobe, "Photoshop File Formats Specification").
 //!
-//! The crates that read this format panic on damaged files, and none reads masks, deflated channels and 16 bits.
+//! The existing crates for this format panic on damaged files. None of them reads masks, deflated channels and 16 bits.
 
 mod bytes;
-mod channel;
-mod record;
 
-use super::error::LayeredError;
+use super::LayeredError;
 use super::tree::{DEPTH, Node};
 use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
-use record::{Area, Record, Section};
+use std::ops::Range;
 
-/// Layers of a file.
+/// Names and keys of blocks that change the look of a layer and are not supported.
+const UNREAD: [(&str, &[&[u8; 4]]); 4] = [
+    ("a layer style", &[b"lfx2", b"lmfx", b"lrFX"]),
+    ("a vector mask", &[b"vmsk", b"vsms"]),
+    ("a fill", &[b"SoCo", b"GdFl", b"PtFl"]),
+    (
+        "an adjustment",
+        &[
+            b"levl", b"curv", b"hue2", b"hue ", b"brit", b"blnc", b"selc", b"thrs", b"nvrt",
+            b"post", b"grdm", b"phfl", b"mixr", b"expA", b"vibA", b"clrL", b"blwh",
+        ],
+    ),
+];
+
+/// A Photoshop file, with the records of its layers.
 pub(super) struct Document {
     bytes: Vec<u8>,
     /// Bytes a sample.
@@ -22,10 +34,10 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a file's list of layers: the pictures' width and height, and the layers.
+    /// Reads a file's layers, and the width and height of its picture.
     ///
     /// # Errors
-    /// [`LayeredError`].
+    /// [`LayeredError`]
     pub(super) fn read(bytes: Vec<u8>) -> Result<(Self, [usize; 2], Vec<Node>), LayeredError> {
         let mut left = Bytes::new(&bytes);
         let is_psd = left.take(4).is_ok_and(|signature| signature.rest() == b"8BPS");
@@ -61,22 +73,22 @@ impl Document {
         let mut section = left.block()?;
         let mut layers = if section.len() < 4 { section } else { section.block()? };
         if layers.len() == 0 && section.len() >= 4 {
-            // The mask of the whole file, then blocks: layers of 16 bits are in one of them.
+            // The mask of the whole file, then blocks. One of the blocks holds layers of 16 bits.
             section.block()?;
             layers = blocks(section, b"Lr16", 4)?.unwrap_or(layers);
         }
         let records = match layers.len() {
             0 => Vec::new(),
-            _ => record::records(layers)?,
+            _ => records(layers)?,
         };
         let nodes = nodes(&records)?;
         Ok((Self { sample, is_grey, records, bytes }, [width, height], nodes))
     }
 
-    /// Decodes the picture of a layer, with its corner.
+    /// Decodes the picture of a layer; also returns the position of its upper left corner.
     ///
     /// # Errors
-    /// The fault in words.
+    /// The fault, in words.
     pub(super) fn picture(&self, source: usize) -> Result<(Pixels, [i64; 2]), String> {
         let own = &self.records[source];
         let size = own.area.size;
@@ -85,7 +97,7 @@ impl Document {
         }
         check_size(size)?;
         let channel = |id: i16| match own.channel(id) {
-            Some(range) => channel::decoded(&self.bytes[range.clone()], size, self.sample),
+            Some(range) => bytes::decode(&self.bytes[range.clone()], size, self.sample),
             None if id == -1 => Ok(vec![0xff; size[0] * size[1]]),
             None => Err(format!("it has no channel {id}")),
         };
@@ -97,10 +109,10 @@ impl Document {
         Ok((Pixels { size, rgba }, own.area.corner))
     }
 
-    /// Multiplies the coverage of a whole picture with the mask of a layer or group, if it has one.
+    /// Multiplies the coverage of a whole picture with the mask of a layer or group, if there is a mask.
     ///
     /// # Errors
-    /// The fault in words: what else it has must be a part of its pixels.
+    /// The fault, in words: the layer has an effect that is not part of its pixels.
     pub(super) fn mask(&self, source: usize, canvas: &mut Pixels) -> Result<(), String> {
         let own = &self.records[source];
         if let Some(what) = own.unread {
@@ -114,7 +126,7 @@ impl Document {
         let mut found = Vec::new();
         if !size.contains(&0) {
             check_size(size)?;
-            found = channel::decoded(&self.bytes[range.clone()], size, self.sample)?;
+            found = bytes::decode(&self.bytes[range.clone()], size, self.sample)?;
         }
         let width = canvas.size[0];
         for (at, pixel) in canvas.rgba.chunks_mut(4).enumerate() {
@@ -130,7 +142,7 @@ impl Document {
     }
 }
 
-/// Joins records, which are listed from back to front, into groups. A group begins with a record without a name.
+/// Joins records into a tree of groups. Records go from back to front; a group begins with a record without a name.
 fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
     let mut open = vec![Vec::new()];
     for (source, own) in records.iter().enumerate() {
@@ -162,4 +174,156 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
         Some(nodes) if open.is_empty() => Ok(nodes),
         _ => Err(LayeredError::Damaged("a group has no end".to_owned())),
     }
+}
+
+/// A layer, the end of a group, or the beginning of a group.
+struct Record {
+    name: String,
+    area: Area,
+    mask: Option<Mask>,
+    /// Opacity, in [0, 1].
+    opacity: f64,
+    is_hidden: bool,
+    is_clipped: bool,
+    section: Section,
+    /// Name of an unsupported block that changes the look.
+    unread: Option<&'static str>,
+    mode: [u8; 4],
+    /// Channels and the range of their bytes in the file: 0 to 2 are colours, -1 is alpha, -2 the mask.
+    channels: Vec<(i16, Range<usize>)>,
+}
+
+/// The role of a record; records go from back to front.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Section {
+    Layer,
+    /// Beginning of a group, below its members.
+    Begin,
+    /// End of a group, above its members, with the group's name.
+    Group,
+}
+
+/// A rectangle of the picture.
+struct Area {
+    /// x and y.
+    corner: [i64; 2],
+    /// Width and height.
+    size: [usize; 2],
+}
+
+struct Mask {
+    area: Area,
+    /// Value of the mask outside its rectangle.
+    outside: u8,
+}
+
+impl Record {
+    /// Returns the range of a channel's bytes in the file.
+    fn channel(&self, id: i16) -> Option<&Range<usize>> {
+        self.channels.iter().find(|(own, _)| *own == id).map(|(_, range)| range)
+    }
+
+    /// Returns the blend mode; `None` for normal.
+    fn blend(&self) -> Option<String> {
+        let is_normal = match self.section {
+            Section::Group => matches!(&self.mode, b"pass" | b"norm"),
+            _ => self.mode == *b"norm",
+        };
+        (!is_normal).then(|| self.mode.escape_ascii().to_string().trim().to_owned())
+    }
+}
+
+/// Reads the records of all layers, the hindmost first.
+///
+/// # Errors
+/// [`LayeredError::Damaged`].
+fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, LayeredError> {
+    // The sign only tells whether the flattened picture has transparency.
+    let len = left.i16()?.unsigned_abs();
+    let mut out = (0..len).map(|_| record(&mut left)).collect::<Result<Vec<_>, _>>()?;
+    for (_, range) in out.iter_mut().flat_map(|own| &mut own.channels) {
+        let data = left.take(range.len())?;
+        *range = data.at()..data.at() + data.len();
+    }
+    Ok(out)
+}
+
+fn area(left: &mut Bytes<'_>) -> Result<Area, LayeredError> {
+    let [top, west, bottom, east] =
+        [left.i32()?, left.i32()?, left.i32()?, left.i32()?].map(i64::from);
+    let side = |low: i64, high: i64| usize::try_from(high - low).unwrap_or(0);
+    Ok(Area { corner: [west, top], size: [side(west, east), side(top, bottom)] })
+}
+
+fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
+    let area = area(left)?;
+    let channel_len = left.u16()?;
+    let channel = |_| Ok((left.i16()?, 0..left.u32()? as usize));
+    let channels = (0..channel_len).map(channel).collect::<Result<_, LayeredError>>()?;
+    left.take(4)?;
+    let mode: [u8; 4] = left.array()?;
+    let [opacity, clipping, flags, _]: [u8; 4] = left.array()?;
+    let mut extra = left.block()?;
+    let mask = mask(extra.block()?)?;
+    extra.block()?;
+    let name_len = extra.u8()?;
+    let name = extra.take(name_len.into())?.rest();
+    let padded = (usize::from(name_len) + 1).next_multiple_of(4) - 1 - usize::from(name_len);
+    extra.take(padded.min(extra.len()))?;
+    let name = match blocks(extra, b"luni", 1)? {
+        Some(mut text) => unicode(&mut text)?,
+        None => String::from_utf8_lossy(name).into_owned(),
+    };
+    // Opacity of the pixels, without effects.
+    let fill = match blocks(extra, b"iOpa", 1)? {
+        Some(mut fill) => fill.u8()?,
+        None => 0xff,
+    };
+    let divider = match blocks(extra, b"lsct", 1)? {
+        Some(divider) => Some(divider),
+        None => blocks(extra, b"lsdk", 1)?,
+    };
+    let section = match divider.map(|mut divider| divider.u32()).transpose()? {
+        Some(1 | 2) => Section::Group,
+        Some(3) => Section::Begin,
+        _ => Section::Layer,
+    };
+    let mut unread = None;
+    for (what, keys) in UNREAD {
+        for key in keys {
+            if blocks(extra, key, 1)?.is_some() {
+                unread = Some(what);
+            }
+        }
+    }
+    Ok(Record {
+        name,
+        area,
+        mask,
+        opacity: f64::from(opacity) / 255.0 * (f64::from(fill) / 255.0),
+        is_hidden: flags & 2 != 0,
+        is_clipped: clipping != 0,
+        section,
+        unread,
+        mode,
+        channels,
+    })
+}
+
+/// Reads a mask; `None` if there is none, or the mask is disabled.
+fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, LayeredError> {
+    if left.len() == 0 {
+        return Ok(None);
+    }
+    let area = area(&mut left)?;
+    let [outside, flags]: [u8; 2] = left.array()?;
+    Ok((flags & 2 == 0).then_some(Mask { area, outside }))
+}
+
+fn unicode(text: &mut Bytes<'_>) -> Result<String, LayeredError> {
+    let len = text.u32()? as usize;
+    let units = text.take(len.saturating_mul(2))?;
+    let units = units.rest().as_chunks::<2>().0.iter().map(|unit| u16::from_be_bytes(*unit));
+    let units: Vec<u16> = units.collect();
+    Ok(String::from_utf16_lossy(&units).trim_end_matches('\0').to_owned())
 }

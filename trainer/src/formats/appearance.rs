@@ -1,40 +1,58 @@
-//! Names, materials and images, as glTF states them.
+//! Appearance of a scene's meshes: names, materials and images, as glTF states them. Exports write it back.
 
+use super::error::FileError;
+use super::extension::extension;
+use super::{fbx, gltf};
 use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
 
-/// What the meshes of a scene look like.
+/// Reads the appearance of a scene's meshes (`.glb`, `.gltf`, `.fbx`). Triangles are in the order of the scene's
+/// reader. Files of other formats give an empty appearance.
+///
+/// # Errors
+/// A [`FileError`] that names the file: it cannot be read or is damaged. An image that cannot be read is no error; it
+/// is listed in [`Appearance::missing`].
+pub fn load(path: &Path) -> Result<Appearance, FileError> {
+    let read = match extension(path).as_str() {
+        "glb" | "gltf" => gltf::rigged::read_appearance(path),
+        "fbx" => fbx::appearance::read(path),
+        _ => Ok(Appearance::default()),
+    };
+    read.map_err(|error| FileError { file: path.to_owned(), error })
+}
+
+/// Appearance of the meshes of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Appearance {
-    /// Name of the one mesh, where there is one; several have theirs among the ranges of the examples.
+    /// Name of the mesh, if there is only one; the ranges of the examples name several meshes.
     pub mesh: Option<String>,
     /// Material of each triangle, T.
     pub of_triangles: Vec<Option<usize>>,
     /// Materials.
     pub materials: Vec<Value>,
-    /// Textures that materials name.
+    /// Textures that the materials use.
     pub textures: Vec<Value>,
-    /// Samplers that textures name.
+    /// Samplers that the textures use.
     pub samplers: Vec<Value>,
-    /// Images that textures name.
+    /// Images that the textures use.
     pub images: Vec<Image>,
-    /// Extensions that the file asks every reader to know, of those that are in these.
+    /// Extensions of materials, textures, samplers or images that the file requires every reader to support.
     pub required: Vec<String>,
-    /// Images that cannot be read, by name and by where they were looked for; no material has them.
+    /// Images that cannot be read, with the paths that were tried; no material uses them.
     pub missing: Vec<String>,
 }
 
-/// A picture.
+/// An image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// What is said of it, but where it is.
+    /// Members of the glTF image, without its location.
     pub members: Map<String, Value>,
-    /// Its file, whole.
+    /// Content of the image file.
     pub bytes: Vec<u8>,
 }
 
 impl Appearance {
-    /// Takes images in the place of the file's, of which some cannot be read, and takes those textures
-    /// away that have none.
+    /// Sets the images, one for each image of the file; removes every texture whose image is `None`.
     pub(in crate::formats) fn set_images(&mut self, images: Vec<Option<Image>>) {
         let mut places = Vec::new();
         for image in images {
@@ -58,8 +76,7 @@ impl Appearance {
         });
     }
 
-    /// Takes the textures away that need other coordinates than one set, or any at all where there are
-    /// none.
+    /// Keeps the textures that use the first set of texture coordinates; removes all textures if `uv` is false.
     pub(crate) fn keep_uv(&mut self, uv: bool) {
         self.keep_textures(|texture| {
             let set = |at: &Value| at.get("texCoord").and_then(Value::as_u64);
@@ -68,7 +85,7 @@ impl Appearance {
         });
     }
 
-    /// Lists the extensions that are in use, in order.
+    /// Lists the extensions in use, sorted.
     pub(crate) fn extensions(&self) -> Vec<String> {
         let images = self.images.iter().flat_map(|image| image.members.get("extensions"));
         let mut found: Vec<String> =
@@ -80,13 +97,36 @@ impl Appearance {
         found
     }
 
+    /// Updates each texture of the materials with `keep`, and removes it if `keep` returns `None`.
     fn keep_textures(&mut self, keep: impl Fn(&mut Value) -> Option<()>) {
         self.materials.iter_mut().for_each(|material| keep_textures(material, &keep));
     }
 }
 
-/// Sets the image that a texture names, or one of its extensions for another kind of image; tells whether
-/// there is one.
+/// Returns the media type of an image, by its first bytes.
+pub(crate) fn image_kind(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |with: &[u8]| bytes.starts_with(with);
+    match () {
+        () if begins(b"\x89PNG\r\n\x1a\n") => Some("image/png"),
+        () if begins(b"\xff\xd8\xff") => Some("image/jpeg"),
+        () if begins(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
+        () if begins(b"\xabKTX 20\xbb") => Some("image/ktx2"),
+        () => None,
+    }
+}
+
+/// Describes an image that cannot be read, with the paths that were tried.
+pub(crate) fn missing_image(name: &str, looked_for: &[PathBuf]) -> String {
+    match looked_for {
+        [] => name.to_owned(),
+        all => {
+            let all: Vec<String> = all.iter().map(|file| file.display().to_string()).collect();
+            format!("{name} (looked for as {})", all.join(" and "))
+        }
+    }
+}
+
+/// Sets the image of a texture, or of an extension for another image format; returns whether the image exists.
 fn set_source(names: &mut Value, place: impl Fn(&Value) -> Option<usize>) -> bool {
     let Some(source) = names.get_mut("source") else { return false };
     let found = place(source);
@@ -97,6 +137,7 @@ fn set_source(names: &mut Value, place: impl Fn(&Value) -> Option<usize>) -> boo
     found.is_some()
 }
 
+/// Applies `keep` to every texture in a JSON value, at any depth.
 fn keep_textures(value: &mut Value, keep: &impl Fn(&mut Value) -> Option<()>) {
     match value {
         Value::Object(members) => {
@@ -111,6 +152,7 @@ fn keep_textures(value: &mut Value, keep: &impl Fn(&mut Value) -> Option<()>) {
     }
 }
 
+/// Collects the names of the extensions in a JSON value, at any depth.
 fn extensions(value: &Value, found: &mut Vec<String>) {
     match value {
         Value::Object(members) => {

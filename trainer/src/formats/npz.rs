@@ -1,15 +1,22 @@
-//! Reads arrays of any number type out of an npz archive, one pass, without a second copy.
+//! Arrays of NumPy: reads and writes `.npz` archives, and reads `.npy` files.
+//!
+//! Arrays of any number type are read in one pass, without a second copy. Writing equal arrays gives equal bytes.
 
-use std::fs::File;
-use std::io::{self, BufReader, ErrorKind, Read};
-use std::path::Path;
-
+use super::error::FormatError;
+use super::extension::{extension, unknown_format};
 use npyz::npz::file_name_from_array_name;
-use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
-use zip::ZipArchive;
+use npyz::{
+    AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriteOptions,
+    WriterBuilder,
+};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{System, ZipArchive, ZipWriter};
 
-use super::error::ArrayError;
-use crate::formats::error::FormatError;
+/// Compressed, larger than 4 GB if needed, and equal everywhere: with a fixed date and system.
+const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
 /// An open npz archive.
 pub(crate) struct Archive {
@@ -18,22 +25,22 @@ pub(crate) struct Archive {
 
 /// An array as rows of K numbers in C order.
 pub(crate) struct Rows<T, const K: usize> {
-    /// Counts of the dimensions before those that make a row.
+    /// Sizes of the dimensions before those that form a row.
     pub(crate) lead: Vec<usize>,
     /// The rows.
     pub(crate) data: Vec<[T; K]>,
 }
 
-/// A number that arrays are read into.
+/// A number type that arrays are read into.
 pub(crate) trait Number: Copy + Default {
-    /// The numbers of an array that can be read into it, in words.
+    /// The numbers that can be converted to this type, in words.
     const EXPECTED: &'static str;
 
-    /// Hands every number of the file to `store`, or gives `None` for another type.
+    /// Passes every number of the file to `store`; returns `None` if the file has another type.
     fn each(file: NpyFile<impl Read>, store: impl FnMut(Self)) -> Option<io::Result<()>>;
 }
 
-/// Reads a `.npy` file of one row of numbers, called `array` where something is wrong with it.
+/// Reads a `.npy` file of one dimension; errors call it `array`.
 pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
     let array = || array.to_owned();
     let damaged = |reason: &str| ArrayError::Damaged { array: array(), reason: reason.to_owned() };
@@ -54,6 +61,26 @@ pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError
     Ok(numbers)
 }
 
+/// Reads the numbers of a `.npy`, `.txt` or `.csv` file; errors call them `array`.
+pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
+    match extension(path).as_str() {
+        "npy" => read_npy(path, array),
+        "txt" | "csv" => {
+            let text = std::fs::read_to_string(path).map_err(FormatError::Read)?;
+            let numbers = text.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
+            let numbers = numbers.filter(|word| !word.is_empty());
+            let parse = |(place, word): (usize, &str)| {
+                word.parse().map_err(|_| {
+                    let (array, word) = (array.to_owned(), word.to_owned());
+                    ArrayError::NoNumber { array, place, word }.into()
+                })
+            };
+            numbers.enumerate().map(parse).collect()
+        }
+        _ => Err(unknown_format(path, ".npy, .txt or .csv")),
+    }
+}
+
 impl Archive {
     /// Opens an archive and reads its directory.
     pub(crate) fn open(path: &Path) -> Result<Self, FormatError> {
@@ -64,12 +91,12 @@ impl Archive {
         Ok(Self { zip })
     }
 
-    /// Returns whether there is such an array.
+    /// Returns whether the archive has the array.
     pub(crate) fn has(&self, array: &str) -> bool {
         self.zip.index_for_name(&file_name_from_array_name(array)).is_some()
     }
 
-    /// Reads an array as [`Archive::rows`] does, and insists on it.
+    /// Reads an array as [`Archive::rows`] does; a missing array is an error.
     pub(crate) fn required<T: Number, const K: usize>(
         &mut self,
         array: &'static str,
@@ -78,8 +105,9 @@ impl Archive {
         Ok(self.rows(array, tail)?.ok_or(ArrayError::Missing { array })?)
     }
 
-    /// Reads an array of shape `[any, tail..]`, where 0 in `tail` is any count too and the counts
-    /// after the last 0 multiply to K. `None` if there is no such array.
+    /// Reads an array of shape `[any, tail..]`; `None` if the archive has no such array.
+    ///
+    /// A 0 in `tail` means any count; the counts after the last 0 multiply to K.
     pub(crate) fn rows<T: Number, const K: usize>(
         &mut self,
         array: &str,
@@ -102,7 +130,7 @@ impl Archive {
         let lead: Vec<usize> = shape[..lead_len].iter().map(|&count| count as usize).collect();
 
         let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
-        // `find` has compared the count with the bytes that are there.
+        // `find` has checked that the file has enough bytes for this count.
         let row_len: usize = lead.iter().product();
         let mut data = Vec::new();
         data.try_reserve_exact(row_len).map_err(|error| damaged(error.to_string()))?;
@@ -121,7 +149,7 @@ impl Archive {
         Ok(Some(Rows { lead, data }))
     }
 
-    /// Reads one number, with or without a dimension of one. `None` if there is no such array.
+    /// Reads one number, stored as a scalar or as an array of one; `None` if the archive has no such array.
     pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, FormatError> {
         let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
@@ -140,7 +168,7 @@ impl Archive {
         Ok(Some(only))
     }
 
-    /// Reads a list of texts. `None` if there is no such array.
+    /// Reads a list of texts; `None` if the archive has no such array.
     pub(crate) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, FormatError> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         if header.shape().len() != 1 {
@@ -151,14 +179,14 @@ impl Archive {
         texts(array, header, file).map(Some)
     }
 
-    /// Reads one text, with or without a dimension of one. `None` if there is no such array.
+    /// Reads one text, stored as a scalar or as an array of one; `None` if the archive has no such array.
     pub(crate) fn text(&mut self, array: &str) -> Result<Option<String>, FormatError> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
         Ok(texts(array, header, file)?.pop())
     }
 
-    /// Finds an array and checks that its header asks for no more bytes than there are.
+    /// Finds an array and checks that the file has enough bytes for the header's shape.
     fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, FormatError> {
         let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
         let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
@@ -181,53 +209,6 @@ impl Archive {
             .into()),
         }
     }
-}
-
-/// Checks that an array holds one thing, with or without a dimension.
-fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
-    match header.shape() {
-        [] | [1] => Ok(()),
-        found => Err(ArrayError::WrongShape {
-            array: array.to_owned(),
-            expected: "[] or [1]".to_owned(),
-            found: found.to_vec(),
-        }),
-    }
-}
-
-/// Reads the texts of an array to the end of its file.
-fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
-    let found = header.dtype().descr();
-    let texts = NpyFile::with_header(header, &mut file)
-        .data::<String>()
-        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
-    let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
-    let damaged = |error: io::Error| ArrayError::Damaged {
-        array: array.to_owned(),
-        reason: fault_of_data(&error).to_owned(),
-    };
-    Ok(texts.map_err(damaged)?)
-}
-
-/// Names the fault of an array's header.
-fn fault_of_header(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::UnexpectedEof => "it ends in its header",
-        _ => "its header is not that of an .npy array of numbers or text",
-    }
-}
-
-/// Names the fault of an array's numbers or texts.
-fn fault_of_data(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::UnexpectedEof => "it ends early",
-        _ => "its bytes do not match their checksum",
-    }
-}
-
-/// Reads on to the end of an array's file, where zip compares its checksum.
-fn finish(mut file: impl Read) -> io::Result<()> {
-    io::copy(&mut file, &mut io::sink()).map(drop)
 }
 
 impl Number for f64 {
@@ -255,7 +236,7 @@ impl Number for i64 {
             (TypeChar::Uint, 1) => each(file, |number: u8| store(number.into())),
             (TypeChar::Uint, 2) => each(file, |number: u16| store(number.into())),
             (TypeChar::Uint, 4) => each(file, |number: u32| store(number.into())),
-            // A count beyond i64 is out of any range: the largest i64 says so as well.
+            // A count above i64 is out of any range, and so is the largest i64.
             (TypeChar::Uint, 8) => {
                 each(file, |number: u64| store(number.try_into().unwrap_or(i64::MAX)))
             }
@@ -264,6 +245,157 @@ impl Number for i64 {
     }
 }
 
+/// An npz archive under construction.
+pub(crate) struct Writer<'a> {
+    zip: ZipWriter<BufWriter<&'a mut File>>,
+}
+
+impl<'a> Writer<'a> {
+    /// Begins an archive in an empty file.
+    pub(crate) fn new(file: &'a mut File) -> Self {
+        Self { zip: ZipWriter::new(BufWriter::new(file)) }
+    }
+
+    /// Adds an array of numbers in C order; their count must fill `shape`.
+    pub(crate) fn numbers<T: AutoSerialize>(
+        &mut self,
+        array: &str,
+        shape: &[u64],
+        numbers: impl Iterator<Item = T>,
+    ) -> io::Result<()> {
+        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        let options = WriteOptions::new().default_dtype().shape(shape);
+        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        file.extend(numbers)?;
+        file.finish()
+    }
+
+    /// Adds a list of texts.
+    pub(crate) fn texts(&mut self, array: &str, texts: &[String]) -> io::Result<()> {
+        let longest = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+        let invalid = |_| io::Error::from(io::ErrorKind::InvalidInput);
+        let dtype = DType::Plain(format!("<U{longest}").parse().map_err(invalid)?);
+        let shape = [texts.len() as u64];
+        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        let options = WriteOptions::<str>::new().dtype(dtype).shape(&shape);
+        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        for text in texts {
+            file.push(text)?;
+        }
+        file.finish()
+    }
+
+    /// Ends the archive.
+    pub(crate) fn finish(self) -> io::Result<()> {
+        self.zip.finish()?.flush()
+    }
+}
+
+/// Reasons why an array, or an archive of arrays, cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ArrayError {
+    /// The archive is truncated, or the file is not npz.
+    #[error(
+        "is no whole .npz archive: its {found} bytes do not end with the archive's directory; write it, or copy it, again"
+    )]
+    Archive {
+        /// Size of the file, in bytes.
+        found: u64,
+    },
+    /// An array is damaged, or is not npy data.
+    #[error("array {array} is damaged: {reason}; write the file, or copy it, again")]
+    Damaged {
+        /// The array.
+        array: String,
+        /// The fault.
+        reason: String,
+    },
+    /// A word of a text is not a number.
+    #[error("array {array} has {word:?} as number {place}, expected a number")]
+    NoNumber {
+        /// The array.
+        array: String,
+        /// Index of the word, from 0.
+        place: usize,
+        /// The word.
+        word: String,
+    },
+    /// A required array is missing.
+    #[error("array {array} is missing")]
+    Missing {
+        /// Name of the array; several names if any of them suffices.
+        array: &'static str,
+    },
+    /// An array has another kind of numbers.
+    #[error("array {array} must hold {expected}, found dtype {found}")]
+    WrongType {
+        /// The array.
+        array: String,
+        /// The kind of number expected.
+        expected: &'static str,
+        /// The dtype found.
+        found: String,
+    },
+    /// An array has another shape.
+    #[error("array {array} must have shape {expected}, found {found:?}")]
+    WrongShape {
+        /// The array.
+        array: String,
+        /// The expected shape; a letter means any count.
+        expected: String,
+        /// The shape found.
+        found: Vec<u64>,
+    },
+}
+
+/// Checks that an array holds a single item, as a scalar or as an array of one.
+fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
+    match header.shape() {
+        [] | [1] => Ok(()),
+        found => Err(ArrayError::WrongShape {
+            array: array.to_owned(),
+            expected: "[] or [1]".to_owned(),
+            found: found.to_vec(),
+        }),
+    }
+}
+
+/// Reads the texts of an array to the end of its file.
+fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
+    let found = header.dtype().descr();
+    let texts = NpyFile::with_header(header, &mut file)
+        .data::<String>()
+        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
+    let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
+    let damaged = |error: io::Error| ArrayError::Damaged {
+        array: array.to_owned(),
+        reason: fault_of_data(&error).to_owned(),
+    };
+    Ok(texts.map_err(damaged)?)
+}
+
+/// Describes the fault of an array's header.
+fn fault_of_header(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends in its header",
+        _ => "its header is not that of an .npy array of numbers or text",
+    }
+}
+
+/// Describes the fault of an array's data.
+fn fault_of_data(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends early",
+        _ => "its bytes do not match their checksum",
+    }
+}
+
+/// Reads to the end of an array's file, where the zip reader compares the checksum.
+fn finish(mut file: impl Read) -> io::Result<()> {
+    io::copy(&mut file, &mut io::sink()).map(drop)
+}
+
+/// Returns the type and size of plain numbers; `None` for other types.
 fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
     match file.dtype() {
         DType::Plain(kind) => Some((kind.type_char(), kind.size_field())),
@@ -271,6 +403,7 @@ fn plain(file: &NpyHeader) -> Option<(TypeChar, u64)> {
     }
 }
 
+/// Passes every number of a file of type T to `store`; `None` if the file has another type.
 fn each<T: Deserialize>(
     file: NpyFile<impl Read>,
     mut store: impl FnMut(T),
@@ -279,7 +412,7 @@ fn each<T: Deserialize>(
     Some(numbers.try_for_each(|number| number.map(&mut store)))
 }
 
-/// Where the next number of a file stands in C order.
+/// Position in C order of each successive number of a file.
 struct Places {
     /// (count, stride in C order) of each dimension, fastest in the file first.
     dimensions: Vec<(usize, usize)>,

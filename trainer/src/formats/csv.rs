@@ -1,11 +1,10 @@
-//! Reads tables.
+//! Tables as CSV: a line of column names, then one row a line.
 
-use super::error::CsvError;
-use crate::formats::error::FormatError;
-use crate::formats::mark::unmarked;
+use super::error::FormatError;
+use super::extension::unmarked;
 use std::path::Path;
 
-/// Characters that may stand between cells, the usual first.
+/// Characters that may separate cells, the most common first.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// Line 1 is a title if the next line has more than this many times its cells.
 const TITLE: usize = 2;
@@ -14,20 +13,20 @@ const TITLE: usize = 2;
 pub(crate) struct Table {
     /// Names of the columns.
     pub(crate) names: Vec<String>,
-    /// Whether every number may have a decimal comma: where commas do not part cells.
+    /// Whether numbers may have a decimal comma: true unless commas separate cells.
     has_decimal_commas: bool,
     rows: Vec<Row>,
 }
 
 /// A row below the names, of any length.
 pub(crate) struct Row {
-    /// Its line, the first being 1.
+    /// Line number, from 1.
     pub(crate) line: u64,
     cells: csv::StringRecord,
 }
 
 impl Row {
-    /// Counts its cells.
+    /// Counts the cells.
     pub(crate) fn len(&self) -> usize {
         self.cells.len()
     }
@@ -43,11 +42,13 @@ pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
 }
 
 impl Table {
-    /// Reads a table of text in UTF-8, of at least one row below a line of names. Cells are parted by the one of
-    /// [`SEPARATORS`] that the names have most of; rows without any text at the end are left out.
+    /// Parses a table of UTF-8 text, with a line of names and at least one row.
+    ///
+    /// The separator is the one of [`SEPARATORS`] that the line of names has most of. Empty rows at the end are left
+    /// out.
     ///
     /// # Errors
-    /// A [`CsvError`], but for those of rows and numbers.
+    /// Every [`CsvError`] except [`CsvError::Missing`], [`CsvError::Row`] and [`CsvError::Number`].
     pub(crate) fn parse(text: &[u8]) -> Result<Self, CsvError> {
         check_encoding(text)?;
         let text = unmarked(text);
@@ -75,7 +76,7 @@ impl Table {
             rows.push(Row { line, cells });
         }
         while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
-        // A separator at the end of a line parts off nothing.
+        // A separator at the end of a line makes no further column.
         let has_cells =
             |at: usize| rows.iter().any(|row| row.cells.get(at).is_some_and(|x| !x.is_empty()));
         while names.last().is_some_and(String::is_empty) && !has_cells(names.len() - 1) {
@@ -86,7 +87,7 @@ impl Table {
         Ok(table)
     }
 
-    /// Checks the names, and counts the rows.
+    /// Checks the names and that there is a row.
     fn check(&self) -> Result<(), CsvError> {
         let names = &self.names;
         let next = self
@@ -107,7 +108,7 @@ impl Table {
         if self.rows.is_empty() { Err(CsvError::Empty) } else { Ok(()) }
     }
 
-    /// Finds a column.
+    /// Returns the index of a column.
     ///
     /// # Errors
     /// [`CsvError::Missing`]
@@ -122,17 +123,17 @@ impl Table {
         &self.rows
     }
 
-    /// Returns the text of a row's cell; `None` where it is empty or the row is shorter.
+    /// Returns the text of a row's cell; `None` if the cell is empty or the row is too short.
     pub(crate) fn cell<'a>(&self, row: &'a Row, column: usize) -> Option<&'a str> {
         row.cells.get(column).filter(|cell| !cell.is_empty())
     }
 
-    /// Reads a finite number as cells have it.
+    /// Parses a finite number in the notation of the table.
     pub(crate) fn number(&self, cell: &str) -> Option<f64> {
         number(cell, self.has_decimal_commas)
     }
 
-    /// Reads the finite numbers of a row in some columns.
+    /// Parses the finite numbers of a row in the given columns.
     ///
     /// # Errors
     /// [`CsvError::Row`] and [`CsvError::Number`]
@@ -153,7 +154,7 @@ impl Table {
         columns.iter().map(read).collect()
     }
 
-    /// Gives the finite numbers of some columns, row by row, each row with its line.
+    /// Parses the finite numbers of the given columns, row by row, each row with its line.
     ///
     /// # Errors
     /// [`CsvError::Row`] and [`CsvError::Number`]
@@ -165,7 +166,79 @@ impl Table {
     }
 }
 
-/// Checks that a text is UTF-8, and names the encoding that it seems to have.
+/// Reasons why a table cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CsvError {
+    /// The text is not UTF-8, or cannot be parsed.
+    #[error("line {line}: {reason}")]
+    Text {
+        /// Line number, from 1.
+        line: u64,
+        /// Message of the reader.
+        reason: String,
+    },
+    /// The first line consists of numbers instead of names.
+    #[error(
+        "line {line}: expected the names of the columns, found numbers ({found}): write a line of names above \
+         them"
+    )]
+    NoNames {
+        /// Line number, from 1.
+        line: u64,
+        /// The numbers found.
+        found: String,
+    },
+    /// Two columns have one name.
+    #[error("line 1: two columns are named {name:?}")]
+    Twice {
+        /// The repeated name.
+        name: String,
+    },
+    /// A line precedes the line of names.
+    #[error(
+        "line 1: expected the names of {expected} columns, as the next line has, found {found:?}: \
+         remove the lines before the names"
+    )]
+    Title {
+        /// Number of columns of the next line.
+        expected: usize,
+        /// Text of the first line.
+        found: String,
+    },
+    /// A required column is missing.
+    #[error("line 1: there is no column {name:?}; there are {found}")]
+    Missing {
+        /// Name of the column.
+        name: String,
+        /// Names of the columns found.
+        found: String,
+    },
+    /// A row is shorter or longer than the line of names.
+    #[error("line {line}: expected {expected} columns, found {found}")]
+    Row {
+        /// Line number, from 1.
+        line: u64,
+        /// Number of named columns.
+        expected: usize,
+        /// Number of columns of the line.
+        found: usize,
+    },
+    /// A cell is not a number.
+    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
+    Number {
+        /// Line number, from 1.
+        line: u64,
+        /// Name of the column.
+        column: String,
+        /// Text of the cell.
+        found: String,
+    },
+    /// The table has no row.
+    #[error("has no row below its line of names")]
+    Empty,
+}
+
+/// Checks that a text is UTF-8; the error names the encoding that the text seems to have.
 fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
     let start = &text[..text.len().min(4)];
     let is_wide = matches!(start, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || start.contains(&0);
@@ -180,8 +253,10 @@ fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
     Err(CsvError::Text { line, reason })
 }
 
-/// Reads a finite number, of a decimal comma or point. In a quoted cell of a table whose cells are parted by commas
-/// "0,5" has a decimal comma, and "1,500" may be 1500: it is no number.
+/// Parses a finite number with a decimal comma or point.
+///
+/// If commas separate cells, a quoted "0,5" still has a decimal comma. A quoted "1,500" may mean 1500, so it is
+/// refused.
 fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
     let decimals = cell.split_once(',').map(|(_, decimals)| decimals.len());
     let plain = match decimals {
@@ -192,7 +267,7 @@ fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
     plain.ok().filter(|x: &f64| x.is_finite())
 }
 
-/// Finds what parts the cells: what the first line has most of, outside quotes.
+/// Returns the separator that is most frequent in the first line, outside quotes.
 fn separator(text: &[u8]) -> u8 {
     let start = text.iter().position(|byte| !matches!(byte, b'\r' | b'\n')).unwrap_or_default();
     let mut counts = [0; SEPARATORS.len()];
@@ -209,7 +284,7 @@ fn separator(text: &[u8]) -> u8 {
     found.map_or(b',', |(separator, _)| separator)
 }
 
-/// Says in which line a row is: a position is that of the empty lines before it.
+/// Returns the line of a row; the reader's position counts only up to the empty lines before the row.
 fn line(text: &[u8], position: &csv::Position) -> u64 {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
@@ -220,7 +295,7 @@ fn line(text: &[u8], position: &csv::Position) -> u64 {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> String {
+    fn message_of(text: &str) -> String {
         let table = Table::parse(text.as_bytes());
         let all = table.and_then(|table| {
             let columns: Vec<usize> = (0..table.names.len()).collect();
@@ -231,11 +306,14 @@ mod tests {
 
     #[test]
     fn rows_have_their_lines() {
-        assert_eq!(said("\u{feff}a, b\n1, 2\n\n-3e1,4\n"), "[(2, [1.0, 2.0]), (4, [-30.0, 4.0])]");
+        assert_eq!(
+            message_of("\u{feff}a, b\n1, 2\n\n-3e1,4\n"),
+            "[(2, [1.0, 2.0]), (4, [-30.0, 4.0])]"
+        );
     }
 
     #[test]
-    fn cells_are_parted_as_the_names_are() {
+    fn cells_are_separated_as_the_names_are() {
         let expected = "[(2, [1.5, -2.0]), (3, [3.0, 0.25])]";
         for text in [
             "a,b\n1.5,-2\n3,0.25\n",
@@ -245,14 +323,14 @@ mod tests {
             "\u{feff}\"a\",\"b\"\n1.5,-2\n3,0.25\n,\n  \n",
             "\"a\";\"b\"\n1,5;-2\n3;0,25\n;\n",
         ] {
-            assert_eq!(said(text), expected, "{text:?}");
+            assert_eq!(message_of(text), expected, "{text:?}");
         }
         let found = Table::parse(b"\"a, x, y\";b\n1;2\n").unwrap();
         assert_eq!(found.names, ["a, x, y", "b"]);
-        // A number has one comma at most. Where commas part cells, one before three digits may be of thousands.
-        assert_eq!(said("a,b\n\"1,5\",\"-2,0\"\n\"3,0\",\"0,25\"\n"), expected);
-        assert!(said("a,b\n\"1,500\",2\n").contains("expected a number, found \"1,500\""));
-        assert!(said("a;b\n1,234,5;2\n").contains("expected a number"));
+        // A number has at most one comma. If commas separate cells, a comma before three digits may separate thousands.
+        assert_eq!(message_of("a,b\n\"1,5\",\"-2,0\"\n\"3,0\",\"0,25\"\n"), expected);
+        assert!(message_of("a,b\n\"1,500\",2\n").contains("expected a number, found \"1,500\""));
+        assert!(message_of("a;b\n1,234,5;2\n").contains("expected a number"));
     }
 
     #[test]
@@ -260,7 +338,7 @@ mod tests {
         let title = |found: &str| {
             format!(
                 "line 1: expected the names of 3 columns, as the next line has, found {found:?}: \
-                 remove the lines before the names"
+             remove the lines before the names"
             )
         };
         for (text, expected) in [
@@ -268,15 +346,15 @@ mod tests {
             ("sep=;\na;b;c\n1;2;3\n", title("sep=")),
             ("a,,\n1,2,3\n", "[(2, [1.0, 2.0, 3.0])]".to_owned()),
         ] {
-            assert_eq!(said(text), expected, "{text:?}");
+            assert_eq!(message_of(text), expected, "{text:?}");
         }
     }
 
     #[test]
-    fn separators_at_the_end_of_a_line_part_off_nothing() {
+    fn separators_at_the_end_of_a_line_make_no_column() {
         let expected = "[(2, [1.0, 2.0]), (3, [3.0, 4.0])]";
         for text in ["a,b,\n1,2,\n3,4,\n", "a,b\n1,2,\n3,4,,\n", "a,b,,\n1,2\n3,4\n"] {
-            assert_eq!(said(text), expected, "{text:?}");
+            assert_eq!(message_of(text), expected, "{text:?}");
         }
     }
 
@@ -311,15 +389,15 @@ mod tests {
         ] {
             let expected = format!(
                 "line {line}: expected the names of the columns, found numbers ({found}): write a line of \
-                 names above them"
+             names above them"
             );
-            assert_eq!(said(text), expected, "{text:?}");
+            assert_eq!(message_of(text), expected, "{text:?}");
         }
-        assert_eq!(said("x,2\n1,2\n"), "[(2, [1.0, 2.0])]");
+        assert_eq!(message_of("x,2\n1,2\n"), "[(2, [1.0, 2.0])]");
     }
 
     #[test]
-    fn what_is_wrong_is_named_by_line() {
+    fn errors_name_the_line() {
         for (text, expected) in [
             ("a,b\n1,2\n3\n", "line 3: expected 2 columns, found 1"),
             ("a,b\n1,2,3\n", "line 2: expected 2 columns, found 3"),
@@ -330,7 +408,7 @@ mod tests {
             ("a,b\n", "has no row below its line of names"),
             ("", "has no row below its line of names"),
         ] {
-            assert_eq!(said(text), expected, "{text:?}");
+            assert_eq!(message_of(text), expected, "{text:?}");
         }
         let table = Table::parse(b"a,b\n1,2\n").unwrap();
         let missing = table.column("frame").unwrap_err().to_string();

@@ -1,0 +1,163 @@
+//! Point caches: PointCache2 (`.pc2`) and Lightwave motion designer (`.mdd`).
+//!
+//! Both store the counts of points and frames, then x, y and z of each point in f32, frame by frame. A `.pc2`, as
+//! written by 3ds Max, Maya and Blender, is little-endian. An `.mdd` also stores the time of each frame and is
+//! big-endian.
+
+use super::{PointCacheError, PosedMeshes};
+use crate::files;
+use crate::formats::error::{FileError, FormatError};
+use rayon::prelude::*;
+use std::io;
+use std::path::Path;
+
+const MAGIC: [u8; 12] = *b"POINTCACHE2\0";
+const VERSION: i32 = 1;
+
+/// Bytes before the points: magic, version, points, first frame, step, frames.
+const PC2_HEADER_BYTES: usize = 32;
+
+/// Bytes before the times: the counts of frames and of points.
+const MDD_HEADER_BYTES: usize = 8;
+
+/// Bytes of a point.
+const POINT_BYTES: u64 = 12;
+
+/// Reads a `.pc2` file.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::PointCache`]
+pub(crate) fn read_pc2(path: &Path) -> Result<PosedMeshes, FormatError> {
+    Ok(parse_pc2(&std::fs::read(path).map_err(FormatError::Read)?)?)
+}
+
+/// Parses the bytes of a `.pc2` file.
+///
+/// # Errors
+/// - [`PointCacheError::NotPointCache`]: another magic or version.
+/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]: the counts are not
+///   positive, or do not match the length of the file.
+pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
+    if !bytes.starts_with(&MAGIC) {
+        let reason = "it does not begin with POINTCACHE2".to_owned();
+        return Err(PointCacheError::NotPointCache { reason });
+    }
+    let Some(header) = bytes.first_chunk::<PC2_HEADER_BYTES>() else {
+        let (expected, found) = (PC2_HEADER_BYTES as u64, bytes.len() as u64);
+        return Err(PointCacheError::Length { expected, found });
+    };
+    let whole = |at: usize| {
+        i32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+    };
+    let version = whole(12);
+    if version != VERSION {
+        return Err(PointCacheError::NotPointCache {
+            reason: format!("it is of version {version}"),
+        });
+    }
+    Counts::new(whole(16), whole(28))?.read(bytes, PC2_HEADER_BYTES as u64, f32::from_le_bytes)
+}
+
+/// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, first frame 0, step 1.
+/// Equal positions give equal bytes.
+///
+/// # Errors
+/// A [`FileError`] that names the file: it cannot be written, `vertices` are not whole frames of `vertex_len`, or the
+/// format cannot count them.
+pub fn save_pc2(path: &Path, vertex_len: usize, vertices: &[[f64; 3]]) -> Result<(), FileError> {
+    encode(vertex_len, vertices)
+        .and_then(|bytes| files::write(path, &bytes))
+        .map_err(|error| FileError { file: path.to_owned(), error: FormatError::Write(error) })
+}
+
+/// Reads an `.mdd` file.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::PointCache`]
+pub(crate) fn read_mdd(path: &Path) -> Result<PosedMeshes, FormatError> {
+    Ok(parse_mdd(&std::fs::read(path).map_err(FormatError::Read)?)?)
+}
+
+/// Parses the bytes of an `.mdd` file.
+///
+/// # Errors
+/// [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]
+pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
+    let Some(&[a, b, c, d, e, f, g, h]) = bytes.first_chunk::<MDD_HEADER_BYTES>() else {
+        let (expected, found) = (MDD_HEADER_BYTES as u64, bytes.len() as u64);
+        return Err(PointCacheError::Length { expected, found });
+    };
+    let frames = i32::from_be_bytes([a, b, c, d]);
+    let counts = Counts::new(i32::from_be_bytes([e, f, g, h]), frames)?;
+    counts.read(bytes, MDD_HEADER_BYTES as u64 + 4 * counts.frame_len(), f32::from_be_bytes)
+}
+
+/// The numbers of points and frames in a header, at least 1 each.
+#[derive(Clone, Copy)]
+pub(super) struct Counts {
+    vertex_len: u64,
+    frame_len: u64,
+}
+
+impl Counts {
+    /// Checks the counts of a header.
+    pub(super) fn new(points: i32, frames: i32) -> Result<Self, PointCacheError> {
+        let positive = |what, found: i32| match u64::try_from(found) {
+            Ok(count) if count > 0 => Ok(count),
+            _ => Err(PointCacheError::Count { what, found }),
+        };
+        Ok(Self { vertex_len: positive("points", points)?, frame_len: positive("frames", frames)? })
+    }
+
+    /// Counts the frames.
+    pub(super) fn frame_len(self) -> u64 {
+        self.frame_len
+    }
+
+    /// Reads the points of a file; they must reach from `begin` exactly to the end of the file.
+    pub(super) fn read(
+        self,
+        bytes: &[u8],
+        begin: u64,
+        number: fn([u8; 4]) -> f32,
+    ) -> Result<PosedMeshes, PointCacheError> {
+        let (points, frames) = (self.vertex_len, self.frame_len);
+        // The product of two counts of 31 bits fits 64 bits.
+        let expected = (points * frames).checked_mul(POINT_BYTES);
+        let expected = expected.and_then(|bytes| bytes.checked_add(begin));
+        let expected = expected.ok_or(PointCacheError::TooMany { points, frames })?;
+        let found = bytes.len() as u64;
+        if found != expected {
+            return Err(PointCacheError::Length { expected, found });
+        }
+        let (points, _) = bytes[begin as usize..].as_chunks::<{ POINT_BYTES as usize }>();
+        let point = |&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]| {
+            [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(number(bytes)))
+        };
+        let vertices = points.par_iter().map(point).collect();
+        Ok(PosedMeshes::bare(self.vertex_len as usize, vertices))
+    }
+}
+
+fn encode(vertex_len: usize, vertices: &[[f64; 3]]) -> io::Result<Vec<u8>> {
+    let refuse = |reason: String| io::Error::new(io::ErrorKind::InvalidInput, reason);
+    let len = vertices.len();
+    if vertex_len == 0 || len == 0 || !len.is_multiple_of(vertex_len) {
+        return Err(refuse(format!("{len} positions are no whole frames of {vertex_len}")));
+    }
+    let count = |len: usize| {
+        i32::try_from(len).map_err(|_| refuse(format!("{len} is more than a .pc2 can count")))
+    };
+    let (points, frames) = (count(vertex_len)?, count(len / vertex_len)?);
+    let mut bytes = Vec::with_capacity(PC2_HEADER_BYTES + 12 * len);
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(points.to_le_bytes());
+    bytes.extend(0f32.to_le_bytes());
+    bytes.extend(1f32.to_le_bytes());
+    bytes.extend(frames.to_le_bytes());
+    for number in vertices.as_flattened() {
+        bytes.extend((*number as f32).to_le_bytes());
+    }
+    Ok(bytes)
+}
