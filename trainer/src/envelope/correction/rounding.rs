@@ -2,11 +2,11 @@
 
 use super::features::Features;
 use crate::envelope::lbs::training::Training;
+use crate::envelope::lbs::training::Training;
 use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
-use crate::envelope::skin::training::Training;
-use crate::kernel::arithmetic::{Arithmetic, U};
-use crate::kernel::map::Value;
 use crate::numeric::columns;
+use crate::regression::arithmetic::{Arithmetic, U};
+use crate::regression::map::Value;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;

@@ -7,8 +7,8 @@
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
 use super::reduce::Reduced;
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::stacked::in_poses;
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::stacked::in_poses;
 use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 

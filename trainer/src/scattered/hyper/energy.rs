@@ -3,9 +3,9 @@
 use super::error::HyperError;
 use super::least_squares::solve;
 use super::options::{Entries, Options};
-use crate::kernel::function::Exact;
-use crate::kernel::sum::{monomials, powers};
 use crate::numeric::columns::dot;
+use crate::regression::function::Exact;
+use crate::scattered::sum::{monomials, powers};
 use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 

@@ -3,8 +3,8 @@
 //! Points are rows, n x d: a column holds one coordinate of all of them, so that a loop over points
 //! runs over contiguous memory. Each distance is summed in the order of [`crate::scattered::sum`].
 
-use crate::kernel::function::Exact;
 use crate::numeric::columns;
+use crate::regression::function::Exact;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
