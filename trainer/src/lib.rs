@@ -9,8 +9,8 @@
 //! [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs` lists its commands in one
 //! line. A part that shares a file with an envelope is a field of [`envelope::model::FileModel`]; it is written in
 //! `envelope/bake/file.rs` and printed in `cli/envelope/describe.rs`. The doc of the runtime's `format/mod.rs` says
-//! which files the runtime accepts. [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`]
-//! know no part. The numbers that set a fit are in [`envelope::Settings`].
+//! which files the runtime accepts. [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`], [`formats`] and
+//! [`space`] know no part. The numbers that set a fit are in [`settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;

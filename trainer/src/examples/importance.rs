@@ -3,6 +3,7 @@
 use super::validate::{is_weight, same};
 use super::{Examples, ExamplesError, LoadError};
 use crate::formats::npz::read_numbers;
+use std::path::Path;
 
 /// Largest weight of a frame.
 const MOST: f64 = 100.0;

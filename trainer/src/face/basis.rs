@@ -1,9 +1,11 @@
 //! A face's basis: the neutral mesh, its shapes and identities.
 
 use super::error::FaceError;
+use crate::envelope::model::{ShapeNumbers, Shapes, SkinModel};
 use crate::formats::ShapedMesh;
 use crate::formats::npz::read_numbers;
-use std::collections::HashSet;
+use crate::mesh::{EngineMesh, Surface, normals};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
 

@@ -40,8 +40,8 @@ pub fn read(path: &Path) -> Result<Source, FaceError> {
         return Basis::of(read_folder(path)?).check().map(Source::Shapes);
     }
     let mesh = match extension(path).as_str() {
-        "npz" if npz::has_shapes(path)? => return npz::read(path)?.check().map(Source::Shapes),
-        "npz" => return meshes::read(path).map(Source::Meshes),
+        "npz" if has_shapes(path)? => return read_face(path)?.check().map(Source::Shapes),
+        "npz" => return read_meshes(path).map(Source::Meshes),
         "glb" | "gltf" => gltf::read_shapes(path)?,
         "fbx" => fbx::read_shapes(path)?,
         _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder").into()),

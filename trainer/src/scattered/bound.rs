@@ -4,6 +4,8 @@
 use super::sum::{KernelSum, Term};
 use crate::numeric::columns;
 use crate::numeric::columns::ends;
+use crate::regression::arithmetic::{Arithmetic, U, gamma};
+use crate::regression::function::Exact;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 

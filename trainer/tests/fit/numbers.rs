@@ -1,4 +1,4 @@
-//! Every number that a fit is set to, so that a new one has to earn its place.
+//! Counts every number that sets a fit, so that a new number must be worth its cost.
 
 use sinew_trainer::settings::Settings;
 use std::fs;
@@ -15,7 +15,7 @@ const OTHERS: [&str; 6] = [
     "regression/arithmetic.rs",
     "regression/rotations.rs",
 ];
-/// Beside the fields of [`Settings`]; raised only for what earns 3 % on two sets.
+/// Limit besides the fields of [`Settings`]; raise it only for a gain of 3 % on two sets.
 const MOST: usize = 105;
 
 fn sources(path: PathBuf, found: &mut Vec<PathBuf>) {
@@ -32,7 +32,7 @@ fn sources(path: PathBuf, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The numeric constants of a source, above its tests: name and value.
+/// Returns the numeric constants of a source above its tests: name and value.
 fn constants(source: &str) -> Vec<(String, String)> {
     let source = source.split("#[cfg(test)]").next().unwrap();
     let after = |part: &str| -> Option<(String, String)> {

@@ -2,7 +2,6 @@
 
 use super::features::Features;
 use crate::envelope::lbs::training::Training;
-use crate::envelope::lbs::training::Training;
 use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
 use crate::numeric::columns;
 use crate::regression::arithmetic::{Arithmetic, U};

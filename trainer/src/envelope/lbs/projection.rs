@@ -2,7 +2,8 @@
 
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::columns::{dot, solve_ridge};
+use crate::numeric::columns::dot;
+use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 use std::ops::Range;
 

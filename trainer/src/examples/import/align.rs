@@ -10,6 +10,10 @@ use crate::numeric::affine::apart_unordered;
 use crate::numeric::affine::{joined, parts, to_rows};
 use crate::space::{SCALES, UNITS};
 use crate::space::{axis, axis_names, direction, rotations};
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use sinew_runtime::format::{Axis, Space};
+use std::fmt;
 
 /// Largest residual of a similarity relative to the residual without one; above this ratio nothing is moved.
 const BETTER: f64 = 0.5;

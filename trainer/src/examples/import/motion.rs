@@ -11,6 +11,8 @@ use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
 use crate::formats::{FormatError, fbx, gltf};
 use crate::numeric::affine::apart;
+use crate::numeric::affine::{joined, parts, to_rows};
+use crate::numeric::so3;
 use crate::space::Conversion;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use sinew_runtime::format::Space;

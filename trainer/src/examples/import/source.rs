@@ -3,10 +3,11 @@
 use super::error::ImportError;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{Examples, ExamplesError, LoadError};
+use crate::examples::{Clip, Examples, ExamplesError, LoadError, Warning};
 use crate::formats::extension::{check_content, extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, fbx, gltf};
+use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,6 @@ use super::series::{legend, length, names};
 use crate::page::chart::bars;
 use crate::page::html::{grouped, paragraph, table, text};
 use crate::report::comparison::Comparison;
-use crate::report::comparison::Comparison;
-use crate::report::joints::by_joint;
 use crate::report::joints::by_joint;
 
 /// A row for each joint: vertices, errors, the model's worst frame, bars.

@@ -8,6 +8,7 @@ use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Clip, Examples, JointNames};
+use sinew_trainer::export::{ExportError, ExportInto, Grafted, by_use, demo_glb};
 use std::path::{Path, PathBuf};
 
 /// Exports a model's first skin into a file.

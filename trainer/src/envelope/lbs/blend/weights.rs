@@ -1,7 +1,8 @@
 //! The fit of weights to given maps.
 
 use super::items::{Items, Maps, Pull, Pulled, Supports, Weights};
-use crate::numeric::columns::{self, dot_by_lanes};
+use crate::numeric::columns;
+use crate::numeric::columns::dot_by_lanes;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
