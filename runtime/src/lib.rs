@@ -86,8 +86,10 @@ pub use record::Record;
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob, mesh_hash_of};
+#[cfg(feature = "raster")]
+pub use views::RenderJob;
 #[cfg(feature = "views")]
-pub use views::{Frame, FrameJob, RenderJob, Views};
+pub use views::{Frame, FrameJob, Views};
 pub use workspace::Workspace;
 
 /// The example of `README.md`, compiled.

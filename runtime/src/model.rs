@@ -304,7 +304,7 @@ impl Found {
                         let mut view = Prior(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        prior::check::content(&view, loading)?;
+                        prior::check_content(&view, loading)?;
                     }
                     #[cfg(feature = "views")]
                     PartKind::Views => {
@@ -320,14 +320,14 @@ impl Found {
                         let mut view = Filter(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        filter::check::content(&view, loading)?;
+                        filter::check_content(&view, loading)?;
                     }
                     #[cfg(feature = "record")]
                     PartKind::Record => {
                         let mut view = Record(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        record::check::content(&view, loading)?;
+                        record::check_content(&view, loading)?;
                     }
                 }
             }
@@ -383,14 +383,14 @@ fn find_part(
         PartKind::Prior => {
             let shape_len = |part| shape_len(loading, manifest, part);
             let part_len = manifest.parts(file).len();
-            prior::check::counts(&out.layout.counts, loading, part_len, shape_len)?
+            prior::check_counts(&out.layout.counts, loading, part_len, shape_len)?
         }
         #[cfg(feature = "views")]
         PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
         #[cfg(feature = "filter")]
-        PartKind::Filter => filter::check::counts(&out.layout.counts, loading)?,
+        PartKind::Filter => filter::check_counts(&out.layout.counts, loading)?,
         #[cfg(feature = "record")]
-        PartKind::Record => record::check::counts(&out.layout.counts, loading)?,
+        PartKind::Record => record::check_counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }

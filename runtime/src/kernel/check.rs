@@ -1,8 +1,7 @@
 //! The checks of a kernel, in the order that FORMAT.md lists.
 
 use super::counts::{KernelCounts, NO_TERM, RULES, place};
-use super::input::InputRow;
-use super::output::OutputRow;
+use super::rows::{InputRow, OutputRow};
 use super::rule::KernelRule;
 use super::view::KernelMap;
 use crate::format::content::{check_counts, check_floats, check_index, check_names};

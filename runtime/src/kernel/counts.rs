@@ -1,7 +1,6 @@
 //! The numbers of a kernel: how large it is, how good it is.
 
-use super::input::InputRow;
-use super::output::OutputRow;
+use super::rows::{InputRow, OutputRow};
 use super::rule::KernelRule;
 use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS};

@@ -1,6 +1,6 @@
 //! From what a query gives to features: quadratic forms of quaternions, over their square (METHOD §2.3).
 
-use super::input::{InputKind, InputRow};
+use super::rows::{InputKind, InputRow};
 use crate::linear::{dot, squared_length, turn};
 use crate::numeric::quadrant_angle;
 

@@ -2,8 +2,8 @@
 
 use super::counts::{KernelCounts, NO_TERM};
 use super::features::{features, gradients};
-use super::input::InputRow;
 use super::point::{self, Point, inputs_of, quaternion};
+use super::rows::InputRow;
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};

@@ -2,7 +2,7 @@
 
 use super::counts::{KernelCounts, NO_TERM};
 use super::features::features;
-use super::input::InputRow;
+use super::rows::InputRow;
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};

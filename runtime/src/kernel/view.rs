@@ -2,8 +2,7 @@
 
 use super::counts::{KernelCounts, KernelFit, RULES};
 use super::function::Kernel;
-use super::input::{InputKind, InputRow};
-use super::output::{OutputKind, OutputRow};
+use super::rows::{InputKind, InputRow, OutputKind, OutputRow};
 use super::rule::{KernelRule, Normalise, QueryRule};
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};

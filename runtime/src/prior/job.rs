@@ -1,11 +1,10 @@
 //! Pins: from where a few vertices are to be to the weights of all shapes (METHOD §5.1).
 
 use super::active_set::{ActiveSet, End, FREE, HIGH, LOW};
-use super::observation::{Vertex, not_finite};
 use super::packed::{add, add_square, add_to_diagonal, dot, packed_len};
-use super::pins::PinList;
+use super::part::{Prior, shapes};
+use super::pins::{PinList, Vertex, not_finite};
 use super::scratch::{Head, Scratch};
-use super::view::{Prior, shapes};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, Matrix3x4, floats};
 use crate::skin::Skin;

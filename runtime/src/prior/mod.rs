@@ -5,17 +5,13 @@
 //! must not drift.
 
 mod active_set;
-pub(crate) mod check;
-mod counts;
 mod job;
-mod observation;
 mod packed;
+mod part;
 mod pins;
 mod scratch;
-mod view;
 
-pub(crate) use counts::RULES;
-pub use counts::{PRIOR_SECTIONS, PriorCounts, PriorFit};
 pub use job::{Anchor, Edit, PinJob, Temporal};
+pub use part::{PRIOR_SECTIONS, Prior, PriorCounts, PriorFit, PriorLayout};
+pub(crate) use part::{RULES, check_content, check_counts};
 pub use pins::{Pin, PinList, Pins};
-pub use view::{Prior, PriorLayout};

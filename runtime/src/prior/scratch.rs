@@ -1,8 +1,7 @@
 //! What a solve keeps in the caller's memory, and how it is cut.
 
-use super::counts::PriorCounts;
 use super::packed::packed_len;
-use super::view::Prior;
+use super::part::{Prior, PriorCounts};
 
 /// Words that say of what the rest is.
 const HEAD: usize = 7;

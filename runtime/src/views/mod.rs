@@ -7,13 +7,15 @@
 mod blend;
 pub(crate) mod check;
 mod counts;
+#[cfg(feature = "raster")]
 mod cover;
 mod frame;
-mod group;
-mod order;
+#[cfg(feature = "raster")]
 mod raster;
+#[cfg(feature = "raster")]
 mod render;
-mod texture;
+#[cfg(feature = "raster")]
+mod sample;
 mod view;
 
 pub use blend::Blend;
@@ -23,6 +25,6 @@ pub use counts::{
     ViewsFit,
 };
 pub use frame::{Found, Frame, FrameJob};
+#[cfg(feature = "raster")]
 pub use render::{Drawn, RenderJob, RenderScratch};
-pub use texture::Texture;
-pub use view::{Element, Layer, Vertex, Views, ViewsLayout};
+pub use view::{Element, Layer, Texture, Vertex, Views, ViewsLayout};

@@ -2,7 +2,8 @@
 
 use super::blend::SOURCES;
 use super::cover::{Step, area, cover, snap};
-use super::texture::{ALPHA_MAX, Colour, Texture};
+use super::sample::{ALPHA_MAX, Colour};
+use super::view::Texture;
 use crate::lanes::{Eight, Lanes, ROUND, Real};
 use crate::numeric::{greater, lesser, sqrt};
 use glam::Vec4;
@@ -126,6 +127,31 @@ pub(super) fn quad(screen: &mut Screen<'_>, corners: [Corner; 4], sources: &[Sou
         }
     }
     is_flipped || reflex.contains(&true)
+}
+
+/// Blends a layer over a picture.
+///
+/// - `clip`: how far each pixel of the layer is seen, in 255ths.
+/// - `opacity`: from 0 to 1.
+pub(super) fn blend_group(
+    layer: &[[u8; 4]],
+    clip: Option<&[u8]>,
+    opacity: f32,
+    out: &mut [[u8; 4]],
+) {
+    for (at, (own, out)) in layer.iter().zip(out).enumerate().filter(|(_, (own, _))| own[3] > 0) {
+        let seen = clip.map_or(1.0, |clip| f32::from(clip.get(at).copied().unwrap_or(0)) / 255.0);
+        let colour = Vec4::from(own.map(f32::from)) * 255.0;
+        *out = over(colour * (opacity * seen), *out);
+    }
+}
+
+/// Leaves of a clip what a layer covers.
+pub(super) fn multiply_mask(layer: &[[u8; 4]], opacity: f32, clip: &mut [u8]) {
+    let scale = opacity / ALPHA_MAX * 255.0;
+    for ([.., alpha], out) in layer.iter().zip(clip) {
+        *out = (f32::from(*out) * f32::from(*alpha) * scale + 0.5) as u8;
+    }
 }
 
 /// Turns a ring round at its first corner; each edge goes with the corner that it now starts from.
@@ -288,7 +314,7 @@ fn by_lane<R: Real, const N: usize>(mut a: [R; N], b: [R; N], f: impl Fn(R, R) -
 
 /// Returns a colour over another, rounded.
 #[inline(always)]
-pub(super) fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
+fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
     let [r, g, b, a] = below;
     let below = Vec4::new(r.into(), g.into(), b.into(), a.into());
     rounded(colour * (1.0 / 255.0) + below * (1.0 - colour.w * (1.0 / ALPHA_MAX)))

@@ -1,9 +1,7 @@
 //! From points to a picture (METHOD §6.5, §6.9).
 
 use super::blend::{Blend, SOURCES};
-use super::group;
-use super::order::sort;
-use super::raster::{Corner, Screen, Source, quad, triangle};
+use super::raster::{Corner, Screen, Source, blend_group, multiply_mask, quad, triangle};
 use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::numeric::{greater, lesser, smoothstep, sqrt};
@@ -105,7 +103,7 @@ impl RenderJob<'_> {
                 picture.draw(number, &layer, (*element).into(), &mut screen, &mut drawn);
             }
             if is_group {
-                group::blend(group, layer.clip.map(|_| &*clips), opacity, out);
+                blend_group(group, layer.clip.map(|_| &*clips), opacity, out);
             }
         }
         Ok(drawn)
@@ -204,7 +202,7 @@ impl Picture<'_> {
             for element in layer.first..layer.end {
                 self.draw(number, &layer, element, &mut screen, &mut Drawn::default());
             }
-            group::mask(group, self.job.layer_numbers(number)[0], clips);
+            multiply_mask(group, self.job.layer_numbers(number)[0], clips);
         }
     }
 
@@ -317,4 +315,62 @@ fn area(vertices: &[usize], place: impl Fn(usize) -> [f32; 2]) -> f32 {
     // By the diagonals of a quad, two of whose corners are one in a triangle.
     let [dx, dy] = at(3).unwrap_or([ax, ay]);
     (cx - ax) * (dy - by) - (cy - ay) * (dx - bx)
+}
+
+/// Sorts numbers by a key, then by themselves: a heap of the last ones, taken apart from its root.
+fn sort(numbers: &mut [u16], key: impl Fn(u16) -> f32) {
+    let is_before = |a: u16, b: u16| key(a).total_cmp(&key(b)).then(a.cmp(&b)).is_lt();
+    for root in (0..numbers.len() / 2).rev() {
+        sink(numbers, root, &is_before);
+    }
+    let mut heap = numbers;
+    while let Some((last, rest)) = heap.split_last_mut() {
+        let Some(first) = rest.first_mut() else { return };
+        core::mem::swap(first, last);
+        sink(rest, 0, &is_before);
+        heap = rest;
+    }
+}
+
+/// Lets a number sink to its place in a heap.
+fn sink(heap: &mut [u16], root: usize, is_before: &impl Fn(u16, u16) -> bool) {
+    let Some(own) = heap.get(root).copied() else { return };
+    let mut at = root;
+    loop {
+        let child = 2 * at + 1;
+        let next = match (heap.get(child), heap.get(child + 1)) {
+            (Some(a), Some(b)) if is_before(*a, *b) => child + 1,
+            (Some(_), _) => child,
+            (None, _) => break,
+        };
+        let Some(other) = heap.get(next).copied().filter(|other| is_before(own, *other)) else {
+            break;
+        };
+        if let Some(place) = heap.get_mut(at) {
+            *place = other;
+        }
+        at = next;
+    }
+    if let Some(place) = heap.get_mut(at) {
+        *place = own;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn numbers_come_in_the_order_of_their_keys() {
+        for len in 0..60u16 {
+            let keys: Vec<f32> = (0..len).map(|i| f32::from(i * 7 % 13) - 4.0).collect();
+            let mut found: Vec<u16> = (0..len).collect();
+            sort(&mut found, |i| keys[usize::from(i)]);
+            let mut expected: Vec<u16> = (0..len).collect();
+            expected.sort_by(|a, b| keys[usize::from(*a)].total_cmp(&keys[usize::from(*b)]));
+            assert_eq!(found, expected);
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! An object in a loaded file: what loading found of it, and what it holds.
 
 use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, ViewsFit, mask_len};
-use super::texture::Texture;
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
@@ -112,6 +111,26 @@ impl Layer {
     pub const ONE_SIDED: u32 = 4;
     /// All bits.
     pub(super) const FLAGS: u32 = Self::DEPTH | Self::GROUP | Self::ONE_SIDED;
+}
+
+/// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Texture<'a> {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) texels: &'a [[u8; 4]],
+}
+
+impl<'a> Texture<'a> {
+    /// Returns width and height in texels.
+    pub const fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Returns its texels.
+    pub const fn texels(&self) -> &'a [[u8; 4]] {
+        self.texels
+    }
 }
 
 /// An object of K control points in L layers, as N key views show it; borrowed from a loaded model.

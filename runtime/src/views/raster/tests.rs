@@ -361,3 +361,31 @@ fn depths_lie_on_the_plane_of_their_corners() {
     }
     assert!(seen >= 28, "{seen}");
 }
+
+#[test]
+fn opacity_and_clip_scale_what_is_drawn() {
+    let layer = [[200, 100, 0, 255]; 3];
+    // Nothing, a fifth, and all.
+    let clip = [0, 51, 255];
+    for (clip, opacity) in [(None, 1.0), (None, 0.5), (Some(clip), 1.0), (Some(clip), 0.5)] {
+        let mut pixels = [[100, 200, 40, 255]; 3];
+        blend_group(&layer, clip.as_ref().map(|clip| &clip[..]), opacity, &mut pixels);
+        for (at, pixel) in pixels.iter().enumerate() {
+            let share = opacity * clip.map_or(1.0, |clip| f32::from(clip[at]) / 255.0);
+            for (found, [above, below]) in pixel.iter().zip([[200, 100], [100, 200], [0, 40]]) {
+                let expected = below as f32 + share * (above - below) as f32;
+                assert!((f32::from(*found) - expected).abs() <= 0.51, "{at} {share}");
+            }
+        }
+    }
+}
+
+#[test]
+fn masks_multiply() {
+    let layer = [[9, 9, 9, 102], [0; 4], [255; 4]];
+    let mut clip = [255, 255, 100];
+    multiply_mask(&layer, 1.0, &mut clip);
+    assert_eq!(clip, [102, 0, 100]);
+    multiply_mask(&layer, 0.5, &mut clip);
+    assert_eq!(clip, [20, 0, 50]);
+}

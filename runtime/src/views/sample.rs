@@ -1,16 +1,9 @@
-//! Textures, and their colours between texels.
+//! Colours of a texture, between its texels.
 
+use super::view::Texture;
 use crate::lanes::{Eight, Lanes, ROUND};
 use crate::numeric::{greater, lesser};
 use glam::Vec4;
-
-/// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Texture<'a> {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) texels: &'a [[u8; 4]],
-}
 
 /// A colour times its alpha, and that alpha times the most of it, in [0, [`ALPHA_MAX`]] and as sRGB encodes it: the numbers of
 /// a file are neither decoded nor encoded again.
@@ -19,17 +12,7 @@ pub(super) type Colour = Vec4;
 /// 255²: a byte times the greatest alpha.
 pub(super) const ALPHA_MAX: f32 = 65_025.0;
 
-impl<'a> Texture<'a> {
-    /// Returns width and height in texels.
-    pub const fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
-    }
-
-    /// Returns its texels.
-    pub const fn texels(&self) -> &'a [[u8; 4]] {
-        self.texels
-    }
-
+impl Texture<'_> {
     /// Adds a share of the colours at places in texels, whose centres are at 0.5, between the four nearest; beyond the
     /// centres of the outermost, theirs.
     ///
