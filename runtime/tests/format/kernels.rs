@@ -314,6 +314,6 @@ fn errors_say_what_is_wrong_in_a_phrase() {
     );
     assert_eq!(
         phrase(with(|content| content.outputs[4].1.neutral = [0.0; 4])),
-        "part 0: the range or the neutral of output 4 is not one of its kind"
+        "part 0: the range or the neutral of output 4 does not fit its kind"
     );
 }

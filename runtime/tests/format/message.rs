@@ -113,7 +113,7 @@ fn errors_say_what_is_wrong_in_a_phrase() {
         "part 1: the file ends early: section normal_errors: expected 8 bytes, found 7"
     );
     let space = phrase(&|b| b.head[head::SPACE.start] = 9);
-    assert_eq!(space, "byte 0 of the space: 9 is not one");
+    assert_eq!(space, "byte 0 of the space: 9 is not valid");
     let longer = Pieces::small(Predictor::Rotational).bytes_with(|file| {
         file.parts.remove(0);
         file.padding.push(0);
