@@ -1,7 +1,8 @@
-//! The part filter: makes a signal finer, or an image, by weights that depend on nothing but where a fine sample lies
-//! between the coarse ones (METHOD §4).
+//! The part filter: increases the sampling rate of a signal or an image. The weights depend only on
+//! the position of a fine sample between the coarse samples (METHOD §4).
 //!
-//! [`Filter::apply`] slides a window along the samples; the weights were baked, border by border and phase by phase.
+//! [`Filter::apply`] slides a window along the samples. The file holds the weights for every
+//! distance from the signal's ends and for every phase.
 
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::content;
@@ -17,29 +18,29 @@ const TAPS: usize = Rule::place(&RULES, SectionKind::FilterTaps);
 const VARIANCES: usize = Rule::place(&RULES, SectionKind::FilterVariances);
 const FIT: usize = Rule::place(&RULES, SectionKind::FilterFit);
 
-/// Weights that make F fine samples of each coarse one; borrowed from a loaded model.
+/// Weights that make F fine samples from each coarse sample; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by number return `None` if the number is out of range.
 #[derive(Clone, Copy)]
 pub struct Filter<'a>(pub(crate) Part<'a>);
 
 part::view! { Filter, FilterLayout, |words| -> FilterCounts { FilterCounts::from_words(first_counts(words)) } }
 
 impl<'a> Filter<'a> {
-    /// Returns F, the number of fine samples of each coarse one.
+    /// Returns F, the number of fine samples per coarse sample.
     pub const fn factor(&self) -> usize {
         self.counts().factor as usize
     }
 
-    /// Returns N, the number of coarse samples that each fine one is made of. No signal may be shorter.
+    /// Returns N, the number of coarse samples in a window. A signal must have at least N samples.
     pub const fn tap_len(&self) -> usize {
         self.counts().tap_len as usize
     }
 
-    /// Returns by how much a coarse sample of a window counts for a fine one.
+    /// Returns the weight of a coarse sample of a window for a fine sample.
     ///
-    /// - `place`: that of the sample which the fine one is a phase of, in the window.
-    /// - `phase`: number of the fine sample among that one's F.
+    /// - `place`: place in the window of the coarse sample with the fine sample's phase.
+    /// - `phase`: number of the fine sample among the F of its coarse sample.
     /// - `tap`: number of the coarse sample in the window.
     pub fn tap(&self, place: usize, phase: usize, tap: usize) -> Option<f32> {
         let start = self.row(place, phase)? * self.tap_len();
@@ -47,26 +48,29 @@ impl<'a> Filter<'a> {
         taps.get(tap).map(|le| f32::from_le_bytes(*le))
     }
 
-    /// Returns the variance of a fine sample, likewise; `None` also if the file has none.
+    /// Returns the variance of a fine sample; `None` also if the file has no variances.
+    ///
+    /// - `place`, `phase`: as for [`Filter::tap`].
     pub fn variance(&self, place: usize, phase: usize) -> Option<f32> {
         let row = self.row(place, phase)?;
         self.0.bytes(VARIANCES).as_chunks().0.get(row).map(|le| f32::from_le_bytes(*le))
     }
 
-    /// Returns the window of a coarse sample among as many as there are: where it starts, and the sample's place in
-    /// it. Inside, that is the middle; towards an end the window stays and the sample moves.
+    /// Returns the window of a coarse sample in a signal of `sample_len` samples: the window's
+    /// start, and the sample's place in the window. Inside the signal the place is the middle. Near
+    /// an end the window stops moving and the place changes.
     pub fn window(&self, sample: usize, sample_len: usize) -> (usize, usize) {
         let last = sample_len.saturating_sub(self.tap_len());
         let start = sample.saturating_sub(self.tap_len() / 2).min(last);
         (start, sample.saturating_sub(start))
     }
 
-    /// Returns how far it was measured to be from what it was trained on.
+    /// Returns the measured error of the filter on its training data.
     pub fn fit(&self) -> FilterFit {
         FilterFit::from_figures(self.0.array(FIT).first().map(floats).unwrap_or_default())
     }
 
-    /// All taps: place by place, phase by phase.
+    /// All taps, sorted by place and then by phase.
     fn taps(&self) -> &'a [Le] {
         self.0.bytes(TAPS).as_chunks().0
     }
@@ -81,45 +85,49 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// How samples lie: `signal_len` signals one after the other, each of `sample_len` rows of `lane_len` numbers.
+/// Layout of samples: `signal_len` signals in sequence, each of `sample_len` rows of `lane_len`
+/// numbers.
 ///
-/// A signal by itself has one lane. An image of H rows of W pixels of C channels has W C lanes along its columns, where
-/// it is one signal of H rows; along its rows it is H signals of W rows of C lanes.
+/// A single signal has one lane. Take an image of H rows of W pixels of C channels. Along its
+/// columns the image is one signal of H rows with W C lanes. Along its rows the image is H signals
+/// of W rows with C lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Samples {
-    /// Signals, one after the other.
+    /// Number of signals.
     pub signal_len: usize,
     /// Samples of each signal.
     pub sample_len: usize,
-    /// Numbers of each sample, each of which goes by itself.
+    /// Numbers per sample; each is filtered independently.
     pub lane_len: usize,
 }
 
-/// Lanes that are summed side by side.
+/// Lanes that are summed together.
 const WIDE: usize = 8;
 
 impl Samples {
-    /// Makes those of a signal by itself.
+    /// Makes the layout of a single signal.
     pub const fn of_signal(sample_len: usize) -> Self {
         Self { signal_len: 1, sample_len, lane_len: 1 }
     }
 
-    /// Counts the numbers; `usize::MAX` stands for more.
+    /// Returns the number of numbers; saturates at `usize::MAX`.
     const fn len(&self) -> usize {
         self.signal_len.saturating_mul(self.sample_len).saturating_mul(self.lane_len)
     }
 }
 
 impl Filter<'_> {
-    /// Makes samples F times as fine.
+    /// Computes F fine samples for each sample.
     ///
-    /// Fine sample `F i + p` is the sum, first to last, of the N coarse samples of the window of coarse sample i times
-    /// the taps of its place there and of phase p (METHOD §4). Two calls make an image finer, one along its columns and
+    /// Fine sample `F i + p` is a weighted sum over the N coarse samples in the window of coarse
+    /// sample i. The weights are the taps for the sample's place in the window and for phase p; the
+    /// sum runs from first to last (METHOD §4). An image needs two calls, one along its columns and
     /// one along its rows.
     ///
-    /// - `shape`: how `samples` lie; what is written lies likewise, with F times as many samples a signal.
+    /// - `shape`: layout of `samples`. The output has the same layout, with F times the samples per
+    ///   signal.
     /// - `samples`: the numbers.
-    /// - `out`: where to write F times as many.
+    /// - `out`: receives F times the numbers.
     ///
     /// # Errors
     /// - [`CallErrorKind::TooShort`]: a signal has fewer than N samples.
@@ -134,7 +142,7 @@ impl Filter<'_> {
             return Err(CallError::new(CallErrorKind::NonFinite, Argument::Samples).at(at));
         }
         let Samples { sample_len, lane_len, .. } = shape;
-        // Of no number there is nothing to make; chunks of none would panic.
+        // An empty shape writes nothing; a chunk length of zero would panic.
         let coarse = samples.chunks_exact((sample_len * lane_len).max(1));
         let fine = out.chunks_exact_mut((sample_len * self.factor() * lane_len).max(1));
         for (coarse, fine) in coarse.zip(fine) {
@@ -143,7 +151,7 @@ impl Filter<'_> {
         Ok(())
     }
 
-    /// Makes one signal finer. `None` stands for what a loaded filter does not have.
+    /// Filters one signal. `None` never occurs for a loaded filter.
     fn apply_to_signal(&self, shape: Samples, coarse: &[f32], fine: &mut [f32]) -> Option<()> {
         let Samples { sample_len, lane_len, .. } = shape;
         let (tap_len, factor, taps) = (self.tap_len(), self.factor(), self.taps());
@@ -160,7 +168,7 @@ impl Filter<'_> {
     }
 }
 
-/// Sums a window's samples times their taps, lane by lane.
+/// Sums the weighted samples of a window, for all lanes.
 fn sum_lanes(taps: &[Le], window: &[f32], out: &mut [f32]) {
     let lane_len = out.len();
     let (wide, rest) = out.as_chunks_mut::<WIDE>();
@@ -173,7 +181,7 @@ fn sum_lanes(taps: &[Le], window: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Sums L lanes from one of them on, one tap after the other.
+/// Sums L lanes, starting at lane `first`, in the order of the taps.
 #[inline(always)]
 fn sums<const L: usize>(taps: &[Le], window: &[f32], lane_len: usize, first: usize) -> [f32; L] {
     let mut sums = [0.0; L];
@@ -187,12 +195,12 @@ fn sums<const L: usize>(taps: &[Le], window: &[f32], lane_len: usize, first: usi
     sums
 }
 
-/// Counts of a filter, from which every section's length follows.
+/// Counts of a filter. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilterCounts {
-    /// Fine samples of each coarse one, F.
+    /// Fine samples per coarse sample, F.
     pub factor: u32,
-    /// Coarse samples of a window, N: odd.
+    /// Coarse samples of a window, N; odd.
     pub tap_len: u32,
 }
 
@@ -206,31 +214,32 @@ impl FilterCounts {
         [factor, tap_len]
     }
 
-    /// Makes them of their words.
+    /// Makes the counts from their words.
     pub const fn from_words([factor, tap_len]: [u32; 2]) -> Self {
         Self { factor, tap_len }
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if no filter has it.
+    /// Computes a section's length in bytes, or the least length of the names; `None` if filters
+    /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
-    pub(super) const fn asked(&self) -> Asked {
+    /// Returns the requirements for the sections, in the terms of [`RULES`].
+    const fn asked(&self) -> Asked {
         let Self { factor, tap_len } = *self;
         Asked::new(ALWAYS, [1, tap_len, factor.saturating_mul(tap_len)])
     }
 }
 
-/// How far a filter was measured to be from what it was trained on.
+/// Measured error of a filter on its training data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilterFit {
-    /// From one coarse sample to the next, in the unit of what the signal runs along; 0 if it has none.
+    /// Distance between coarse samples, in units of the signal's axis; 0 without a unit.
     pub step: f32,
-    /// RMS over samples that were left out, in the signal's unit; 0 if it was not measured.
+    /// RMS error over left-out samples, in the signal's unit; 0 if not measured.
     pub left_out_rms: f32,
-    /// The same of linear interpolation.
+    /// RMS error of linear interpolation over the samples of `left_out_rms`.
     pub linear_rms: f32,
 }
 
@@ -244,24 +253,24 @@ impl FilterFit {
         [step, left_out_rms, linear_rms]
     }
 
-    /// Makes it of its figures.
+    /// Makes the fit from its figures.
     pub const fn from_figures([step, left_out_rms, linear_rms]: [f32; 3]) -> Self {
         Self { step, left_out_rms, linear_rms }
     }
 }
 
-/// Where the counts stand in their section.
+/// Indices of the counts in their section.
 mod place {
     pub(super) const FACTOR: usize = 0;
     pub(super) const TAPS: usize = 1;
 }
 
-/// The sections of a filter, in the order in which the trainer writes them.
+/// The sections of a filter, in the trainer's order.
 pub const FILTER_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && FilterCounts::BYTES <= 4 * COUNTS);
 
-/// What a filter asks of its sections. Sizes: 1, N, F N.
+/// Rules for the sections of a filter. Sizes: 1, N, F N.
 pub(crate) const RULES: [Rule; 5] = [
     Rule::new(SectionKind::FilterCounts, FilterCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [0, 0]).or_more(0),
@@ -270,7 +279,7 @@ pub(crate) const RULES: [Rule; 5] = [
     Rule::floats(SectionKind::FilterFit, FilterFit::BYTES as u8, [0, 0]).unsigned(),
 ];
 
-/// Checks a filter's counts, and returns what they ask of its sections.
+/// Checks a filter's counts, and returns the requirements for its sections.
 pub(crate) fn check_counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
     let section = SectionKind::FilterCounts;
     let most = u32::from(u16::MAX);
@@ -287,7 +296,7 @@ pub(crate) fn check_counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Chec
     Ok(counts.asked())
 }
 
-/// Checks the content of a filter whose sections all have their length.
+/// Checks the content of a filter. The lengths of all sections have been checked before.
 pub(crate) fn check_content(filter: &Filter<'_>, loading: &Loading<'_>) -> Checked {
     content::check_names(loading, filter.names())?;
     content::check_floats(loading, &filter.0, &RULES)

@@ -1,5 +1,6 @@
-//! The part record: what an envelope was trained on, so that whoever measures it later knows which frames it has seen
-//! and what linear blend skinning makes of the same examples. Evaluation needs none of it.
+//! The part record: an envelope's training data in short. A later measurement needs to know the
+//! training frames, and the error of linear blend skinning on the examples. Evaluation does not use
+//! the record.
 
 use crate::format::SectionKind;
 use crate::format::content;
@@ -14,23 +15,24 @@ const MARKS: usize = Rule::place(&RULES, SectionKind::FrameMarks);
 const JOINTS: usize = Rule::place(&RULES, SectionKind::LbsJoints);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::LbsWeights);
 
-/// What an envelope of the record's name was trained on; borrowed from a loaded model.
+/// Training data of the envelope with the record's name; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by number return `None` if the number is out of range.
 #[derive(Clone, Copy)]
 pub struct Record<'a>(pub(crate) Part<'a>);
 
 part::view! { Record, RecordLayout, |words| -> RecordCounts { RecordCounts::from_words(first_counts(words)) } }
 
 impl<'a> Record<'a> {
-    /// Lists the marks of the training frames: numbers by which a frame is known again, in any axes and unit
+    /// Lists the marks of the training frames: numbers that identify a frame in any axes and unit
     /// (METHOD §1.11).
     pub fn frame_marks(&self) -> impl ExactSizeIterator<Item = [f32; MARK_LEN]> + use<'a> {
         self.0.array(MARKS).iter().map(floats)
     }
 
-    /// Lists the joints that a vertex follows in the linear blend skinning that was fitted to the training frames,
-    /// each with its weight; they sum to 1 but for rounding. Of a record without weights there are none.
+    /// Lists the joints of a vertex in linear blend skinning, each with its weight. The weights
+    /// were fitted to the training frames and sum to 1 up to rounding. A record without weights
+    /// lists none.
     pub fn lbs_influences(
         &self,
         vertex: usize,
@@ -63,7 +65,7 @@ impl<'a> Record<'a> {
     }
 }
 
-/// Numbers of a frame's mark.
+/// Numbers per mark of a frame.
 pub const MARK_LEN: usize = 4;
 
 /// Counts of a record.
@@ -71,9 +73,9 @@ pub const MARK_LEN: usize = 4;
 pub struct RecordCounts {
     /// Training frames, F.
     pub frame_len: u32,
-    /// Vertices of the examples, one a point of the surface, V.
+    /// Vertices of the examples, with one vertex per point of the surface, V.
     pub vertex_len: u32,
-    /// Joints that a vertex follows in linear blend skinning, K; 0 if the file has no weights for it.
+    /// Joints per vertex in linear blend skinning, K; 0 if the file has no such weights.
     pub influence_len: u32,
     /// Joints of the envelope, J.
     pub joint_len: u32,
@@ -89,39 +91,40 @@ impl RecordCounts {
         [frame_len, vertex_len, influence_len, joint_len]
     }
 
-    /// Makes them of their words.
+    /// Makes the counts from their words.
     pub const fn from_words([frame_len, vertex_len, influence_len, joint_len]: [u32; 4]) -> Self {
         Self { frame_len, vertex_len, influence_len, joint_len }
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if no record has it.
+    /// Computes a section's length in bytes, or the least length of the names; `None` if records
+    /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
-    pub(super) const fn asked(&self) -> Asked {
+    /// Returns the requirements for the sections, in the terms of [`RULES`].
+    const fn asked(&self) -> Asked {
         let skins = if self.influence_len > 0 { SKINS } else { 0 };
         Asked::new(ALWAYS | skins, [1, self.frame_len, self.vertex_len, self.influence_len])
     }
 }
 
-/// Where the counts stand in their section.
+/// Indices of the counts in their section.
 mod place {
     pub(super) const VERTICES: usize = 1;
     pub(super) const INFLUENCES: usize = 2;
     pub(super) const JOINTS: usize = 3;
 }
 
-/// Bit of a record with weights of linear blend skinning.
+/// Bit for a record with weights of linear blend skinning.
 const SKINS: u8 = 4;
 
-/// The sections of a record, in the order in which the trainer writes them.
+/// The sections of a record, in the trainer's order.
 pub const RECORD_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && RecordCounts::BYTES <= 4 * COUNTS);
 
-/// What a record asks of its sections. Sizes: 1, F, V, K.
+/// Rules for the sections of a record. Sizes: 1, F, V, K.
 pub(crate) const RULES: [Rule; 5] = [
     Rule::new(SectionKind::RecordCounts, RecordCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [0, 0]).or_more(0),
@@ -130,7 +133,7 @@ pub(crate) const RULES: [Rule; 5] = [
     Rule::new(SectionKind::LbsWeights, 2, [2, 3]).with(SKINS),
 ];
 
-/// Checks a record's counts, and returns what they ask of its sections.
+/// Checks a record's counts, and returns the requirements for its sections.
 pub(crate) fn check_counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
     let most = u32::from(u16::MAX);
     let ranges = [
@@ -142,7 +145,7 @@ pub(crate) fn check_counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Chec
     Ok(RecordCounts::from_words(first_counts(words)).asked())
 }
 
-/// Checks the content of a record whose sections all have their length.
+/// Checks the content of a record. The lengths of all sections have been checked before.
 pub(crate) fn check_content(record: &Record<'_>, loading: &Loading<'_>) -> Checked {
     content::check_names(loading, record.names())?;
     content::check_floats(loading, &record.0, &RULES)?;

@@ -1,4 +1,5 @@
-//! From a query to outputs.
+//! Evaluation: from a query to outputs. The last steps apply the fade, the ranges and the
+//! normalisation, and turn vectors into rotations.
 
 use super::counts::KernelCounts;
 use super::point::{self, Point};
@@ -14,28 +15,28 @@ impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::evaluate`] needs.
     pub const fn scratch_len(&self) -> usize {
         let (n, m) = (self.centre_len as usize, self.value_len as usize);
-        // A rotation gives one number more than it has values.
+        // A rotation has one more number than values.
         Point::scratch_len(self) + padded(n) + padded(m) + m + self.output_len as usize
     }
 }
 
 impl KernelMap<'_> {
-    /// Computes the outputs of a query, and returns the confidence in them, in [0, 1]: 1 where a centre is
-    /// near, 0 far from all; 1 where the kernel has no fade.
+    /// Computes the outputs of a query, and returns their confidence in [0, 1]. The confidence is 1
+    /// near a centre and 0 far from all centres; a kernel without a fade always returns 1.
     ///
-    /// - `query`: [`KernelMap::query_len`] numbers: 1 of a scalar, 3 of a vector, of a rotation a quaternion x,
-    ///   y, z, w of any length but 0, one input after the other.
+    /// - `query`: [`KernelMap::query_len`] numbers, one input after the other. A scalar has 1
+    ///   number, a vector 3, and a rotation a quaternion x, y, z, w of any length but 0.
     /// - `scratch`: at least [`KernelCounts::scratch_len`] floats, of any content.
-    /// - `out`: [`KernelMap::result_len`] numbers: 1 of a scalar, 3 of a vector, of a rotation a quaternion of
-    ///   length 1, one output after the other.
+    /// - `out`: [`KernelMap::result_len`] numbers, one output after the other. A scalar has 1
+    ///   number, a vector 3, and a rotation a quaternion of length 1.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::Length`]: `query` or `out` has another length.
     /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
-    /// - [`crate::CallErrorKind::NonFinite`]: a number of `query` is not finite; or one of the outputs would not
-    ///   be, by its first number: the query is too far out for single precision.
-    /// - [`crate::CallErrorKind::ZeroRotation`]: the quaternion of an input, whose number is the index, has no
-    ///   direction.
+    /// - [`crate::CallErrorKind::NonFinite`]: a number of `query` is not finite; or an output would
+    ///   not be, because the query is too far out for single precision. The index of an output is
+    ///   the index of its first number.
+    /// - [`crate::CallErrorKind::ZeroRotation`]: the quaternion of input `index` has no direction.
     pub fn evaluate(
         &self,
         query: &[f32],
@@ -52,7 +53,7 @@ impl KernelMap<'_> {
         let (values, scratch) = split(scratch, padded(m));
         let confidence = self.basis(&point, basis.as_chunks_mut().0);
         let basis = basis.get(..n).unwrap_or_default();
-        // Without centres and terms there is no column to sum.
+        // Without centres and terms no column is summed.
         values.fill(0.0);
         block_product(self.coefficients(), [basis, point.terms], values.as_chunks_mut().0);
         let (found, _) = split(scratch, out.len());
@@ -62,32 +63,33 @@ impl KernelMap<'_> {
         Ok(confidence)
     }
 
-    /// Computes G of each centre, n values in whole blocks, and returns the confidence.
+    /// Computes G for each centre, n values in whole blocks, and returns the confidence.
     pub(super) fn basis(&self, point: &Point<'_>, out: &mut [[f32; 8]]) -> f32 {
         let rule = self.rule();
-        let mut doubt = 1.0;
+        let mut uncertainty = 1.0;
         let mut left = self.counts().centre_len as usize;
         let mut blocks = out.iter_mut();
         block_distances(self.centres(), point.z, |distances| {
             let Some(out) = blocks.next() else { return };
             *out = *rule.kernel.values(distances.squared).floats();
-            // A centre that vouches wholly leaves no doubt, whatever the others do.
-            if rule.has_fade() && doubt > 0.0 {
+            // A centre with nearness 1 leaves no uncertainty, for any other centres.
+            if rule.has_fade() && uncertainty > 0.0 {
                 let nearness = in_lanes(distances.squared, |s| nearness(s, rule.fade));
                 for near in nearness.floats().iter().take(left) {
-                    doubt *= 1.0 - near;
+                    uncertainty *= 1.0 - near;
                 }
                 left = left.saturating_sub(8);
             }
         });
-        if rule.has_fade() { 1.0 - doubt } else { 1.0 }
+        if rule.has_fade() { 1.0 - uncertainty } else { 1.0 }
     }
 }
 
-/// Computes the outputs of m values, which the fade may change.
+/// Computes the outputs from m values. The fade may change the values.
 ///
 /// # Errors
-/// [`CallErrorKind::NonFinite`]: an output is not finite; the index is that of its first number.
+/// [`CallErrorKind::NonFinite`]: an output is not finite; the index is the index of its first
+/// number.
 fn outputs(
     map: &KernelMap<'_>,
     confidence: f32,
@@ -95,14 +97,14 @@ fn outputs(
     out: &mut [f32],
 ) -> Result<(), CallError> {
     let rule = map.rule();
-    // Before a range keeps what is infinite within it.
+    // Checked first, because a range would clamp an infinite value.
     check_finite(map, values, |kind| kind.value_len())?;
     if rule.query == QueryRule::Fade {
         fade(map, confidence, values);
     }
     let (mut values, mut left) = (&*values, &mut *out);
     for output in map.outputs() {
-        // Of a loaded file there are as many of both as its outputs have.
+        // In a loaded file the lengths agree.
         let (own, rest) = values.split_at(output.kind.value_len().min(values.len()));
         let len = output.kind.number_len().min(left.len());
         let (numbers, others) = core::mem::take(&mut left).split_at_mut(len);
@@ -122,7 +124,8 @@ fn outputs(
     check_finite(map, out, |kind| kind.number_len())
 }
 
-/// Lets values tend to the neutral ones; at either end they are exactly one of the two.
+/// Blends values toward the neutral values. At confidence 0 or 1 the result is exactly one of the
+/// two.
 fn fade(map: &KernelMap<'_>, confidence: f32, values: &mut [f32]) {
     let mut left = values.iter_mut();
     for output in map.outputs() {
@@ -134,15 +137,15 @@ fn fade(map: &KernelMap<'_>, confidence: f32, values: &mut [f32]) {
     }
 }
 
-/// Returns the quaternion of a rotation's vector, 4 tan(angle / 4) along its axis: near the rotation vector,
-/// and of no trigonometry.
+/// Returns the quaternion for a rotation's vector, 4 tan(angle / 4) along its axis. The vector is
+/// close to the rotation vector, and needs no trigonometry.
 fn rotation([x, y, z]: [f32; 3]) -> [f32; 4] {
     let square = (x * x + y * y + z * z) * 0.0625;
     let length = 1.0 + square;
     [0.5 * x / length, 0.5 * y / length, 0.5 * z / length, (1.0 - square) / length]
 }
 
-/// Returns the quaternion a b: first b, then a.
+/// Returns the quaternion a b, which applies b first.
 fn product([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32; 4] {
     [
         aw * bx + ax * bw + ay * bz - az * by,
@@ -152,7 +155,7 @@ fn product([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32; 4] {
     ]
 }
 
-/// Divides the marked outputs by their sum, if it is one that is brought to 1.
+/// Divides the marked outputs by their sum, if the rule normalises this sum.
 fn normalise(map: &KernelMap<'_>, rule: Normalise, out: &mut [f32]) {
     if rule == Normalise::Never {
         return;
@@ -165,7 +168,7 @@ fn normalise(map: &KernelMap<'_>, rule: Normalise, out: &mut [f32]) {
         place += output.kind.number_len();
     }
     if sum > rule.least() {
-        // What a sum that overflows leaves would look like a number.
+        // Division by an infinite sum would give a finite result.
         let by = if sum.is_finite() { sum } else { f32::NAN };
         place = 0;
         for output in map.outputs() {
@@ -177,14 +180,14 @@ fn normalise(map: &KernelMap<'_>, rule: Normalise, out: &mut [f32]) {
     }
 }
 
-/// Checks that values or outputs are finite, of which an output has so many.
+/// Checks that values or outputs are finite. `len` returns the numbers per output.
 fn check_finite(
     map: &KernelMap<'_>,
     values: &[f32],
     len: impl Fn(OutputKind) -> usize,
 ) -> Result<(), CallError> {
     let Some(unsound) = values.iter().position(|x| !x.is_finite()) else { return Ok(()) };
-    // The first number of the output that it belongs to.
+    // Find the first number of the output with the invalid number.
     let (mut end, mut place) = (0, 0);
     for output in map.outputs() {
         end += len(output.kind);
@@ -217,7 +220,7 @@ mod tests {
 
     #[test]
     fn a_product_turns_by_the_second_first() {
-        // A quarter about z, then a quarter about x: z goes to -y, as the first leaves it.
+        // A quarter turn about z leaves z in place; a quarter turn about x then takes z to -y.
         let half = core::f32::consts::FRAC_1_SQRT_2;
         let both = product([half, 0.0, 0.0, half], [0.0, 0.0, half, half]);
         let turned = crate::linear::turn(both).map(|[_, _, z]| z);

@@ -1,10 +1,12 @@
-//! The kernels of scattered data, as functions of a squared distance (METHOD §2.1).
+//! The kernels for scattered data, as functions of a squared distance. The single-precision
+//! formulas are shared by every backend (METHOD §2.1, §7).
 
 use crate::envelope::GroupKernel;
 use crate::lanes::{Real, in_lanes};
 use crate::numeric::{exp_negative, lesser, ln, sqrt};
 
-/// A kernel, as a function of s, the squared scaled distance; r is its root (METHOD §2.1).
+/// A kernel, as a function of s, the squared scaled distance; r is the square root of s (METHOD
+/// §2.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kernel {
     /// `-r`.
@@ -31,10 +33,11 @@ pub enum Kernel {
     Matern52,
     /// `(1 - r)^(l + 1) ((l + 1) r + 1)` where r < 1, else 0.
     Wendland {
-        /// Half of the dimensions in which it is positive definite, rounded down, and 2.
+        /// 2 plus half the number of dimensions for positive definiteness, rounded down.
         l: u8,
     },
-    /// `1 - r^n` where r < 1, else 0: other tools' falloffs, n = 1, 3 or 5. No fit solves with it.
+    /// `1 - r^n` where r < 1, else 0: falloffs of other tools, n = 1, 3 or 5. No fit solves with a
+    /// hat.
     Hat {
         /// The power, n.
         power: u8,
@@ -42,7 +45,7 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// One of each, Wendland's for up to 3 dimensions.
+    /// One kernel of each type; Wendland's for up to 3 dimensions.
     pub const ALL: [Self; 15] = [
         Self::Linear,
         Self::ThinPlate,
@@ -61,7 +64,7 @@ impl Kernel {
         Self::Hat { power: 5 },
     ];
 
-    /// Returns its number in the file: its place in METHOD §2.1's table, 13 of a hat.
+    /// Returns its number in the file: its row in METHOD §2.1's table, or 13 for a hat.
     pub const fn number(self) -> u8 {
         match self {
             Self::Linear => 1,
@@ -80,7 +83,7 @@ impl Kernel {
         }
     }
 
-    /// Returns its parameter in the file: l, a power, or 0.
+    /// Returns its parameter in the file: l, the power, or 0.
     pub const fn parameter(self) -> u8 {
         match self {
             Self::Wendland { l } => l,
@@ -89,7 +92,8 @@ impl Kernel {
         }
     }
 
-    /// Returns the kernel of a number and a parameter, if there is one: l is 2 to 66, a power 1, 3 or 5.
+    /// Returns the kernel with a number and a parameter, if it exists: l is 2 to 66, a power 1, 3
+    /// or 5.
     pub fn from_number(number: u8, parameter: u8) -> Option<Self> {
         match (number, parameter) {
             (12, l @ 2..=66) => Some(Self::Wendland { l }),
@@ -99,7 +103,7 @@ impl Kernel {
         }
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -159,8 +163,8 @@ impl Kernel {
         }
     }
 
-    /// Computes the slope dG/ds at a squared distance `s >= 0`; 0 at 0 where it is infinite there, so that
-    /// its product with the distance is the middle of a cone (METHOD §3).
+    /// Computes the slope dG/ds at a squared distance `s >= 0`. An infinite slope at 0 returns as
+    /// 0, so that its product with the distance is the middle of a cone (METHOD §3).
     pub(super) fn slope(self, s: f32) -> f32 {
         let r = sqrt(s);
         let over_r = |x: f32| if r > 0.0 { x / r } else { 0.0 };
@@ -176,7 +180,7 @@ impl Kernel {
             Self::Gaussian => -exp_negative(s),
             Self::Matern12 => over_r(-0.5 * exp_negative(r)),
             Self::Matern32 => -1.5 * exp_negative(sqrt(3.0 * s)),
-            // (1 + a) e^-a, a = √(5 s), is the kernel before it at 5/3 s.
+            // (1 + a) e^-a with a = √(5 s) is the kernel above at 5/3 s.
             Self::Matern52 => -5.0 / 6.0 * Self::Matern32.value(5.0 / 3.0 * s),
             Self::Wendland { l } => {
                 let l_1 = f32::from(l) + 1.0;
@@ -201,7 +205,7 @@ impl From<GroupKernel> for Kernel {
     }
 }
 
-/// Multiplies l factors, one after the other.
+/// Multiplies l factors in order.
 #[inline(always)]
 fn power<R: Real>(x: R, l: u8) -> R {
     (1..l).fold(x, |product, _| product * x)
@@ -236,12 +240,12 @@ mod tests {
         }
     }
 
-    /// Every kernel, and the flattest and the steepest of Wendland's.
+    /// Every kernel, and the flattest and steepest Wendland kernels.
     fn all() -> impl Iterator<Item = Kernel> {
         Kernel::ALL.into_iter().chain([2, 66].map(|l| Kernel::Wendland { l }))
     }
 
-    /// Squared distances up to 9, spread evenly by the distance, and further ones.
+    /// Squared distances up to 9, evenly spaced in the distance, and some larger ones.
     fn distances() -> impl Iterator<Item = f32> {
         // Miri is slow.
         let near = (1..30_000).step_by(if cfg!(miri) { 499 } else { 1 });
@@ -255,8 +259,9 @@ mod tests {
             for s in distances() {
                 let x = f64::from(s);
                 let (found, expected) = (f64::from(kernel.value(s)), exact(kernel, x));
-                // Where the exponential stops falling, times a polynomial; else roundings of the value, and of r by what the kernel makes of them: METHOD §2.7's u times
-                // (ρ |G| + |s G'|), ρ at most 2 l + 4.
+                // The last term of the bound covers the end of the exponential, times a polynomial.
+                // The first terms cover roundings of the value and of r: METHOD §2.7's u times (ρ
+                // |G| + |s G'|), with ρ at most 2 l + 4.
                 let step = 1e-4 * x;
                 let by_s = (exact(kernel, x + step) - exact(kernel, x - step)).abs() / 2e-4;
                 let ulps = match kernel {
@@ -264,7 +269,7 @@ mod tests {
                     Kernel::Hat { .. } => 6.0,
                     _ => 8.0,
                 };
-                // A hat's difference from 1 keeps the roundings of 1.
+                // A hat subtracts from 1, and keeps the rounding of 1.
                 let scale = if matches!(kernel, Kernel::Hat { .. }) { 1.0 } else { expected.abs() };
                 let bound = 2f64.powi(-24) * (ulps * scale + 4.0 * by_s) + 5e-35;
                 worst = worst.max((found - expected).abs() / bound);
@@ -278,7 +283,7 @@ mod tests {
         for kernel in all() {
             for s in distances().filter(|s| (1e-6..1e4).contains(s)) {
                 let x = f64::from(s);
-                // Away from where a kernel of bounded support ends.
+                // Skip the end of a kernel's bounded support.
                 if (0.99..1.01).contains(&x) {
                     continue;
                 }

@@ -3,23 +3,23 @@
 use crate::linear::{dot, floats, squared_length};
 use crate::skin::LENGTH_TOLERANCE;
 
-/// What an input is, and which features are made of it (METHOD §2.3).
+/// Kind of an input, which decides the features (METHOD §2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum InputKind {
     /// A number.
     Scalar = 1,
-    /// Three numbers.
+    /// A vector of three numbers.
     Vector3 = 2,
-    /// A rotation: the 9 entries of its matrix, by rows.
+    /// A rotation, with the 9 entries of its matrix by rows as features.
     Rotation = 3,
-    /// A rotation: the first two rows of its matrix.
+    /// A rotation, with the first two rows of its matrix as features.
     TwoRows = 4,
-    /// Where a rotation turns an axis to: 3 features, whatever its twist.
+    /// Direction of an axis after a rotation: 3 features, independent of the twist.
     Swing = 5,
-    /// How far a rotation twists about an axis: 2 features, without a seam.
+    /// Twist of a rotation about an axis: 2 features, without a seam.
     Twist = 6,
-    /// The angle of that twist in radians, with a seam at half a turn: for rigs of other tools.
+    /// Twist angle in radians, with a seam at half a turn. For rigs from other tools.
     TwistAngle = 7,
 }
 
@@ -40,12 +40,12 @@ impl InputKind {
         self as u8
     }
 
-    /// Returns the kind of this number.
+    /// Returns the kind with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -58,7 +58,7 @@ impl InputKind {
         }
     }
 
-    /// Returns how many numbers of a query it takes: 1, 3, or the 4 of a quaternion x, y, z, w.
+    /// Returns its numbers in a query: 1, 3, or the 4 of a quaternion x, y, z, w.
     pub const fn number_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -67,7 +67,7 @@ impl InputKind {
         }
     }
 
-    /// Returns how many features are made of it.
+    /// Returns its number of features.
     pub const fn feature_len(self) -> usize {
         match self {
             Self::Scalar | Self::TwistAngle => 1,
@@ -78,18 +78,18 @@ impl InputKind {
         }
     }
 
-    /// Whether it is made of a rotation.
+    /// Whether the input is a rotation.
     pub const fn is_rotation(self) -> bool {
         !matches!(self, Self::Scalar | Self::Vector3)
     }
 
-    /// Whether it has an axis.
+    /// Whether the input has an axis.
     pub const fn has_axis(self) -> bool {
         matches!(self, Self::Swing | Self::Twist | Self::TwistAngle)
     }
 }
 
-/// The order of the three angles by which an author gave a rotation: the first turns first.
+/// Order of the three angles in an author's rotation; the first angle is applied first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum EulerOrder {
@@ -111,7 +111,7 @@ impl EulerOrder {
     /// Every order, by number from 1.
     pub const ALL: [Self; 6] = [Self::Xyz, Self::Xzy, Self::Yxz, Self::Yzx, Self::Zxy, Self::Zyx];
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Xyz => "XYZ",
@@ -127,11 +127,12 @@ impl EulerOrder {
 /// A row of section `inputs`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputRow {
-    /// What it is.
+    /// Kind of the input.
     pub kind: InputKind,
-    /// How the author gave the rotation, if by angles; an evaluation takes a quaternion all the same.
+    /// Order of the angles, if the author gave the rotation by angles. An evaluation takes a
+    /// quaternion in any case.
     pub euler: Option<EulerOrder>,
-    /// The axis, of length 1; zeros of a kind that has none.
+    /// Axis of length 1; zeros for a kind without an axis.
     pub axis: [f32; 3],
 }
 
@@ -148,10 +149,10 @@ impl InputRow {
         out
     }
 
-    /// Reads a row.
+    /// Decodes the row.
     ///
     /// # Errors
-    /// The number that stands for nothing: of a kind, of an order, or reserved and not 0.
+    /// The first unknown number: a kind, an order, or a reserved number other than 0.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Result<Self, u8> {
         let [kind, euler, r0, r1, x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3] = *bytes;
         let order = match euler {
@@ -165,7 +166,7 @@ impl InputRow {
         Ok(Self { kind: InputKind::from_number(kind).ok_or(kind)?, euler: order, axis })
     }
 
-    /// Whether its axis has length 1, or is 0 where it has none.
+    /// Whether the axis has length 1, or is 0 for a kind without an axis.
     pub(super) fn is_sound(&self) -> bool {
         if !self.kind.has_axis() {
             return self.axis == [0.0; 3];
@@ -174,15 +175,16 @@ impl InputRow {
     }
 }
 
-/// What an output is.
+/// Kind of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum OutputKind {
     /// A number.
     Scalar = 1,
-    /// Three numbers.
+    /// A vector of three numbers.
     Vector3 = 2,
-    /// A rotation, a quaternion x, y, z, w of length 1; its 3 values are its vector from the neutral one.
+    /// A rotation, as a quaternion x, y, z, w of length 1. Its 3 values are its vector relative to
+    /// the neutral rotation.
     Rotation = 3,
 }
 
@@ -195,12 +197,12 @@ impl OutputKind {
         self as u8
     }
 
-    /// Returns the kind of this number.
+    /// Returns the kind with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -209,7 +211,7 @@ impl OutputKind {
         }
     }
 
-    /// Returns how many values it is made of.
+    /// Returns its number of values.
     pub const fn value_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -217,7 +219,7 @@ impl OutputKind {
         }
     }
 
-    /// Returns how many numbers it gives.
+    /// Returns its numbers in a result.
     pub const fn number_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -230,14 +232,15 @@ impl OutputKind {
 /// A row of section `outputs`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputRow {
-    /// What it is.
+    /// Kind of the output.
     pub kind: OutputKind,
-    /// Whether it is one of those that are normalised together; of scalars alone.
+    /// Whether the output belongs to the normalised ones; only for scalars.
     pub is_marked: bool,
-    /// The least and the most of a scalar, else zeros; [`f32::MIN`] and [`f32::MAX`] keep nothing back.
+    /// Least and greatest value of a scalar, else zeros. [`f32::MIN`] and [`f32::MAX`] mean no
+    /// limit.
     pub range: (f32, f32),
-    /// What it tends to where a query fades: a scalar, a vector, or the rotation that its vectors start
-    /// from, of length 1; zeros behind.
+    /// Neutral value, which a fading query approaches: a scalar, a vector, or the base rotation of
+    /// the vectors, of length 1. Unused places are 0.
     pub neutral: [f32; 4],
 }
 
@@ -255,10 +258,10 @@ impl OutputRow {
         out
     }
 
-    /// Reads a row.
+    /// Decodes the row.
     ///
     /// # Errors
-    /// The number that stands for nothing: of a kind, of a mark, or reserved and not 0.
+    /// The first unknown number: a kind, a mark, or a reserved number other than 0.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Result<Self, u8> {
         let ([kind, marked, r0, r1], words) = match bytes.as_chunks().0 {
             [head, words @ ..] => (*head, words),
@@ -274,7 +277,7 @@ impl OutputRow {
         Ok(Self { kind, is_marked: marked == 1, range: (low, high), neutral: [a, b, c, d] })
     }
 
-    /// Whether its numbers are what its kind has: a range, a neutral, zeros for the rest.
+    /// Whether the numbers fit the kind: the range, the neutral value, and zeros elsewhere.
     pub(super) fn is_sound(&self) -> bool {
         let Self { kind, is_marked, range: (low, high), neutral } = *self;
         let [_, y, z, w] = neutral;
@@ -286,7 +289,7 @@ impl OutputRow {
         }
     }
 
-    /// Returns the values that stand for the neutral: of a rotation the vector 0.
+    /// Returns the neutral values; for a rotation the vector 0.
     pub(super) const fn neutral_values(&self) -> [f32; 3] {
         let [x, y, z, _] = self.neutral;
         match self.kind {

@@ -1,4 +1,4 @@
-//! A prior in a loaded file: its counts, its sections, its accessors, and the checks of its content.
+//! A prior in a loaded file: its counts, sections, accessors and checks.
 
 use super::packed::{packed_len, rows};
 use crate::format::content;
@@ -17,13 +17,14 @@ const SYMMETRY: usize = Rule::place(&RULES, SectionKind::Symmetry);
 const CANCEL: usize = Rule::place(&RULES, SectionKind::CancelPairs);
 const FIT: usize = Rule::place(&RULES, SectionKind::PriorFit);
 
-/// The least share of a weight's precision that the other weights may leave on the factor's diagonal: rounding in f64
-/// stays far below it, so that every prior has a factor with any pins. A floor of 0.1 leaves 2e-3 of 53 shapes.
+/// Least share of a weight's precision that its diagonal entry in the factor may keep. Rounding in
+/// f64 stays far below this share, so every accepted prior has a factor with any pins. A floor of
+/// 0.1 on variances leaves 2e-3 with 53 shapes.
 const SHARE_MIN: f64 = 1.0e-10;
 
 /// Mean and precision of the weights of a skin's S shapes; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by number return `None` if the number is out of range.
 #[derive(Clone, Copy)]
 pub struct Prior<'a>(pub(crate) Part<'a>);
 
@@ -40,7 +41,7 @@ impl<'a> Prior<'a> {
         self.means().get(shape).map(|le| f32::from_le_bytes(*le))
     }
 
-    /// Returns an entry of U, whose square Uᵀ U is the precision; 0 below the diagonal.
+    /// Returns an entry of U. The precision is Uᵀ U; entries below the diagonal are 0.
     pub fn factor_entry(&self, row: usize, column: usize) -> Option<f32> {
         let n = self.shape_len();
         if row >= n || column >= n {
@@ -56,20 +57,20 @@ impl<'a> Prior<'a> {
         self.0.entry(BOUNDS, self.shape_len(), shape).map(floats)
     }
 
-    /// Lists the pairs of shapes that mirror each other, each with its stiffness: the reciprocal of the mean square by
-    /// which they differ.
+    /// Lists the pairs of mirrored shapes, each with its stiffness: the reciprocal of their mean
+    /// squared difference.
     pub fn symmetry(&self) -> impl Iterator<Item = ([usize; 2], f32)> + use<'a> {
         self.symmetry_rows()
             .iter()
             .map(|[pair, stiffness]| (shapes(pair), f32::from_le_bytes(*stiffness)))
     }
 
-    /// Lists the pairs of shapes of which one alone is at work.
+    /// Lists the pairs of mutually exclusive shapes.
     pub fn cancel_pairs(&self) -> impl Iterator<Item = [usize; 2]> + use<'a> {
         self.cancel_rows().iter().map(shapes)
     }
 
-    /// Returns how stiff pins are by default, and what the prior was measured to reach.
+    /// Returns the default stiffness of pins, and the measured accuracy of the prior.
     pub fn fit(&self) -> PriorFit {
         let figures = self.0.array(FIT).first().map(floats);
         PriorFit::from_figures(figures.unwrap_or_default())
@@ -106,16 +107,16 @@ pub(super) fn shapes([a, b, c, d]: &Le) -> [usize; 2] {
     [[*a, *b], [*c, *d]].map(|le| u16::from_le_bytes(le).into())
 }
 
-/// Counts of a prior, from which every section's length follows.
+/// Counts of a prior. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PriorCounts {
-    /// The part that is its skin.
+    /// The skin's row in the part table.
     pub skin: u32,
     /// Shapes of the skin, S.
     pub shape_len: u32,
-    /// Pairs of shapes that mirror each other.
+    /// Pairs of mirrored shapes.
     pub symmetry_len: u32,
-    /// Pairs of shapes of which one alone is at work.
+    /// Pairs of mutually exclusive shapes.
     pub cancel_len: u32,
 }
 
@@ -129,36 +130,38 @@ impl PriorCounts {
         [skin, shape_len, symmetry_len, cancel_len]
     }
 
-    /// Makes them of their words.
+    /// Makes the counts from their words.
     pub const fn from_words(words: [u32; 4]) -> Self {
         let [skin, shape_len, symmetry_len, cancel_len] = words;
         Self { skin, shape_len, symmetry_len, cancel_len }
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if no prior has it.
+    /// Computes a section's length in bytes, or the least length of the names; `None` if priors
+    /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
+    /// Returns the requirements for the sections, in the terms of [`RULES`].
     pub(crate) const fn asked(&self) -> Asked {
         let Self { shape_len: s, symmetry_len: y, cancel_len: c, .. } = *self;
-        // More shapes than the format holds are refused before this counts.
+        // Larger counts than the format allows are refused before this value matters.
         let shapes = if s > u16::MAX as u32 { 0 } else { s };
         Asked::new(ALWAYS, [1, s, packed_len(shapes as usize) as u32, y, c])
     }
 }
 
-/// How stiff pins are by default, and what a prior was measured to reach. Lengths are in the file's unit.
+/// Default stiffness of pins, and measured accuracy of a prior. Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PriorFit {
-    /// β: the square of the length by which a pin may miss.
+    /// β, the squared distance by which a pin may miss.
     pub beta: f32,
-    /// Frames that it was learned from; 0 of one that was not.
+    /// Training frames of the prior; 0 if the prior was not trained.
     pub frames: f32,
-    /// RMS over vertices of the distance to held-out frames, with the pins that its maker states; 0 if not measured.
+    /// RMS distance over the vertices of held-out frames, with the maker's set of pins; 0 if not
+    /// measured.
     pub error: f32,
-    /// The same of the prior without covariance; 0 if not measured.
+    /// RMS distance for the prior without covariance; 0 if not measured.
     pub slider_error: f32,
 }
 
@@ -172,24 +175,24 @@ impl PriorFit {
         [beta, frames, error, slider_error]
     }
 
-    /// Makes it of its figures.
+    /// Makes the fit from its figures.
     pub const fn from_figures([beta, frames, error, slider_error]: [f32; 4]) -> Self {
         Self { beta, frames, error, slider_error }
     }
 }
 
-/// Where the counts stand in their section.
+/// Indices of the counts in their section.
 mod place {
     pub(super) const SKIN: usize = 0;
     pub(super) const SHAPES: usize = 1;
 }
 
-/// The sections of a prior, in the order in which the trainer writes them.
+/// The sections of a prior, in the trainer's order.
 pub const PRIOR_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && PriorCounts::BYTES <= 4 * COUNTS);
 
-/// What a prior asks of its sections. Sizes: 1, S, S (S + 1) / 2, pairs that mirror, pairs that cancel.
+/// Rules for the sections of a prior. Sizes: 1, S, S (S + 1) / 2, mirrored pairs, exclusive pairs.
 pub(crate) const RULES: [Rule; 8] = [
     Rule::new(SectionKind::PriorCounts, PriorCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [0, 0]).or_more(0),
@@ -201,10 +204,10 @@ pub(crate) const RULES: [Rule; 8] = [
     Rule::floats(SectionKind::PriorFit, PriorFit::BYTES as u8, [0, 0]).unsigned(),
 ];
 
-/// Checks a prior's counts, and returns what they ask of its sections.
+/// Checks a prior's counts, and returns the requirements for its sections.
 ///
 /// - `part_len`: parts of the file.
-/// - `shape_len`: counts the shapes of a part, if that is a skin.
+/// - `shape_len`: returns the number of shapes of a part if the part is a skin.
 pub(crate) fn check_counts(
     words: &[u32; COUNTS],
     loading: &Loading<'_>,
@@ -226,12 +229,12 @@ pub(crate) fn check_counts(
     Ok(counts.asked())
 }
 
-/// Checks the content of a prior whose sections all have their length.
+/// Checks the content of a prior. The lengths of all sections have been checked before.
 pub(crate) fn check_content(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     CHECKS.iter().try_for_each(|check| check(prior, loading))
 }
 
-/// The checks of the content, in their order, likewise as an envelope's.
+/// The checks of the content, in order. A table keeps code small, as for an envelope.
 static CHECKS: [fn(&Prior<'_>, &Loading<'_>) -> Checked; 7] = [
     |prior, loading| content::check_names(loading, prior.names()),
     |prior, loading| content::check_floats(loading, &prior.0, &RULES),
@@ -242,7 +245,7 @@ static CHECKS: [fn(&Prior<'_>, &Loading<'_>) -> Checked; 7] = [
     check_beta,
 ];
 
-/// Checks that the factor has a diagonal that makes the precision positive, also after rounding.
+/// Checks that the factor's diagonal makes the precision positive, even after rounding.
 fn check_factor(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     let (n, factor) = (prior.shape_len(), prior.factor());
     for (column, row) in rows(factor, n).enumerate() {
@@ -268,7 +271,7 @@ fn squared(le: Option<&Le>) -> f64 {
     x * x
 }
 
-/// Checks that no bound ends before it starts.
+/// Checks that no upper bound is below its lower bound.
 fn check_bounds(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     let ends_first = |le: &[Le; 2]| {
         let [low, high] = floats(le);
@@ -280,7 +283,7 @@ fn check_bounds(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     }
 }
 
-/// Checks that pairs are of two shapes, and that their stiffness is not negative.
+/// Checks that each pair has two different shapes, and that no stiffness is negative.
 fn check_symmetry(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     for (index, [pair, stiffness]) in prior.symmetry_rows().iter().enumerate() {
         check_pair(prior, loading, SectionKind::Symmetry, index, shapes(pair))?;
@@ -291,7 +294,7 @@ fn check_symmetry(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that pairs are of two shapes, both of which may be 0.
+/// Checks that each pair has two different shapes whose bounds contain 0.
 fn check_cancel_pairs(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     for (index, pair) in prior.cancel_rows().iter().map(shapes).enumerate() {
         check_pair(prior, loading, SectionKind::CancelPairs, index, pair)?;
@@ -319,7 +322,7 @@ fn check_pair(
     if a == b { loading.invalid(section, index) } else { Ok(()) }
 }
 
-/// Checks that pins have a stiffness.
+/// Checks that β is positive.
 fn check_beta(prior: &Prior<'_>, loading: &Loading<'_>) -> Checked {
     if prior.fit().beta > 0.0 { Ok(()) } else { loading.invalid(SectionKind::PriorFit, 0) }
 }

@@ -1,4 +1,4 @@
-//! Pins: what is asked of single vertices, and a list of them.
+//! Pins: targets for single vertices, and lists of pins.
 
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::Matrix3x4;
@@ -6,40 +6,41 @@ use crate::skin::Skin;
 use core::cmp::Ordering;
 use heapless::Vec;
 
-/// Where a vertex is to be, as far as up to three rows look at it.
+/// Target of a vertex, constrained in up to three directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pin {
     /// The vertex of the skin.
     pub vertex: u32,
-    /// What is looked at of its posed position x: `row · (x, 1)`. A row whose first three numbers are 0 looks at
-    /// nothing.
+    /// Rows that map the posed position x to a number: `row · (x, 1)`. A row whose first three
+    /// numbers are 0 has no effect.
     pub rows: [[f32; 4]; 3],
-    /// What each row is to give.
+    /// Target number of each row.
     pub target: [f32; 3],
-    /// How much it counts against others and the prior; 1 is the prior's tolerance.
+    /// Weight against other pins and the prior; 1 is the prior's own tolerance.
     pub stiffness: f32,
 }
 
 impl Pin {
-    /// Makes a pin of a whole position, of stiffness 1.
+    /// Makes a pin of a full position, with stiffness 1.
     ///
-    /// - `target`: in model space. Where the vertex is now makes the pin hold it there: [`crate::Skin::place`].
+    /// - `target`: in model space. The vertex's current place holds the vertex there:
+    ///   [`crate::Skin::place`].
     pub const fn new(vertex: u32, target: [f32; 3]) -> Self {
         let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         Self { vertex, rows, target, stiffness: 1.0 }
     }
 
-    /// Makes a pin of a place on a screen, of stiffness 1.
+    /// Makes a pin of a place on a screen, with stiffness 1.
     ///
     /// - `projection`: from a position to the screen, in units of the screen.
-    /// - `target`: on the screen, divided by nothing: where a camera has perspective, give rows `p_i - target_i p_w`
-    ///   and targets of 0.
+    /// - `target`: on the screen, without perspective division. For a camera with perspective give
+    ///   rows `p_i - target_i p_w` and targets of 0.
     pub const fn on_screen(vertex: u32, projection: [[f32; 4]; 2], target: [f32; 2]) -> Self {
         let ([a, b], [x, y]) = (projection, target);
         Self { vertex, rows: [a, b, [0.0; 4]], target: [x, y, 0.0], stiffness: 1.0 }
     }
 
-    /// Leaves coordinates free, by their rows.
+    /// Removes the rows of coordinates that stay free.
     pub const fn masked(mut self, keep: [bool; 3]) -> Self {
         let mut row = 0;
         while row < 3 {
@@ -56,13 +57,13 @@ impl Pin {
         Self { stiffness, ..self }
     }
 
-    /// Lists its rows that look at something, each with its target.
-    pub(super) fn looks(&self) -> impl Iterator<Item = ([f32; 4], f32)> {
+    /// Lists the rows with an effect, each with its target.
+    pub(super) fn active_rows(&self) -> impl Iterator<Item = ([f32; 4], f32)> {
         let all = self.rows.into_iter().zip(self.target);
         all.filter(|([x, y, z, _], _)| [*x, *y, *z] != [0.0; 3])
     }
 
-    /// Orders pins so that their rows come in one order, however they were added.
+    /// Orders pins, so that their rows have one order for any order of adding.
     fn order(&self, other: &Self) -> Ordering {
         let floats = |pin: &Self| {
             let [a, b, c] = pin.rows;
@@ -76,18 +77,19 @@ impl Pin {
     }
 }
 
-/// At most N pins, in an order that does not depend on the one in which they are added.
+/// A list of at most N pins, in an order independent of the order of adding.
 ///
-/// Several of one vertex count as one at the mean of their targets by stiffness, as least squares have it.
+/// Several pins of one vertex act as one pin at the stiffness-weighted mean of their targets, by
+/// least squares.
 #[derive(Clone, Debug, Default)]
 pub struct Pins<const N: usize>(Vec<Pin, N>);
 
-/// The pins of a [`Pins`] of any capacity.
+/// The pins of a [`Pins`] list of any capacity.
 #[derive(Clone, Copy, Debug)]
 pub struct PinList<'a>(&'a [Pin]);
 
 impl<const N: usize> Pins<N> {
-    /// Makes a list without pins.
+    /// Makes an empty list.
     pub const fn new() -> Self {
         Self(Vec::new())
     }
@@ -95,8 +97,10 @@ impl<const N: usize> Pins<N> {
     /// Adds a pin.
     ///
     /// # Errors
-    /// - [`CallErrorKind::OutOfRange`]: there are N pins, or the stiffness is negative; the index is N then 0.
-    /// - [`CallErrorKind::NonFinite`]: a number of it is not finite; the index is its vertex.
+    /// - [`CallErrorKind::OutOfRange`]: the list is full, or the stiffness is negative; `expected`
+    ///   is N in the first case and 0 in the second.
+    /// - [`CallErrorKind::NonFinite`]: a number of the pin is not finite; the index is the pin's
+    ///   vertex.
     pub fn add(&mut self, pin: Pin) -> Result<(), CallError> {
         let error = |kind| CallError::new(kind, Argument::Pins).at(pin.vertex as usize);
         let rows = pin.rows.as_flattened().iter();
@@ -110,7 +114,7 @@ impl<const N: usize> Pins<N> {
         if self.0.is_full() {
             return Err(error(CallErrorKind::OutOfRange).values(N, N + 1));
         }
-        // Those behind it move on by one.
+        // Later pins move up by one place.
         for other in &mut self.0 {
             if other.order(&last).is_gt() {
                 core::mem::swap(other, &mut last);
@@ -119,41 +123,42 @@ impl<const N: usize> Pins<N> {
         self.0.push(last).map_err(|_| error(CallErrorKind::OutOfRange))
     }
 
-    /// Removes all.
+    /// Removes all pins.
     pub fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Returns them for a job.
+    /// Returns the pins for a job.
     pub fn list(&self) -> PinList<'_> {
         PinList(&self.0)
     }
 }
 
 impl<'a> PinList<'a> {
-    /// Lists them in their order.
+    /// Lists the pins in order.
     pub fn iter(&self) -> core::slice::Iter<'a, Pin> {
         self.0.iter()
     }
 
-    /// Counts the rows that look at something: the scalars of a solve.
+    /// Counts the rows with an effect: the scalars of a solve.
     pub fn scalar_len(&self) -> usize {
-        self.0.iter().map(|pin| pin.looks().count()).sum()
+        self.0.iter().map(|pin| pin.active_rows().count()).sum()
     }
 }
 
-/// A vertex as the weights move it: `x = offset + sum z_s (image of delta s)`.
+/// A vertex as a function of the weights: `x = offset + sum z_s (image of delta s)`.
 pub(super) struct Vertex {
-    /// Rows of its blended transform.
+    /// Rows of the vertex's blended transform.
     transform: [[f64; 4]; 3],
     rest: [f64; 3],
 }
 
 impl Skin<'_> {
-    /// Returns where a vertex is with weights of its shapes and a palette; `None` beyond the mesh.
+    /// Returns the place of a vertex for given shape weights and palette; `None` if the vertex is
+    /// not in the mesh.
     ///
     /// - `palette`: [`Skin::palette_len`] transforms.
-    /// - `weights`: [`Skin::shape_len`] weights z; of fewer the others are 0.
+    /// - `weights`: [`Skin::shape_len`] weights z; missing weights count as 0.
     pub fn place(&self, vertex: u32, palette: &[Matrix3x4], weights: &[f32]) -> Option<[f32; 3]> {
         let moving = Vertex::new(self, palette, vertex)?;
         let mut x = moving.rest;
@@ -173,8 +178,9 @@ impl Vertex {
         Some(Self { transform, rest })
     }
 
-    /// Returns what a row looks at, before any shape: its number at rest, and how it turns a delta into a change.
-    pub(super) fn seen(&self, row: [f32; 4]) -> (f64, [f64; 3]) {
+    /// Applies a pin's row to the vertex. Returns the row's number at rest, and the coefficients
+    /// that turn a delta into a change of the number.
+    pub(super) fn apply_row(&self, row: [f32; 4]) -> (f64, [f64; 3]) {
         let [a, b, c, d] = row.map(f64::from);
         let [x, y, z] = self.transform;
         let along = |i: usize| a * at(x, i) + b * at(y, i) + c * at(z, i);
@@ -189,7 +195,7 @@ fn at(row: [f64; 4], i: usize) -> f64 {
     row.get(i).copied().unwrap_or_default()
 }
 
-/// Refuses what a pin would make infinite.
+/// Returns the error of a pin with an infinite row.
 pub(super) fn not_finite(pin: usize) -> CallError {
     CallError::new(CallErrorKind::NonFinite, Argument::Pins).at(pin)
 }

@@ -310,7 +310,7 @@ fn errors_say_what_is_wrong_in_a_phrase() {
     );
     assert_eq!(
         phrase(with(|content| content.inputs[5].1.axis = [0.0; 3])),
-        "part 0: the axis of input 5 has a length other than it must have"
+        "part 0: the axis of input 5 has a wrong length"
     );
     assert_eq!(
         phrase(with(|content| content.outputs[4].1.neutral = [0.0; 4])),
