@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_scale_is_left_alone() {
+    fn a_pose_without_a_scale_is_unchanged() {
         let nearly = [[[1.0 + 2e-6, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]];
         for mut pose in [nearly, [[[0.0; 4]; 3]], [[[f32::MAX; 4]; 3]]] {
             let before = pose;

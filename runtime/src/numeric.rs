@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_zeros_the_first_is_taken() {
+    fn the_first_of_two_zeros_is_taken() {
         for f in [lesser::<f32>, greater] {
             assert_eq!(f(0.0, -0.0).to_bits(), 0.0f32.to_bits());
             assert_eq!(f(-0.0, 0.0).to_bits(), (-0.0f32).to_bits());

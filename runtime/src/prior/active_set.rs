@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_is_that_of_every_way_to_hold_steps() {
+    fn the_minimum_is_the_least_over_all_held_steps() {
         let mut several = 0;
         for (n, seed) in (1..7).flat_map(|n| (0..20).map(move |seed| (n, seed))) {
             let problem = Problem::new(n, seed * 7 + n as u64);
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn where_it_starts_changes_no_bit() {
+    fn the_start_changes_no_bit() {
         for seed in 0..20 {
             let problem = Problem::new(40, seed);
             let mut held = vec![FREE; 40];
@@ -395,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_at_zero_stays_there() {
+    fn steps_held_at_zero_stay_there() {
         let mut problem = Problem::new(5, 3);
         let zero = [0.25; 5];
         // A weight can be held at 0 only if its bounds contain 0.

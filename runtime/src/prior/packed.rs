@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_has_no_factor() {
+    fn a_matrix_that_is_not_positive_has_no_factor() {
         for diagonal in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(!factor(&mut [4.0, 2.0, diagonal], 2));
         }

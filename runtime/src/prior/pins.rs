@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_pinned_counts() {
+    fn only_rows_with_an_effect_count() {
         let mut pins = Pins::<3>::new();
         pins.add(Pin::new(0, [0.0; 3])).unwrap();
         pins.add(Pin::new(1, [0.0; 3]).masked([false, true, false])).unwrap();
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_pinned_is_refused_and_nothing_added() {
+    fn an_invalid_pin_is_refused_and_not_added() {
         let mut pins = Pins::<1>::new();
         let refused = |pin, pins: &mut Pins<1>| {
             let error = pins.add(pin).unwrap_err();

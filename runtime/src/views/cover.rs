@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_centre_on_an_edge_belongs_to_the_left_and_the_top() {
+    fn a_centre_on_an_edge_belongs_to_left_and_top_edges() {
         // Corners on centres: the square from 1.5 to 3.5 covers the centres of pixels 1 and 2, not
         // those of 3.
         let [low, high] = [centre(1), centre(3)];
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_out_or_flat_is_no_trouble() {
+    fn far_and_flat_elements_are_handled() {
         let far = [[-9e9, -9e9], [9e9, -9e9], [0.0, f32::MAX]].map(snap);
         assert!(counted(&[far], [8, 8]).iter().all(|count| *count == 1));
         let flat = [[0.0, 0.0], [4.0, 4.0], [8.0, 8.0]].map(snap);

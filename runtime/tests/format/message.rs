@@ -1,4 +1,4 @@
-//! The message: its head, its padding, its space; and how a refusal reads.
+//! The message: head, padding, space; and the text of a refusal.
 
 use crate::common::{exercise, file_error};
 use crate::{edited, error};

@@ -38,7 +38,7 @@ fn random(seed: &mut u64) -> f32 {
 }
 
 #[test]
-fn where_it_is_in_its_texture_an_element_shows_it() {
+fn an_element_in_place_shows_its_texture() {
     let (n, mut seed) = (128usize, 5);
     let texels: Vec<[u8; 4]> = (0..n * n)
         .map(|_| [0; 3].map(|_| 255 * u8::from(random(&mut seed) < 0.5)))
@@ -126,7 +126,7 @@ fn quads_are_inverted_as_in_double_precision() {
 }
 
 #[test]
-fn a_quad_that_is_not_convex_is_covered_once_and_told() {
+fn a_concave_quad_is_covered_once_and_reported() {
     let half = [[0, 0, 0, 128]];
     for first in 0..4 {
         // The corner at 24, 24 points inwards.
@@ -142,7 +142,7 @@ fn a_quad_that_is_not_convex_is_covered_once_and_told() {
 }
 
 #[test]
-fn what_turns_against_its_texture_is_told_and_drawn() {
+fn an_element_flipped_against_its_texture_is_reported_and_drawn() {
     let ring = [[1.0, 1.0], [7.0, 1.0], [1.0, 7.0]];
     let [a, b, c] = ring;
     let red = [[255, 0, 0, 255]];
