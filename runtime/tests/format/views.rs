@@ -336,7 +336,7 @@ fn elements_times_key_views_are_limited() {
         .map(|layer| layer.elements.len())
         .sum();
     let most = FITS_MAX / 1024;
-    // The file's maps have no scores for so many views.
+    // The file's maps have fewer scores than views.
     assert_eq!(loaded(1024 - others, most).unwrap_err().kind, Kind::Mismatch);
     let values = [most as u32, most as u32 + 1];
     let refused = FileError {
