@@ -1,6 +1,7 @@
-//! Prints what pins cost: `cargo bench -p sinew-runtime --bench pins`. One core; medians.
+//! Prints the time of a solve with pins: `cargo bench -p sinew-runtime --bench pins`. One core;
+//! medians.
 //!
-//! 8 pins of whole positions, which are 24 scalars, on a face of 53 shapes that depend on each other.
+//! 8 pins of full positions, which are 24 scalars, on a face of 53 correlated shapes.
 #![allow(missing_docs, reason = "a program")]
 
 use models::{Pieces, PriorContent, SMALL, Shape, ShapeContent};
@@ -32,7 +33,7 @@ fn main() -> Result<(), Refused> {
     let mut scratch = vec![0.0; prior.counts().pin_scratch_len(scalars)];
     println!("scratch: {} bytes", 8 * scratch.len());
     let start: Vec<f32> = (0..SHAPES).map(|shape| prior.mean(shape).unwrap_or_default()).collect();
-    // How far pins are pulled, in steps of a drag.
+    // Distance of the pull, in steps of a drag.
     let pins = |step: usize| -> Result<Pins<PINS>, CallError> {
         let mut pins = Pins::new();
         for pin in 0..PINS {

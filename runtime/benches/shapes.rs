@@ -1,6 +1,8 @@
-//! Prints what shapes cost beside a plain sum over the same bytes: `cargo bench -p sinew-runtime --bench shapes`, and
-//! with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers; `-- FILE` measures a model's skin instead. One core; medians of runs taken in turn, so that
-//! ratios hold on a busy machine.
+//! Prints the time of shapes beside a plain sum over their bytes: `cargo bench -p sinew-runtime
+//! --bench shapes`. With `RUSTFLAGS="-C target-cpu=x86-64-v3"` registers are wider. `-- FILE`
+//! measures a model's skin instead.
+//!
+//! One core; medians of runs taken in turn, so that ratios hold on a busy machine.
 
 use models::{Pieces, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
@@ -12,14 +14,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 const RUNS: usize = 31;
-/// In f32 36 MB of deltas: beyond any L2.
+/// 36 MB of deltas in f32, larger than any L2 cache.
 const VERTICES: usize = 60_000;
 const SHAPES: usize = 50;
 
 /// Whether a shape moves a vertex.
 type Mask = fn(usize, usize) -> bool;
 
-/// How a shape's vertices lie: all of them; runs of some dozens, as of a face; here and there.
+/// Which vertices a shape moves: all; runs of some dozens, as in a face; scattered vertices.
 const MASKS: [(&str, Mask); 3] = [
     ("every vertex", |_, _| true),
     ("runs of 40", |shape, vertex| (vertex / 40 + shape) % 3 == 0),
@@ -28,7 +30,7 @@ const MASKS: [(&str, Mask); 3] = [
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("mask           element  positions  a sum   ratio  with normals  a sum   ratio, ms");
-    // Cargo itself adds `--bench`.
+    // Cargo adds `--bench` itself.
     if let Some(file) = std::env::args().skip(1).find(|argument| argument != "--bench") {
         return print("the file's", &Model::from_bytes(std::fs::read(file)?)?);
     }
@@ -73,7 +75,8 @@ fn model(element: Element, mask: Mask) -> Result<Model<Vec<u8>>, Box<dyn Error>>
     Ok(Model::from_bytes(pieces.bytes())?)
 }
 
-/// Measures positions, a sum over the bytes of their deltas, positions with normals, and that over slopes as well.
+/// Measures four times: positions, a sum over the bytes of their deltas, positions with normals,
+/// and a sum that also covers the slopes.
 fn seconds(model: &Model<Vec<u8>>, skin: Skin<'_>) -> Result<[f64; 4], Box<dyn Error>> {
     let weights: Vec<f32> =
         (0..skin.shape_len()).map(|shape| 0.25 + shape as f32 / 100.0).collect();
@@ -117,7 +120,7 @@ fn seconds(model: &Model<Vec<u8>>, skin: Skin<'_>) -> Result<[f64; 4], Box<dyn E
     }))
 }
 
-/// Adds all numbers of some bytes, 16 sums side by side.
+/// Adds all numbers of some bytes, with 16 sums side by side.
 fn sum(element: Element, bytes: &[u8]) {
     fn lanes<const B: usize>(bytes: &[u8], read: impl Fn([u8; B]) -> f32) {
         let mut sums = [0.0; 16];
@@ -127,7 +130,7 @@ fn sum(element: Element, bytes: &[u8]) {
         black_box(sums);
     }
     match element {
-        // What half precision costs to read is no part of a sum over its bytes.
+        // The sum measures reading bytes, so it does not decode half precision.
         Element::F16 => lanes(bytes, |le| f32::from(i16::from_le_bytes(le))),
         Element::I8 => lanes(bytes, |le| f32::from(i8::from_le_bytes(le))),
         _ => lanes(bytes, f32::from_le_bytes),

@@ -1,7 +1,9 @@
-//! Prints what frames and pictures of views cost: `cargo bench -p sinew-runtime --bench views`. One core; medians.
+//! Prints the time of frames and pictures of views: `cargo bench -p sinew-runtime --bench views`.
+//! One core; medians.
 //!
-//! An object as large as a face of `ict-views`: 158 points, one layer, 27 key views, a map of 27 centres and 30 terms, and
-//! a picture of 256 x 256 pixels that its elements fill, of one key view or of as many as are blended.
+//! The object has the size of a face of `ict-views`: 158 points, one layer, 27 key views, and a map
+//! of 27 centres and 30 terms. Its elements fill a picture of 256 x 256 pixels, from one key view
+//! or from the largest number of blended views.
 #![allow(missing_docs, reason = "a program")]
 
 use models::{KernelContent, Pieces, Rng, TextureContent, ViewContent, ViewsContent};
@@ -13,7 +15,7 @@ use std::time::Instant;
 
 const RUNS: usize = 401;
 const SIZE: usize = 256;
-/// Points of a row and rows of the grid that is textured; two more points are no element's.
+/// Points per row, and rows, of the textured grid. Two more points belong to no element.
 const GRID: [usize; 2] = [12, 13];
 const POINTS: usize = GRID[0] * GRID[1] + 2;
 const VIEWS: usize = 27;
@@ -27,7 +29,7 @@ enum Refused {
     Call(CallError),
 }
 
-/// Returns where a point lies, in pixels of the screen and texels of the texture alike.
+/// Returns a point's place, in pixels of the screen and in texels of the texture.
 fn place(point: usize) -> [f32; 2] {
     let [x, y] = [point % GRID[0], point / GRID[0]].map(|i| i as f32);
     [x * SIZE as f32 / (GRID[0] - 1) as f32, y.min(12.0) * SIZE as f32 / (GRID[1] - 1) as f32]
@@ -83,7 +85,7 @@ fn object(is_quads: bool, flags: u32) -> ViewsContent {
     out
 }
 
-/// Returns the median of what runs take, in microseconds.
+/// Returns the median time of the runs, in microseconds.
 fn median(mut run: impl FnMut(usize) -> Result<(), CallError>) -> Result<f64, Refused> {
     let mut times = Vec::new();
     for number in 0..RUNS {

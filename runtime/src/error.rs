@@ -1,58 +1,59 @@
-//! Why a call is refused.
+//! Errors of calls.
 
 use core::fmt;
 
-/// Why a call was refused; nothing has been written but scratch.
+/// Reason why a call was refused. A refused call has written nothing except scratch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CallError {
-    /// What is wrong.
+    /// Kind of the mistake.
     pub kind: CallErrorKind,
-    /// The argument that it is about.
+    /// Argument with the mistake.
     pub argument: Argument,
-    /// Which element of it.
+    /// Index of the element with the mistake.
     pub index: usize,
-    /// What it should be, or the most or the least.
+    /// Expected value, or the bound that was broken.
     pub expected: usize,
-    /// What it is.
+    /// Value found.
     pub found: usize,
 }
 
-/// What can be wrong with a call.
+/// Kinds of mistakes in a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum CallErrorKind {
     /// The argument's length, in its own elements, must be `expected`.
     Length,
-    /// The argument must have at least `expected` elements; `usize::MAX` stands for more.
+    /// The argument must have at least `expected` elements; `usize::MAX` means that many or more.
     TooShort,
-    /// Element `index` is not finite, or would not be.
+    /// Element `index` is not finite, or the result would not be.
     NonFinite,
-    /// Quaternion `index`, of a query that of an input, has no direction: it is zero, or too small or too
-    /// large to square.
+    /// Quaternion `index`, or the quaternion of input `index` of a query, has no direction. It is
+    /// zero, or too small or too large to square.
     ZeroRotation,
-    /// Element `index`, of a range an end, is `found` where at most `expected` may stand.
+    /// Element `index` (or a range's end) is `found`; at most `expected` is allowed.
     OutOfRange,
     /// The stride is shorter than the attribute, which has `expected` floats.
     Stride,
-    /// The skin has no such attribute, or the kernel no variance.
+    /// The skin lacks the attribute, or the kernel has no variance.
     NoAttribute,
-    /// The envelope's predictor, whose number is `found`, does not have the stage.
+    /// The envelope's predictor, number `found`, does not have the stage.
     NoStage,
-    /// There is nothing to write to.
+    /// The call has no output to write to.
     NoOutput,
-    /// The names have no joint of the name of joint `index`, the root, which could follow no other.
+    /// The names lack joint `index`, the root. The root has no parent to follow instead.
     NoRoot,
-    /// The skeleton has joint `index` under another name: name `found` has another prefix, case or separators.
+    /// The skeleton has joint `index` under another name: name `found` differs in prefix, case or
+    /// separators.
     OtherName,
-    /// Of the envelope's `expected` joints the names have the root alone.
+    /// The names contain only the root of the envelope's `expected` joints.
     NoJoints,
 }
 
-/// The argument that a [`CallError`] is about.
+/// Argument of a call, as [`CallError`] names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Argument {
-    /// No single one.
+    /// The call as a whole.
     Call,
     /// Skinning matrices.
     Pose,
@@ -74,9 +75,9 @@ pub enum Argument {
     Features,
     /// The range of vertices.
     Vertices,
-    /// The vertices that stand for others.
+    /// Remap: the skin vertex that each engine vertex copies.
     Remap,
-    /// The caller's rest positions, and how far they are from the file's.
+    /// The caller's rest positions, and their largest distance from the file's.
     RestPositions,
     /// The caller's rest normals.
     RestNormals,
@@ -98,9 +99,9 @@ pub enum Argument {
     Variances,
     /// Weights of shapes.
     Weights,
-    /// The prior, or a number that says how much a term counts beside it.
+    /// The prior, or the weight of one of its terms.
     Prior,
-    /// Pins; the index is a place in their list, or the vertex of one that is added.
+    /// Pins. The index is a place in the list, or the vertex of a pin that is being added.
     Pins,
     /// Control points.
     Points,
@@ -114,15 +115,15 @@ pub enum Argument {
     Pixels,
     /// Depths of pixels.
     Depths,
-    /// Pixels of a layer that is drawn by itself.
+    /// Pixels of a layer that is drawn into its own buffer.
     Group,
-    /// What layers that clip leave of pixels.
+    /// Coverage left of each pixel by the layers that clip.
     Clips,
     /// Samples of signals.
     Samples,
     /// Names of the joints of the caller's skeleton.
     Names,
-    /// Which joint of the caller's skeleton moves each joint.
+    /// Joint map: the caller's joint that drives each joint.
     Joints,
     /// Frames of the joints of the caller's skeleton.
     World,
@@ -131,7 +132,7 @@ pub enum Argument {
 }
 
 impl CallError {
-    /// Makes an error of a kind about an argument; the rest is 0.
+    /// Makes an error of a kind about an argument; the other fields are 0.
     pub(crate) const fn new(kind: CallErrorKind, argument: Argument) -> Self {
         Self { kind, argument, index: 0, expected: 0, found: 0 }
     }
@@ -160,7 +161,7 @@ impl Argument {
         Err(CallError::new(CallErrorKind::TooShort, self).values(least, found))
     }
 
-    /// Returns its name.
+    /// Returns the argument's name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Call => "call",
@@ -204,7 +205,7 @@ impl Argument {
         }
     }
 
-    /// Returns what its elements are, and those of them that rotate.
+    /// Returns the name of an element, and the name of an element that is a rotation.
     const fn elements(self) -> [&'static str; 2] {
         match self {
             Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],

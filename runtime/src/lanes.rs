@@ -1,11 +1,13 @@
-//! Floats side by side. What is done to 8 of them is written out in registers: of loops over 8 floats LLVM
-//! makes registers at opt-level 3, scalars at 2, and memory at s.
+//! Eight floats side by side.
+//!
+//! Operations on eight floats use explicit SIMD registers. For loops over eight floats LLVM
+//! generates registers at opt-level 3, scalars at opt-level 2, and memory accesses at opt-level s.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::bytemuck::cast;
 use wide::{f32x4, f32x8, i32x8, u32x8};
 
-/// 8 floats: in one register, which may be two of 4.
+/// Eight floats in one SIMD register, which may be a pair of registers of four.
 #[cfg(any(
     target_feature = "sse2",
     target_feature = "simd128",
@@ -13,7 +15,7 @@ use wide::{f32x4, f32x8, i32x8, u32x8};
 ))]
 pub(crate) type Lanes = [Register; 1];
 
-/// 8 floats: one by one, in loops that keep code small where there is no register for more.
+/// Eight floats, handled one at a time: without wide registers, loops keep the code small.
 #[cfg(not(any(
     target_feature = "sse2",
     target_feature = "simd128",
@@ -21,7 +23,8 @@ pub(crate) type Lanes = [Register; 1];
 )))]
 pub(crate) type Lanes = [f32; 8];
 
-/// What formulas are written for: a float, or a register of them, each with the bits that it has alone.
+/// A scalar type for formulas: a float, or a register of floats. Every lane has the bits of the
+/// scalar.
 pub(crate) trait Real:
     Copy
     + From<f32>
@@ -37,8 +40,8 @@ pub(crate) trait Real:
     /// Returns the correctly rounded square root of `self >= 0`.
     fn square_root(self) -> Self;
 
-    /// Returns what `then` makes where `self < than`, and what `otherwise` makes elsewhere. Of a float only one
-    /// of them runs.
+    /// Returns `then` where `self < than`, and `otherwise` elsewhere. For a single float only one
+    /// closure runs.
     fn where_less(
         self,
         than: Self,
@@ -49,23 +52,24 @@ pub(crate) trait Real:
     /// Returns the magnitude of `self` with the sign of another.
     fn with_sign_of(self, other: Self) -> Self;
 
-    /// Returns 2^k of [`ROUND`] + k, k a whole number in [-126, 127].
+    /// Returns 2^k for `self` = [`ROUND`] + k, with k a whole number in [-126, 127].
     fn power_of_two(self) -> Self;
 
-    /// Returns k and m of a normal number `self = 2^k m > 0`, m within √(1/2) and √2.
+    /// Splits a normal number `self = 2^k m > 0` into k and m, with m between √(1/2) and √2.
     #[cfg(feature = "kernel")]
     fn exponent_and_mantissa(self) -> (Self, Self);
 }
 
-/// 1.5 · 2²³: its last place is 1, so that adding it rounds to a whole number.
+/// 1.5 · 2²³. Its last place is 1, so adding it rounds to a whole number.
 pub(crate) const ROUND: f32 = 12_582_912.0;
 
-/// The bits that a number of half precision has in single precision.
+/// Mask of the bits that a half-precision number keeps in single precision.
 pub(crate) const HALF_KEPT: u32 = 0x8fff_e000;
-/// What the exponents of half and of single precision differ by, a power of two: a product by it is exact.
+/// Scale between the exponents of half and single precision. As a power of two it multiplies
+/// exactly.
 pub(crate) const HALF_SCALE: f32 = f32::from_bits((127 + 127 - 15) << EXPONENT);
 
-/// How far the exponent lies from a float's last bit.
+/// Position of the exponent's lowest bit in a float.
 const EXPONENT: u32 = 23;
 /// The bits of √(1/2).
 #[cfg(feature = "kernel")]
@@ -94,7 +98,7 @@ impl Real for f32 {
 
     #[inline(always)]
     fn power_of_two(self) -> Self {
-        // k lies in the last bits; all that is not its exponent is shifted out.
+        // k is in the lowest bits. The shift drops all bits above k's exponent.
         Self::from_bits((self.to_bits() << EXPONENT).wrapping_add(1.0f32.to_bits()))
     }
 
@@ -114,7 +118,7 @@ pub(crate) struct Register(f32x8);
 impl From<f32> for Register {
     #[inline(always)]
     fn from(x: f32) -> Self {
-        // Neither `splat` nor an array of 8: at opt-level s each is a loop through memory.
+        // `splat` and an array of eight would each be a loop through memory at opt-level s.
         let half = [x, x, x, x];
         Self(cast([half, half]))
     }
@@ -128,13 +132,13 @@ impl From<[f32; 8]> for Register {
 }
 
 impl Register {
-    /// Returns its floats in order.
+    /// Returns the floats in order.
     #[inline(always)]
     pub(crate) fn to_array(self) -> [f32; 8] {
         cast(self.0)
     }
 
-    /// Returns the two numbers of half precision in each of 8 words, the lower halves' first, as
+    /// Decodes two half-precision numbers from each of 8 words, lower halves first, as
     /// [`halves`](crate::numeric::halves) does.
     #[inline(always)]
     pub(crate) fn halves(words: [u32; 8]) -> [Self; 2] {
@@ -154,7 +158,7 @@ impl Neg for Register {
     }
 }
 
-/// Makes an operator of registers, and of a register and a float.
+/// Implements an operator between registers, and between a register and a float.
 macro_rules! operator {
     ($operator:ident, $apply:ident) => {
         impl $operator for Register {
@@ -242,23 +246,24 @@ impl Real for Register {
         let bits: i32x8 = cast(self.0);
         let k = (bits - ROOT_HALVES) >> EXPONENT;
         let mantissa = cast(bits - (k << EXPONENT));
-        // Not every target has an instruction that makes a float of a whole number.
+        // Some targets lack an instruction that converts integers to floats.
         (Self(cast(k + ROUNDS)) - ROUND, Self(mantissa))
     }
 }
 
-/// 8 floats, as they lie in a file and in memory.
+/// Eight floats, readable from a file.
 pub(crate) trait Eight {
-    /// Whether a register has them; where none can, that type's operations may round otherwise.
+    /// Whether the floats are in a SIMD register. Without one, operations on [`Register`] may round
+    /// differently.
     const IN_REGISTERS: bool;
 
-    /// Returns the square root of one float, by the unit that computes 8.
+    /// Returns the square root of one float, computed by the unit that computes eight.
     fn square_root_alone(x: f32) -> f32;
 
-    /// Reads them from a file.
+    /// Reads eight floats from a file.
     fn read(le: &[[u8; 4]; 8]) -> Self;
 
-    /// Returns them in order.
+    /// Returns the eight floats in order.
     fn floats(&self) -> &[f32; 8];
 }
 
@@ -286,7 +291,8 @@ impl Eight for [Register; 1] {
 
     #[inline(always)]
     fn square_root_alone(x: f32) -> f32 {
-        // libm's is assembly in SSE's encoding: between AVX's instructions each takes hundreds of cycles.
+        // libm's square root uses SSE encoding, which costs hundreds of cycles between AVX
+        // instructions.
         if cfg!(target_feature = "avx") {
             let [root, ..] = f32x4::new([x, x, x, x]).sqrt().to_array();
             return root;
@@ -296,7 +302,7 @@ impl Eight for [Register; 1] {
 
     #[inline(always)]
     fn read(le: &[[u8; 4]; 8]) -> Self {
-        // Such targets are little-endian.
+        // Targets with registers are little-endian.
         [Register(cast(*le))]
     }
 
@@ -307,7 +313,7 @@ impl Eight for [Register; 1] {
     }
 }
 
-/// Does the same in every lane.
+/// Applies a function to every lane.
 #[inline(always)]
 pub(crate) fn in_lanes<R: Real, const N: usize>(mut x: [R; N], f: impl Fn(R) -> R) -> [R; N] {
     for x in &mut x {
@@ -324,7 +330,7 @@ mod tests {
     const NUMBERS: [f32; 8] =
         [0.0, -0.0, 1.0, -1.5, f32::MIN_POSITIVE, f32::INFINITY, f32::NAN, 0.7];
 
-    /// The bits of 8 numbers, those of what is not a number made one.
+    /// Returns the bits of 8 numbers, with NaNs canonicalised.
     fn bits(x: [f32; 8]) -> [u32; 8] {
         x.map(|x| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() })
     }
@@ -333,7 +339,7 @@ mod tests {
         Eight::read(&x.map(f32::to_le_bytes))
     }
 
-    /// Whether a formula of two numbers has the same bits in a register as alone, at all pairs of them.
+    /// Whether a formula of two numbers has equal bits in a register and as scalars, for all pairs.
     fn agree(in_register: fn(Register, Register) -> Register, alone: fn(f32, f32) -> f32) -> bool {
         (0..8).all(|turn| {
             let mut others = NUMBERS;
@@ -382,10 +388,10 @@ mod tests {
 
     #[test]
     fn signs_and_halves_have_the_bits_of_one() {
-        // A NaN's sign is one of two; the measure makes all of them one.
+        // The sign of a NaN is arbitrary; the comparison canonicalises NaNs.
         assert!(agree(|a, b| a.with_sign_of(b), f32::copysign));
         assert!(!agree(|a, b| a.with_sign_of(b), |a, _| a), "the measure sees");
-        // Both of a word, of every bit pattern that a file may hold.
+        // Both halves of a word, over every bit pattern that a file may hold.
         let is_sound = |half: &u32| !matches!(half & 0x7fff, 1..0x400 | 0x7c00..);
         for half in (0..=0xffff).filter(is_sound) {
             let word = half << 16 | (0xbc00 ^ half & 0x8000);

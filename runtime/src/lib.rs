@@ -3,7 +3,7 @@
 //! ```
 //! use sinew_runtime::{CallError, LocalTransform, Matrix3x4, Model, matrix, model_space_pose};
 //!
-//! /// From a file and an animation's rotations to vertices. An engine keeps the arrays.
+//! /// Skins a mesh from a file and an animation's rotations. An engine keeps the arrays.
 //! fn frame(
 //!     model: &Model<Vec<u8>>,
 //!     rotations: &[(usize, [f32; 4])],
@@ -11,7 +11,7 @@
 //!     let (Some(envelope), Some(skin)) = (model.envelope(), model.skin()) else {
 //!         return Ok(Vec::new());
 //!     };
-//!     // The rest pose, and what the animation changes of it.
+//!     // Start at the rest pose, then apply the animation.
 //!     let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
 //!     for (joint, rotation) in rotations {
 //!         local[*joint].rotation = *rotation;
@@ -28,15 +28,15 @@
 //! }
 //! ```
 //!
-//! An engine that has matrices of its own skeleton gathers the pose from them with [`gather_pose`].
+//! An engine with the matrices of its own skeleton gathers the pose with [`gather_pose`].
 //!
-//! [`Model::from_bytes`] checks a file once; after that every evaluation reads it in place and can
-//! fail only for the caller's own arguments. The file is described in `FORMAT.md`.
+//! [`Model::from_bytes`] checks a file once. Later evaluations read the file in place and fail only
+//! for the caller's own arguments. `FORMAT.md` describes the file.
 //!
 //! "METHOD" in these pages is the trainer's `METHOD.md`: the mathematics, with its sources.
 //!
-//! Arithmetic is plain IEEE single precision: no fused multiply-add, one fixed order of summation,
-//! and one polynomial for each transcendental function (METHOD §7).
+//! Arithmetic is plain IEEE single precision: no fused multiply-add and one fixed order of
+//! summation. Each transcendental function is one polynomial (METHOD §7).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -86,11 +86,13 @@ pub use record::Record;
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob, mesh_hash_of};
+#[cfg(feature = "raster")]
+pub use views::RenderJob;
 #[cfg(feature = "views")]
-pub use views::{Frame, FrameJob, RenderJob, Views};
+pub use views::{Frame, FrameJob, Views};
 pub use workspace::Workspace;
 
-/// The example of `README.md`, compiled.
+/// Compiles the example of `README.md`.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

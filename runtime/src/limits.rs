@@ -1,31 +1,31 @@
-//! What a caller is willing to load.
+//! Limits for an untrusted file.
 
-/// The most of everything that a file may hold; a file beyond it is refused before it costs anything.
+/// Largest counts that a file may have. A file above a limit is refused before it costs anything.
 ///
-/// All work, in loading and in evaluating, grows with these counts and with nothing else: each
-/// byte of a kernel map costs one multiplication, and of a kernel's Jacobian one a feature.
+/// The work of loading and evaluating grows only with these counts. Each byte of a kernel map costs
+/// one multiplication, and one per feature in a kernel's Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of the file.
     pub file_bytes: u32,
     /// Parts of the file.
     pub parts: u16,
-    /// Sections of the file: each is compared with every other.
+    /// Sections of the file. Loading compares every pair.
     pub sections: u16,
     /// Vertices of a skin.
     pub vertices: u32,
-    /// Joints of an envelope; the format itself holds at most 65,535.
+    /// Joints of an envelope; the format's own limit is 65,535.
     pub joints: u32,
-    /// Proxies of an envelope; the format itself holds at most 65,535.
+    /// Proxies of an envelope; the format's own limit is 65,535.
     pub proxies: u32,
     /// Influences of a vertex.
     pub influences: u32,
-    /// Shapes of a skin; the format itself holds at most 65,535.
+    /// Shapes of a skin; the format's own limit is 65,535.
     pub shapes: u32,
 }
 
 impl Limits {
-    /// Generous for any character: a film mesh, a full face rig, and c1 below 40 MB.
+    /// Generous limits for any character: a film mesh, a full face rig, and c1 below 40 MB.
     pub const DEFAULT: Self = Self {
         file_bytes: 1 << 30,
         parts: 64,
@@ -37,7 +37,7 @@ impl Limits {
         shapes: 4096,
     };
 
-    /// What the format itself holds.
+    /// Limits of the format itself.
     pub(crate) const FORMAT: Self = Self {
         file_bytes: u32::MAX,
         parts: u16::MAX,

@@ -1,7 +1,7 @@
 //! Small matrices and the blocked product; every sum runs left to right.
 //!
-//! Loops run over zipped rows and not over indices: optimised for size, an index keeps its check,
-//! and with it a panic that firmware would have to hold.
+//! Loops run over zipped rows, not over indices. In code optimised for size an index keeps its
+//! bounds check, and the check would put a panic into firmware.
 
 use crate::lanes::{Eight, Lanes, Real};
 
@@ -11,13 +11,13 @@ pub type Matrix3x4 = [[f32; 4]; 3];
 /// A 3x3 matrix as three columns.
 pub(crate) type Columns = [[f32; 3]; 3];
 
-/// A little-endian f32 where it lies in the file.
+/// A little-endian f32 in the file's bytes.
 pub(crate) type Le = [u8; 4];
 
 /// The columns of the identity.
 pub(crate) const IDENTITY: Columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Reads N floats of the file.
+/// Reads N floats from the file.
 #[inline]
 pub(crate) fn floats<const N: usize>(le: &[Le; N]) -> [f32; N] {
     le.map(f32::from_le_bytes)
@@ -46,8 +46,8 @@ pub(crate) fn squared_length([x, y, z, w]: [f32; 4]) -> f32 {
     dot([x, y, z], [x, y, z]) + w * w
 }
 
-/// Returns the rows of the rotation of a quaternion x, y, z, w of any length but 0: dividing by the squared
-/// length stands for normalising.
+/// Returns the rows of the rotation of a quaternion x, y, z, w of any length but 0. Dividing by the
+/// squared length normalises the quaternion.
 pub(crate) fn turn(q: [f32; 4]) -> [[f32; 3]; 3] {
     let [x, y, z, w] = q;
     let s = 2.0 / squared_length(q);
@@ -86,13 +86,13 @@ pub(crate) fn columns(m: &Matrix3x4) -> [[f32; 3]; 4] {
     [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2], [w0, w1, w2]]
 }
 
-/// Moves a point by a transform.
+/// Transforms a point.
 #[inline]
 pub(crate) fn moved(m: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
     m.map(|[a, b, c, shift]| a * x + b * y + c * z + shift)
 }
 
-/// Returns the transform a b: first b, then a.
+/// Returns the transform a b, which applies b first.
 #[inline]
 pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
     let mut out = [[0.0; 4]; 3];
@@ -119,9 +119,9 @@ pub(crate) fn inverse(m: &Matrix3x4) -> Matrix3x4 {
     [row([a0, b0, c0]), row([a1, b1, c1]), row([a2, b2, c2])]
 }
 
-/// Returns the quaternion of a rotation up to its length: x, y, z, and w, which is not negative.
+/// Returns the unnormalised quaternion of a rotation: x, y, z, and w, which is not negative.
 ///
-/// It is found from the largest of its four components (Shepperd 1978).
+/// Computed from the largest of the four components (Shepperd 1978).
 #[inline(always)]
 pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = *m;
@@ -138,10 +138,10 @@ pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
     if w < 0.0 { ([-x, -y, -z], -w) } else { (v, w) }
 }
 
-/// Adds to 8 rows of 3 sums the product of one block of 8 rows with its input.
+/// Adds the product of one block of 8 rows with its input to 8 rows of 3 sums.
 ///
-/// `block` holds 8 coefficients a column, `input` three coordinates a column, `sums[r][i]` is row
-/// i's coordinate r. Each sum takes its columns in order, whatever the SIMD width.
+/// `block` holds 8 coefficients per column and `input` three coordinates per column. `sums[r][i]`
+/// is coordinate r of row i. Each sum takes its columns in order, for any SIMD width.
 pub(crate) fn add_block_product(sums: &mut [Lanes; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
     let mut local = *sums;
     for (coefficients, x) in block.iter().zip(input) {
@@ -155,14 +155,15 @@ pub(crate) fn add_block_product(sums: &mut [Lanes; 3], block: &[[Le; 8]], input:
     *sums = local;
 }
 
-/// Computes the product of a matrix in blocks of 8 rows with a vector in two parts, two blocks at a
-/// time because one alone would wait for its own sums.
+/// Computes the product of a matrix in blocks of 8 rows with a vector in two parts. Two blocks run
+/// at a time, to hide the latency of the additions.
 ///
-/// `matrix` holds 8 coefficients a column, block after block; `out[b]` is what block b gives.
+/// `matrix` holds 8 coefficients per column, one block after the other; `out[b]` receives the
+/// product of block b.
 #[inline]
 pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[f32; 8]]) {
     let [first, second] = parts;
-    // Chunks of zero would panic.
+    // A chunk length of zero would panic.
     let mut blocks = matrix.chunks_exact((first.len() + second.len()).max(1));
     for out in out.chunks_mut(2) {
         let Some(a) = blocks.next() else { return };
@@ -190,20 +191,19 @@ fn add_products(sums: &mut [Lanes; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
     *sums = [sums_a, sums_b];
 }
 
-/// Squared distances of a point x from 8 points t, and by how much each is more than that of the
-/// origin: `|x - t|²` and `|x - t|² - |t|² = x (x - 2 t)`, which keeps its last places where x is
-/// short.
+/// Squared distances of a point x from 8 points t, and their excess over the origin's: `|x - t|²`
+/// and `|x - t|² - |t|² = x (x - 2 t)`. The second form keeps its last places for a short x.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Distances {
     pub(crate) squared: Lanes,
     pub(crate) gain: Lanes,
 }
 
-/// Computes the distances of a point from points in blocks of 8, coordinate by coordinate, and
-/// hands each block's over, two blocks at a time likewise.
+/// Computes the distances of a point from points in blocks of 8, and calls `each` with every
+/// block's. Coordinates are summed in order, and two blocks run at a time, as in [`block_product`].
 #[inline(always)]
 pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl FnMut(Distances)) {
-    // Chunks of zero would panic.
+    // A chunk length of zero would panic.
     let mut blocks = points.chunks_exact(from.len().max(1));
     while let Some(a) = blocks.next() {
         let second = blocks.next();
@@ -230,12 +230,12 @@ impl Distances {
     }
 }
 
-/// Returns a number of rows rounded up to whole blocks of 8.
+/// Returns a number of rows, rounded up to whole blocks of 8.
 pub(crate) const fn padded(len: usize) -> usize {
     len.next_multiple_of(8)
 }
 
-/// Reads an entry of a matrix that lies in blocks of 8 rows, each column-major.
+/// Reads an entry of a matrix stored in blocks of 8 rows, each block column-major.
 pub(crate) fn block_entry(
     blocks: &[[Le; 8]],
     (row_len, column_len): (usize, usize),
@@ -249,7 +249,7 @@ pub(crate) fn block_entry(
     Some(f32::from_le_bytes(*le))
 }
 
-/// Cuts N = R C floats into R rows.
+/// Splits N = R C floats into R rows.
 pub(crate) fn rows<const N: usize, const C: usize, const R: usize>(
     flat: &[f32; N],
 ) -> [[f32; C]; R] {
@@ -261,7 +261,7 @@ pub(crate) fn rows<const N: usize, const C: usize, const R: usize>(
     out
 }
 
-/// Splits memory whose length has been checked.
+/// Splits memory at a length that was checked before; never panics.
 pub(crate) fn split<T>(memory: &mut [T], len: usize) -> (&mut [T], &mut [T]) {
     memory.split_at_mut(len.min(memory.len()))
 }

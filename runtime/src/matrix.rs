@@ -1,7 +1,7 @@
-//! Matrices of engines as the runtime's, and the scale of an actor.
+//! Conversion of engine matrices, and the scale of an actor.
 //!
 //! [`Matrix3x4`] is three rows of four for column vectors: `y = m x`, the translation in the last column.
-//! An engine's 4x4 matrix becomes one by how its sixteen floats follow each other in memory:
+//! The memory order of an engine's sixteen floats decides the call for a 4x4 matrix:
 //!
 //! | engine | floats of a matrix | call |
 //! |---|---|---|
@@ -13,23 +13,23 @@
 use crate::linear::{Matrix3x4, columns, dot};
 use crate::numeric::sqrt;
 
-/// The matrix that moves nothing.
+/// The identity transform.
 pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// How near to a number of [`SCALE_BITS`] a scale is taken for that number, as its share: what single precision leaves
-/// of a rotation that many joints handed down.
+/// Relative distance within which a scale is rounded to a number of [`SCALE_BITS`]. Single
+/// precision leaves about this error in a rotation that passed down many joints.
 pub const SCALE_TOLERANCE: f32 = 4.0e-6;
-/// Bits of a scale that somebody wrote down, as 1, 0.5 or 1.25.
+/// Bits of a scale that a person typed, for example 1, 0.5 or 1.25.
 pub const SCALE_BITS: u32 = 12;
 
 /// Converts a 4x4 matrix of four columns; the last row is dropped.
 ///
-/// A matrix for row vectors whose rows follow each other, as DirectX has it, is the same sixteen floats.
+/// A row-major matrix for row vectors, as in DirectX, has the same sixteen floats.
 ///
 /// ```
 /// use sinew_runtime::matrix;
 ///
-/// // A quarter turn about z, then two units along x: what `glam::Mat4::to_cols_array` gives.
+/// // A quarter turn about z, then two units along x, from `glam::Mat4::to_cols_array`.
 /// let glam = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 1.0];
 /// let rows = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 /// assert_eq!(matrix::from_columns(&glam), rows);
@@ -72,8 +72,10 @@ pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
     [xx, yx, zx, 0.0, xy, yy, zy, 0.0, xz, yz, zz, 0.0, x, y, z, 1.0]
 }
 
-/// Takes out of a pose the scale that all its joints share, as that of a scaled actor, and returns it; what is left
-/// is rigid. [`scale_palette`] puts it back:
+/// Divides a pose by the uniform scale that all its joints share, and returns the scale.
+///
+/// A scaled actor has a pose with a scale; the divided pose is rigid. [`scale_palette`] applies the
+/// scale again:
 ///
 /// ```
 /// use sinew_runtime::{CallError, Envelope, Matrix3x4, scale_palette, take_scale};
@@ -91,10 +93,11 @@ pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
 /// }
 /// ```
 ///
-/// The scale is read off the first joint, its rotation's columns in the mean, and rounded where it is within
-/// [`SCALE_TOLERANCE`] of a number of few bits. One of 1, or none that is finite and greater than 0, is returned as 1, and
-/// the pose keeps its bits; one that is a power of two is taken out and put back exactly. Normals and tangents need
-/// nothing more: they have length 1 whatever the palette's scale.
+/// The scale is the mean over the columns of the first joint's rotation. A scale within
+/// [`SCALE_TOLERANCE`] of a number of few bits is rounded to that number. A scale of 1 returns 1,
+/// and the pose keeps its bits; so does a scale that is not finite or not greater than 0. A scale
+/// that is a power of two is divided out and restored exactly. Normals and tangents need no
+/// correction: they have length 1 for any scale of the palette.
 pub fn take_scale(pose: &mut [Matrix3x4]) -> f32 {
     let scale = rounded(pose.first().map_or(1.0, scale_of));
     if !scale.is_normal() || scale == 1.0 {
@@ -106,14 +109,14 @@ pub fn take_scale(pose: &mut [Matrix3x4]) -> f32 {
     scale
 }
 
-/// Scales what a palette makes of its vertices, about the origin of model space.
+/// Scales the vertices that a palette moves, about the origin of model space.
 pub fn scale_palette(palette: &mut [Matrix3x4], scale: f32) {
     for value in palette.as_flattened_mut().as_flattened_mut() {
         *value *= scale;
     }
 }
 
-/// Rounds a scale that is as good as a number of few bits.
+/// Rounds a scale that is almost a number of few bits.
 fn rounded(scale: f32) -> f32 {
     const LOST: u32 = f32::MANTISSA_DIGITS - SCALE_BITS;
     let near = scale.to_bits().wrapping_add(1 << (LOST - 1)) >> LOST << LOST;
@@ -121,7 +124,7 @@ fn rounded(scale: f32) -> f32 {
     if (scale - near).abs() <= SCALE_TOLERANCE * near { near } else { scale }
 }
 
-/// Returns by how much a matrix scales, in the mean over its columns.
+/// Returns the scale of a matrix, as the mean over its columns.
 pub(crate) fn scale_of(m: &Matrix3x4) -> f32 {
     let [x, y, z, _] = columns(m);
     sqrt((dot(x, x) + dot(y, y) + dot(z, z)) / 3.0)
@@ -164,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_scale_is_left_alone() {
+    fn a_pose_without_a_scale_is_unchanged() {
         let nearly = [[[1.0 + 2e-6, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]];
         for mut pose in [nearly, [[[0.0; 4]; 3]], [[[f32::MAX; 4]; 3]]] {
             let before = pose;

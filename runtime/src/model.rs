@@ -1,4 +1,4 @@
-//! A loaded file: what it holds, by kind and by name.
+//! A loaded file, with access to its parts by kind and by name.
 
 use crate::envelope::{self, Envelope, EnvelopeCounts};
 #[cfg(feature = "filter")]
@@ -20,31 +20,31 @@ use crate::skin::{self, Skin};
 use crate::views::{self, Views};
 use core::fmt;
 
-/// A validated model in whatever its bytes are kept: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
+/// A validated model over any storage of bytes: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
 ///
-/// What loading finds is offsets. Envelopes, skins and kernels are views that borrow the model and cost
-/// nothing to make, so that a model can be stored, shared between threads, and replaced like any other
-/// value. Bytes that change after loading may give wrong numbers, never a panic.
+/// Loading stores only offsets. Envelopes, skins and kernels are views that borrow the model and
+/// cost nothing to make. A model can therefore be stored, shared between threads, and replaced like
+/// any other value. Bytes that change after loading may give wrong numbers, never a panic.
 #[derive(Clone, Copy)]
 pub struct Model<B> {
     bytes: B,
-    found: Found,
+    contents: Contents,
 }
 
-/// What loading finds in a file.
+/// Offsets that loading stores.
 #[derive(Clone, Copy)]
-struct Found {
+struct Contents {
     manifest: Manifest,
-    /// The first part of each kind, by the order of [`PartKind::ALL`].
+    /// The first part of each kind, in the order of [`PartKind::ALL`].
     firsts: [PartLayout; PartKind::ALL.len()],
 }
 
-/// One section of a file, known to this reader or not.
+/// One section of a file, of a known or an unknown kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Section<'a> {
-    /// Its row in the section table; `row.part` indexes [`Model::parts`].
+    /// The section's row in the section table; `row.part` indexes [`Model::parts`].
     pub row: SectionRow,
-    /// Its content.
+    /// The section's content.
     pub bytes: &'a [u8],
 }
 
@@ -57,17 +57,17 @@ impl<B: AsRef<[u8]>> Model<B> {
         Self::from_bytes_with(bytes, &Limits::DEFAULT)
     }
 
-    /// Loads a model in place and checks all of it, in the order that FORMAT.md lists and
-    /// in time bounded by the file's length. Never panics, for any input.
+    /// Loads a model in place and checks all of it, in the order of FORMAT.md. The time is bounded
+    /// by the file's length. Never panics, for any input.
     ///
     /// The bytes need no alignment.
     ///
     /// # Errors
-    /// Every kind of [`FileError`]; each says what makes it.
+    /// Every kind of [`FileError`]; the kind's documentation states its cause.
     pub fn from_bytes_with(bytes: B, limits: &Limits) -> Result<Self, FileError> {
-        let mut model = Self { bytes, found: Found::NOTHING };
+        let mut model = Self { bytes, contents: Contents::NOTHING };
         let loading = Loading::new(model.bytes.as_ref(), limits);
-        match model.found.read(&loading) {
+        match model.contents.read(&loading) {
             Ok(()) => Ok(model),
             Err(Refused) => Err(loading.error()),
         }
@@ -75,31 +75,31 @@ impl<B: AsRef<[u8]>> Model<B> {
 
     /// Returns the first envelope; `None` if the file has none.
     pub fn envelope(&self) -> Option<Envelope<'_>> {
-        self.found.first(PartKind::Envelope, self.bytes.as_ref()).map(Envelope)
+        self.contents.first(PartKind::Envelope, self.bytes.as_ref()).map(Envelope)
     }
 
-    /// Returns the first skin; `None` if the file has none, as one of a palette alone.
+    /// Returns the first skin; `None` if the file has none, for example a palette-only file.
     pub fn skin(&self) -> Option<Skin<'_>> {
-        self.found.first(PartKind::Skin, self.bytes.as_ref()).map(Skin)
+        self.contents.first(PartKind::Skin, self.bytes.as_ref()).map(Skin)
     }
 
-    /// Lists the envelopes. What is found of each is read from its sections' rows: keep
-    /// [`Envelope::layout`] of those that are needed each frame.
+    /// Lists the envelopes. Each item reads the rows of its sections: keep [`Envelope::layout`] for
+    /// envelopes that are needed every frame.
     pub fn envelopes(&self) -> impl Iterator<Item = Envelope<'_>> {
         self.parts_of(PartKind::Envelope).map(Envelope)
     }
 
-    /// Lists the skins; keep [`Skin::layout`] likewise.
+    /// Lists the skins. Keep [`Skin::layout`] for every frame.
     pub fn skins(&self) -> impl Iterator<Item = Skin<'_>> {
         self.parts_of(PartKind::Skin).map(Skin)
     }
 
-    /// Returns the envelope of this name.
+    /// Returns the envelope with this name.
     pub fn envelope_named(&self, name: &str) -> Option<Envelope<'_>> {
         self.envelopes().find(|envelope| envelope.name() == name)
     }
 
-    /// Returns the skin of this name.
+    /// Returns the skin with this name.
     pub fn skin_named(&self, name: &str) -> Option<Skin<'_>> {
         self.skins().find(|skin| skin.name() == name)
     }
@@ -107,16 +107,16 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// Returns the first kernel; `None` if the file has none.
     #[cfg(feature = "kernel")]
     pub fn kernel(&self) -> Option<KernelMap<'_>> {
-        self.found.first(PartKind::Kernel, self.bytes.as_ref()).map(KernelMap)
+        self.contents.first(PartKind::Kernel, self.bytes.as_ref()).map(KernelMap)
     }
 
-    /// Lists the kernels; keep [`KernelMap::layout`] likewise.
+    /// Lists the kernels. Keep [`KernelMap::layout`] for every frame.
     #[cfg(feature = "kernel")]
     pub fn kernels(&self) -> impl Iterator<Item = KernelMap<'_>> {
         self.parts_of(PartKind::Kernel).map(KernelMap)
     }
 
-    /// Returns the kernel of this name.
+    /// Returns the kernel with this name.
     #[cfg(feature = "kernel")]
     pub fn kernel_named(&self, name: &str) -> Option<KernelMap<'_>> {
         self.kernels().find(|kernel| kernel.name() == name)
@@ -125,16 +125,16 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// Returns the first prior; `None` if the file has none.
     #[cfg(feature = "prior")]
     pub fn prior(&self) -> Option<Prior<'_>> {
-        self.found.first(PartKind::Prior, self.bytes.as_ref()).map(Prior)
+        self.contents.first(PartKind::Prior, self.bytes.as_ref()).map(Prior)
     }
 
-    /// Lists the priors; keep [`Prior::layout`] likewise.
+    /// Lists the priors. Keep [`Prior::layout`] for every frame.
     #[cfg(feature = "prior")]
     pub fn priors(&self) -> impl Iterator<Item = Prior<'_>> {
         self.parts_of(PartKind::Prior).map(Prior)
     }
 
-    /// Returns the prior of this name.
+    /// Returns the prior with this name.
     #[cfg(feature = "prior")]
     pub fn prior_named(&self, name: &str) -> Option<Prior<'_>> {
         self.priors().find(|prior| prior.name() == name)
@@ -143,16 +143,16 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// Returns the first object of key views; `None` if the file has none.
     #[cfg(feature = "views")]
     pub fn views(&self) -> Option<Views<'_>> {
-        self.found.first(PartKind::Views, self.bytes.as_ref()).map(Views)
+        self.contents.first(PartKind::Views, self.bytes.as_ref()).map(Views)
     }
 
-    /// Lists the objects of key views; keep [`Views::layout`] likewise.
+    /// Lists the objects of key views. Keep [`Views::layout`] for every frame.
     #[cfg(feature = "views")]
     pub fn all_views(&self) -> impl Iterator<Item = Views<'_>> {
         self.parts_of(PartKind::Views).map(Views)
     }
 
-    /// Returns the object of key views of this name.
+    /// Returns the object of key views with this name.
     #[cfg(feature = "views")]
     pub fn views_named(&self, name: &str) -> Option<Views<'_>> {
         self.all_views().find(|views| views.name() == name)
@@ -161,22 +161,22 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// Returns the first filter; `None` if the file has none.
     #[cfg(feature = "filter")]
     pub fn filter(&self) -> Option<Filter<'_>> {
-        self.found.first(PartKind::Filter, self.bytes.as_ref()).map(Filter)
+        self.contents.first(PartKind::Filter, self.bytes.as_ref()).map(Filter)
     }
 
-    /// Lists the filters; keep [`Filter::layout`] likewise.
+    /// Lists the filters. Keep [`Filter::layout`] for every frame.
     #[cfg(feature = "filter")]
     pub fn filters(&self) -> impl Iterator<Item = Filter<'_>> {
         self.parts_of(PartKind::Filter).map(Filter)
     }
 
-    /// Returns the filter of this name.
+    /// Returns the filter with this name.
     #[cfg(feature = "filter")]
     pub fn filter_named(&self, name: &str) -> Option<Filter<'_>> {
         self.filters().find(|filter| filter.name() == name)
     }
 
-    /// Returns the record of an envelope's training; `None` if the file has none.
+    /// Returns the training record of an envelope; `None` if the file has none.
     #[cfg(feature = "record")]
     pub fn record_of(&self, envelope: &Envelope<'_>) -> Option<Record<'_>> {
         self.records().find(|record| record.name() == envelope.name())
@@ -188,14 +188,14 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.parts_of(PartKind::Record).map(Record)
     }
 
-    /// Returns a map of an object of this model.
+    /// Returns a map of an object in this model.
     #[cfg(feature = "views")]
     pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
         let part = u16::try_from(views.map_part(map)?).ok()?;
         self.part(PartKind::Kernel, part).map(KernelMap)
     }
 
-    /// Returns the skin whose shapes a prior of this model is of.
+    /// Returns the skin whose shape weights a prior of this model describes.
     #[cfg(feature = "prior")]
     pub fn skin_of(&self, prior: &Prior<'_>) -> Option<Skin<'_>> {
         self.part(PartKind::Skin, u16::try_from(prior.counts().skin).ok()?).map(Skin)
@@ -210,33 +210,33 @@ impl<B: AsRef<[u8]>> Model<B> {
         }
     }
 
-    /// Lists the parts, unknown ones included.
+    /// Lists the parts, including unknown kinds.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = PartRow> {
-        self.found.manifest.parts(self.bytes.as_ref())
+        self.contents.manifest.parts(self.bytes.as_ref())
     }
 
-    /// Lists the sections, unknown ones included, in the order of the file.
+    /// Lists the sections in the order of the file, including unknown kinds.
     pub fn sections(&self) -> impl ExactSizeIterator<Item = Section<'_>> {
         let file = self.bytes.as_ref();
-        self.found
+        self.contents
             .manifest
             .sections(file)
-            .map(move |row| Section { row, bytes: self.found.manifest.section(&row, file) })
+            .map(move |row| Section { row, bytes: self.contents.manifest.section(&row, file) })
     }
 
-    /// Returns the blob: all sections, at the offsets that their rows state. What a GPU is given.
+    /// Returns the blob for upload to a GPU: all sections, at the offsets in their rows.
     pub fn blob(&self) -> &[u8] {
-        self.found.manifest.blob(self.bytes.as_ref())
+        self.contents.manifest.blob(self.bytes.as_ref())
     }
 
-    /// Returns the space of the file's numbers: its axes and its unit.
+    /// Returns the coordinate space of the file: its axes and its unit.
     pub fn space(&self) -> Space {
         Space::of(self.bytes.as_ref())
     }
 
-    /// Tells which file it is, for layouts and plans that were made of it.
+    /// Returns the file's identity, which layouts and plans made from it store.
     pub fn id(&self) -> FileId {
-        self.found.manifest.id()
+        self.contents.manifest.id()
     }
 
     /// Returns the bytes.
@@ -244,28 +244,28 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.bytes.as_ref()
     }
 
-    /// Gives the bytes back.
+    /// Returns the storage and drops the model.
     pub fn into_bytes(self) -> B {
         self.bytes
     }
 
     /// Lists the parts of a kind.
     fn parts_of(&self, kind: PartKind) -> impl Iterator<Item = Part<'_>> {
-        let parts = parts_of(&self.found.manifest, self.bytes.as_ref(), kind);
+        let parts = parts_of(&self.contents.manifest, self.bytes.as_ref(), kind);
         parts.filter_map(move |part| self.part(kind, part))
     }
 
-    /// Finds a part of a kind at a place in the part table.
+    /// Finds a part of a kind by its row in the part table.
     fn part(&self, kind: PartKind, part: u16) -> Option<Part<'_>> {
         let file = self.bytes.as_ref();
         let loading = Loading::new(file, &Limits::FORMAT);
         let mut view = Part::new(file);
-        find_part(&loading, &self.found.manifest, (kind, part), &mut view).ok()?;
+        find_part(&loading, &self.contents.manifest, (kind, part), &mut view).ok()?;
         Some(view)
     }
 }
 
-impl Found {
+impl Contents {
     const NOTHING: Self =
         Self { manifest: Manifest::NOTHING, firsts: [PartLayout::NOTHING; PartKind::ALL.len()] };
 
@@ -278,7 +278,7 @@ impl Found {
             for part in parts_of(manifest, loading.file, *kind) {
                 loading.of_part(part);
                 let view = Part::new(loading.file);
-                // One view at a time, so that they share their place on the stack.
+                // Only one view is alive at a time, so that all share one place on the stack.
                 match kind {
                     PartKind::Envelope => {
                         let mut view = Envelope(view);
@@ -304,7 +304,7 @@ impl Found {
                         let mut view = Prior(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        prior::check::content(&view, loading)?;
+                        prior::check_content(&view, loading)?;
                     }
                     #[cfg(feature = "views")]
                     PartKind::Views => {
@@ -320,14 +320,14 @@ impl Found {
                         let mut view = Filter(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        filter::check::content(&view, loading)?;
+                        filter::check_content(&view, loading)?;
                     }
                     #[cfg(feature = "record")]
                     PartKind::Record => {
                         let mut view = Record(view);
                         find_part(loading, manifest, (*kind, part), &mut view.0)?;
                         first.keep(&view.0.layout);
-                        record::check::content(&view, loading)?;
+                        record::check_content(&view, loading)?;
                     }
                 }
             }
@@ -342,7 +342,7 @@ impl Found {
     }
 }
 
-/// Finds a part's counts and sections, after checking what they say of each other.
+/// Finds a part's counts and sections, and checks the counts against the sections.
 #[inline(never)]
 fn find_part(
     loading: &Loading<'_>,
@@ -366,7 +366,7 @@ fn find_part(
         PartKind::Record => &record::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
-    // The counts are the first of the rules.
+    // The counts come first in the rules.
     out.find_sections(loading, manifest, rules.get(..1).unwrap_or_default(), &Asked::COUNTS)?;
     out.read_counts();
     let asked = match kind {
@@ -383,19 +383,20 @@ fn find_part(
         PartKind::Prior => {
             let shape_len = |part| shape_len(loading, manifest, part);
             let part_len = manifest.parts(file).len();
-            prior::check::counts(&out.layout.counts, loading, part_len, shape_len)?
+            prior::check_counts(&out.layout.counts, loading, part_len, shape_len)?
         }
         #[cfg(feature = "views")]
         PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
         #[cfg(feature = "filter")]
-        PartKind::Filter => filter::check::counts(&out.layout.counts, loading)?,
+        PartKind::Filter => filter::check_counts(&out.layout.counts, loading)?,
         #[cfg(feature = "record")]
-        PartKind::Record => record::check::counts(&out.layout.counts, loading)?,
+        PartKind::Record => record::check_counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }
 
-/// Counts the palette of a part, if that is an envelope; all of them have been checked.
+/// Returns the palette length of a part if the part is an envelope. All counts have been checked
+/// before.
 fn palette_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u32> {
     let row = manifest.parts(loading.file).nth(part.into())?;
     let (number, _) = manifest.find(loading.file, part, SectionKind::EnvelopeCounts.number())?;
@@ -405,7 +406,8 @@ fn palette_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<
     (row.kind == PartKind::Envelope.number()).then_some(len)
 }
 
-/// Counts the shapes of a part, if that is a skin; all of them have been checked.
+/// Returns the number of shapes of a part if the part is a skin. All counts have been checked
+/// before.
 #[cfg(feature = "prior")]
 fn shape_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u32> {
     let row = manifest.parts(loading.file).nth(part.into())?;
@@ -416,7 +418,7 @@ fn shape_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u3
     (row.kind == PartKind::Skin.number()).then_some(len)
 }
 
-/// Returns the rows of what a part gives, if that is a kernel; all of them have been checked.
+/// Returns the output rows of a part if the part is a kernel. All rows have been checked before.
 #[cfg(feature = "views")]
 fn output_rows<'a>(
     loading: &Loading<'a>,
@@ -429,7 +431,7 @@ fn output_rows<'a>(
     (row.kind == PartKind::Kernel.number()).then_some(rows)
 }
 
-/// Lists the parts of a kind; a reader's limits keep their number below 65,536.
+/// Lists the parts of a kind. The reader's limits keep their number below 65,536.
 fn parts_of<'a>(
     manifest: &Manifest,
     file: &'a [u8],

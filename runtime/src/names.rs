@@ -1,8 +1,8 @@
-//! Names in a file: a part's, then those of what it consists of.
+//! Names in a file: the part's name, then the names of its components.
 
 use crate::linear::Le;
 
-/// The end of each name in the text that follows.
+/// The ends of all names, and the text that they index.
 #[derive(Clone, Copy)]
 pub(crate) struct Names<'a> {
     ends: &'a [Le],
@@ -10,7 +10,7 @@ pub(crate) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// Cuts section `names` of a part with `len` names.
+    /// Splits section `names` of a part with `len` names.
     pub(crate) fn new(bytes: &'a [u8], len: usize) -> Self {
         let (ends, text) = bytes.split_at_checked(len.saturating_mul(4)).unwrap_or_default();
         Self { ends: ends.as_chunks().0, text }
@@ -26,9 +26,9 @@ impl<'a> Names<'a> {
         core::str::from_utf8(self.text.get(start..end(index)?)?).ok()
     }
 
-    /// Finds the first name that is not UTF-8, or does not follow the one before it; the last ends
-    /// with the text.
-    pub(crate) fn unsound(&self) -> Option<usize> {
+    /// Finds the first name that is not UTF-8 or does not follow the previous name. The last name
+    /// must end with the text.
+    pub(crate) fn first_invalid(&self) -> Option<usize> {
         let last = self.ends.len().saturating_sub(1);
         let mut start = 0;
         self.ends.iter().map(|le| u32::from_le_bytes(*le) as usize).enumerate().position(

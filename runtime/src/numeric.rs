@@ -1,7 +1,7 @@
 //! The transcendental functions, each in one bounded-range form that every backend shares.
 //!
-//! Coefficients are minimax fits of relative error, rounded to f32; Horner's scheme, no fused
-//! multiply-add. The tests hold the bounds that the comments state.
+//! Coefficients are minimax fits of the relative error, rounded to f32. Evaluation is Horner's
+//! scheme without fused multiply-add. The tests hold the error bounds in the comments.
 
 use crate::lanes::{HALF_KEPT, HALF_SCALE, ROUND, Real};
 
@@ -25,23 +25,25 @@ pub(crate) fn greater<R: Real>(a: R, b: R) -> R {
     a.where_less(b, || b, || a)
 }
 
-/// Returns the two numbers of half precision in a word, the lower half's first; each is normal, or 0.
+/// Decodes the two half-precision numbers in a word, lower half first; each is normal or 0.
 #[inline(always)]
 pub(crate) fn halves(word: u32) -> [f32; 2] {
-    // Sign, exponent and mantissa go where single precision has them.
+    // Sign, exponent and mantissa move to their places in single precision.
     let single = |high: u32| f32::from_bits((high as i32 >> 3) as u32 & HALF_KEPT) * HALF_SCALE;
     [single(word << 16), single(word)]
 }
 
-/// The most half turns that [`sin_versine`] reduces: a multiple below 2^12 of pi's parts is exact.
+/// Largest number of half turns that [`sin_versine`] reduces. A multiple of pi's parts is exact
+/// below 2^12.
 pub(crate) const HALF_TURNS_MAX: f32 = 1024.0;
 
-/// Returns the sine and the versine (1 - cos) of an angle in radians, `0 <= angle <= pi HALF_TURNS_MAX`.
+/// Returns the sine and the versine (1 - cos) of an angle in radians, `0 <= angle <= pi
+/// HALF_TURNS_MAX`.
 ///
-/// The versine keeps its relative accuracy near 0, where 1 - cos would lose it (METHOD §7).
-/// Error: 2 ULP up to pi/2; beyond, 1.3e-7 of the sine and 2e-7 of the versine.
+/// The versine keeps its relative accuracy near 0, where 1 - cos would lose accuracy (METHOD §7).
+/// Error: 2 ULP up to pi/2; above, 1.3e-7 of the sine and 2e-7 of the versine.
 pub(crate) fn sin_versine(angle: f32) -> (f32, f32) {
-    // pi in three parts; a multiple below 2^12 of the first two is exact.
+    // pi in three parts. Multiples of the first two are exact below 2^12.
     const PI_0: f32 = 3.140_625;
     const PI_1: f32 = 9.675_026e-4;
     const PI_2: f32 = 1.509_958e-7;
@@ -68,18 +70,17 @@ pub(crate) fn quadrant_angle(y: f32, x: f32) -> f32 {
     if is_steep { core::f32::consts::FRAC_PI_2 - angle } else { angle }
 }
 
-// ln 2 in two parts; a multiple below 2^8 of the first is exact.
+// ln 2 in two parts. Multiples of the first are exact below 2^8.
 const LN_2_0: f32 = 0.693_359_4;
 const LN_2_1: f32 = -2.121_944_4e-4;
 
-/// Where [`exp_negative`] stops falling, above the least normal number.
+/// Argument at which [`exp_negative`] stops falling, above the least normal number.
 pub(crate) const EXP_MAX: f32 = 87.0;
 
-/// Returns `e^-a` of `a >= 0`: 1 at 0, and from [`EXP_MAX`] on 1.6e-38, also where `a` is not a
-/// number.
+/// Returns `e^-a` of `a >= 0`: 1 at 0, and 1.6e-38 from [`EXP_MAX`] on. NaN also gives 1.6e-38.
 ///
-/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have. On bare targets it is one
-/// function: its copies made 2 kB.
+/// Error: 1 ULP. The code has no branches and only integer steps that GLSL and WGSL have. Bare
+/// targets share one function, because inlined copies took 2 kB.
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn exp_negative<R: Real>(a: R) -> R {
@@ -92,21 +93,22 @@ pub(crate) fn exp_negative<R: Real>(a: R) -> R {
     power * rounded.power_of_two()
 }
 
-/// Returns `1 - e^-a` of `a >= 0`, to its last places also where a is small.
+/// Returns `1 - e^-a` of `a >= 0`, accurate to its last places for small a too.
 ///
 /// Error: 2 ULP.
 #[inline(always)]
 pub(crate) fn one_minus_exp_negative<R: Real>(a: R) -> R {
-    // Beyond ln 2 the difference from 1 loses nothing.
+    // Above ln 2 the difference from 1 loses no accuracy.
     let tail = a * (a * (a * 1.465_846_3e-4 - 1.341_553e-3) + 8.311_225e-3) - 0.041_661_285;
     let near = a * a * (a * (a * tail + 0.166_666_03) - 0.499_999_97) + a;
     a.where_less(R::from(core::f32::consts::LN_2), || near, || R::from(1.0) - exp_negative(a))
 }
 
-/// Returns the natural logarithm of `x >= 0`; below the least normal number, that number's.
+/// Returns the natural logarithm of `x >= 0`. Below the least normal number it returns that
+/// number's logarithm.
 ///
-/// Error: 1 ULP, also near 1, where it is small. Without branches and in integer steps that GLSL and WGSL
-/// have.
+/// Error: 1 ULP, also near 1, where the logarithm is small. The code has no branches and only
+/// integer steps that GLSL and WGSL have.
 #[cfg(feature = "kernel")]
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
@@ -120,8 +122,8 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
     (f + (curve + k * LN_2_1)) + k * LN_2_0
 }
 
-/// Returns how near a squared distance is, in [0, 1]: 1 up to a fade's start, 0 from its end on, a quintic
-/// step between (METHOD §2.6). What is not a number is far.
+/// Returns the nearness of a squared distance, in [0, 1]: 1 up to a fade's start, 0 from its end
+/// on, and a quintic step between (METHOD §2.6). NaN counts as far.
 #[inline(always)]
 pub(crate) fn nearness<R: Real>(s: R, (start, end): (f32, f32)) -> R {
     let last = R::from(end);
@@ -132,7 +134,7 @@ pub(crate) fn nearness<R: Real>(s: R, (start, end): (f32, f32)) -> R {
 
 /// Returns `u³ (10 - 15 u + 6 u²)` of `0 <= u <= 1`, in [0, 1]: 0 at 0, 1 at 1, flat at both.
 ///
-/// Written in v = 1 - u, where no term is negative. Error: 4e-7 of the value.
+/// Written in v = 1 - u, which makes every term positive. Error: 4e-7 of the value.
 #[inline(always)]
 pub(crate) fn smoothstep<R: Real>(u: R) -> R {
     let v = R::from(1.0) - u;
@@ -163,7 +165,7 @@ mod tests {
         (f64::from(found) - exact).abs() / f64::from(step)
     }
 
-    /// Every `stride`-th f32 from `from` to `to`; under Miri, which is slow, some hundreds of them.
+    /// Every `stride`-th f32 from `from` to `to`; only some hundreds under Miri, which is slow.
     fn dense(from: f32, to: f32, stride: usize) -> impl Iterator<Item = f32> {
         let stride = if cfg!(miri) { 10_007 * stride } else { stride };
         (from.to_bits()..=to.to_bits()).step_by(stride).map(f32::from_bits)
@@ -230,7 +232,7 @@ mod tests {
         assert_eq!([0.0, -0.0, f32::MIN_POSITIVE].map(exp_negative), [1.0; 3]);
     }
 
-    /// As [`ulps`], also of numbers below 1e-30.
+    /// Like [`ulps`], for numbers below 1e-30 too.
     fn ulps_down_to_the_least(found: f32, exact: f64) -> f64 {
         let near = exact as f32;
         assert!(found.is_normal() && near.is_normal());
@@ -274,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_zeros_the_first_is_taken() {
+    fn the_first_of_two_zeros_is_taken() {
         for f in [lesser::<f32>, greater] {
             assert_eq!(f(0.0, -0.0).to_bits(), 0.0f32.to_bits());
             assert_eq!(f(-0.0, 0.0).to_bits(), (-0.0f32).to_bits());

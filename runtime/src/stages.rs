@@ -1,23 +1,24 @@
-//! The stages of an envelope, one by one: for tests of other backends, and for those who measure.
+//! The stages of an envelope, for tests of other backends and for measurements.
 //!
-//! [`crate::Envelope::palette`] composes them; [`crate::SkinJob`] is the last stage.
+//! [`crate::Envelope::palette`] composes the stages; [`crate::SkinJob`] is the last stage.
 
 use crate::envelope::{self, Envelope};
 use crate::error::{Argument, CallError};
 use crate::linear::Matrix3x4;
 
-/// Stage gradients: computes the joints' transforms relative to the root, their
-/// rotations, and the predicted gradients.
+/// Stage gradients: computes the joints' transforms relative to the root, their rotations, and the
+/// predicted gradients.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
-/// - `out_relative`: 4 J columns, `[4 j + c]` column c of `B_r^-1 B_j`, with `B_r` taken as rigid;
-///   the root's is exactly `[I | 0]`. The stack q of METHOD §1.7.3.
-/// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for
-///   the root. A matrix that is not a rotation gives that of the nearest quaternion.
-/// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
+/// - `out_relative`: 4 J columns, the stack q of METHOD §1.7.3. `[4 j + c]` is column c of `B_r^-1
+///   B_j`, with `B_r` taken as rigid. The root's transform is exactly `[I | 0]`.
+/// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for the
+///   root. A matrix that is not a rotation gives the vector of its nearest quaternion.
+/// - `out_gradients`: 3 P columns, the stack d. `[3 l + c]` is column c of `D_l`, without the
+///   root's motion.
 ///
 /// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no keys.
+/// - [`crate::CallErrorKind::NoStage`]: the model uses the kernel predictor and has no keys.
 /// - [`crate::CallErrorKind::Length`]: an argument has another length.
 /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
 pub fn gradients(
@@ -36,15 +37,15 @@ pub fn gradients(
     Ok(())
 }
 
-/// Stage palette: computes the palette from what [`gradients`] gives.
+/// Stage palette: computes the palette from the results of [`gradients`].
 ///
-/// - `root`: the root's skinning matrix B_r, which moves the result back: `T_l <- B_r T_l`.
+/// - `root`: the root's skinning matrix B_r, which restores the root's motion: `T_l <- B_r T_l`.
 /// - `relative`: the stack q, 4 J columns.
 /// - `gradients`: the stack d, 3 P columns.
 /// - `out_palette`: P transforms, rest to posed, in model space; `T_l[r][c]` is row 4 l + c of t.
 ///
 /// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no c1 and c2.
+/// - [`crate::CallErrorKind::NoStage`]: the model uses the kernel predictor and has no c1 and c2.
 /// - [`crate::CallErrorKind::Length`]: an argument has another length.
 pub fn palette(
     envelope: &Envelope<'_>,
@@ -61,14 +62,14 @@ pub fn palette(
     Ok(())
 }
 
-/// Stage joints: copies the joints' transforms into the palette, bit for bit, and
-/// gives each helper that of its dominant joint.
+/// Stage joints: copies the joints' transforms into the palette, bit for bit, and copies the
+/// dominant joint's transform for each helper.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
 /// - `out_palette`: J + P transforms.
 ///
 /// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the model is not of the kernel predictor.
+/// - [`crate::CallErrorKind::NoStage`]: the model does not use the kernel predictor.
 /// - [`crate::CallErrorKind::Length`]: an argument has another length.
 /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
 pub fn joints(
@@ -83,11 +84,12 @@ pub fn joints(
     Ok(())
 }
 
-/// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
+/// Computes the features phi of a pose: 12 per joint, exactly 0 in the rest pose.
 ///
-/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, `B_p` taken as rigid. Its features
-/// are the rows of `[S - I | M o - o]`: S turns half as far as R does (METHOD §1.9), o is its rest origin,
-/// whose displacement the parent's frame sees. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
+/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, with `B_p` taken as rigid. Its
+/// features are the rows of `[S - I | M o - o]`. S rotates by half the angle of R (METHOD §1.9).
+/// The rest origin o makes the last column the displacement in the parent's frame. Feature `12 j +
+/// 4 r + c` is entry r, c; the root's features are 0.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space; [`crate::model_space_pose`] makes
 ///   them from local rotations.
@@ -109,15 +111,17 @@ pub fn features(
     Ok(())
 }
 
-/// Stage correction: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the confidence in
-/// the pose: what the groups know, or what the ranges of the joints do where that is less; 1 without groups.
+/// Stage correction: adds `Q_dom(l) K_l(phi)` to the transforms of the P proxies, and returns the
+/// confidence in the pose.
 ///
-/// Where a group's confidence is 0 its proxies keep their bits.
+/// The confidence is the smaller of two values: the groups' confidence and the confidence from the
+/// joints' trained ranges. Without groups the confidence is 1. Where a group's confidence is 0 its
+/// proxies keep their bits.
 ///
 /// - `pose`: J skinning matrices; Q is a joint's 3x3.
-/// - `features`: phi, J matrices, of [`features`].
+/// - `features`: phi, J matrices, from [`features`].
 /// - `scratch`: at least [`Envelope::correction_len`] floats, of any content.
-/// - `out_palette`: [`Envelope::palette_len`] transforms, of which the last P are added to.
+/// - `out_palette`: [`Envelope::palette_len`] transforms. The correction is added to the last P.
 ///
 /// # Errors
 /// - [`crate::CallErrorKind::NoStage`]: the model is rotational and has no correction.
@@ -141,10 +145,12 @@ pub fn correction(
     Ok(envelope::helpers::correction(envelope, pose, features, scratch, out_palette))
 }
 
-/// Returns the least confidence over the joints of a rotational envelope: 1 within a joint's trained
-/// range, 0 from half the range and 0.1 rad beyond it, a quintic step between.
+/// Returns the least confidence over the joints of a rotational envelope.
 ///
-/// - `rotations`: J rotation vectors, of [`gradients`].
+/// A joint's confidence is 1 within its trained range and 0 from 1.5 times the range plus 0.1 rad
+/// on, with a quintic step between.
+///
+/// - `rotations`: J rotation vectors, from [`gradients`].
 ///
 /// # Errors
 /// - [`crate::CallErrorKind::Length`]: `rotations` has another length.

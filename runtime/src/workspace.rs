@@ -1,10 +1,10 @@
-//! Scratch on the stack, for those who want it there.
+//! Scratch memory on the stack.
 
 use core::ops::{Deref, DerefMut};
 
-/// N floats of scratch; pass `&mut workspace` wherever scratch is asked for.
+/// N floats of scratch; pass `&mut workspace` as a scratch argument.
 ///
-/// [`crate::envelope::scratch_len`] gives N at compile time, so that the size can be a constant.
+/// [`crate::envelope::scratch_len`] computes N at compile time, so the size can be a constant.
 #[derive(Clone, Copy, Debug)]
 pub struct Workspace<const N: usize>([f32; N]);
 

@@ -1,4 +1,4 @@
-//! Checks that every part's content shares.
+//! Checks that all kinds of parts share.
 
 use super::error::FileErrorKind as Kind;
 use super::part::Part;
@@ -9,16 +9,16 @@ use crate::names::Names;
 
 /// Checks the names of a part.
 pub(crate) fn check_names(loading: &Loading<'_>, names: Names<'_>) -> Checked {
-    names.unsound().map_or(Ok(()), |index| loading.invalid(SectionKind::Names, index))
+    names.first_invalid().map_or(Ok(()), |index| loading.invalid(SectionKind::Names, index))
 }
 
-/// Checks that the floats of a part's sections are within what its rules say.
+/// Checks that the floats in a part's sections lie within the ranges of its rules.
 #[inline(never)]
 pub(crate) fn check_floats(loading: &Loading<'_>, part: &Part<'_>, rules: &[Rule]) -> Checked {
     for (place, rule) in rules.iter().enumerate() {
         let Some(floats) = rule.floats else { continue };
         let (words, after) = (part.bytes(place).as_chunks().0, usize::from(floats.after));
-        // Floats alone are looked at as one element.
+        // A section of only floats is one element.
         let each = if after == 0 { words.len() } else { usize::from(rule.each) / 4 };
         for (element, words) in words.chunks(each.max(1)).enumerate() {
             if let Some(at) = outside(words.get(after..).unwrap_or_default(), floats.range()) {
@@ -30,7 +30,7 @@ pub(crate) fn check_floats(loading: &Loading<'_>, part: &Part<'_>, rules: &[Rule
     Ok(())
 }
 
-/// Checks counts of a section: the place of each, and the least and the most that it may be.
+/// Checks counts of a section. Each range is a place, the least and the greatest value.
 #[inline(never)]
 pub(crate) fn check_counts(
     loading: &Loading<'_>,
@@ -49,14 +49,14 @@ pub(crate) fn check_counts(
     Ok(())
 }
 
-/// Finds the first float that is not within `[least, greatest]`, as none is that is no number.
+/// Finds the first float outside `[least, greatest]`. NaN counts as outside.
 #[inline(never)]
 pub(crate) fn outside(floats: &[[u8; 4]], [least, greatest]: [f32; 2]) -> Option<usize> {
     let within = |x: f32| least <= x && x <= greatest;
     floats.iter().position(|le| !within(f32::from_le_bytes(*le)))
 }
 
-/// Checks that element `index` of a section points to less than `below`.
+/// Checks that element `index` of a section is an index less than `below`.
 pub(crate) fn check_index(
     loading: &Loading<'_>,
     section: SectionKind,

@@ -1,6 +1,6 @@
 //! CRC-32 (ISO-HDLC): polynomial 0x04C11DB7 reflected, start and final XOR all ones.
 
-/// Computes the checksum of bytes that stand in several places, 16 of them at a time by tables of 16 KiB.
+/// Computes the checksum of several slices in order, 16 bytes at a time, with tables of 16 KiB.
 #[cfg(not(target_os = "none"))]
 pub(crate) fn of(parts: &[&[u8]]) -> u32 {
     static CRC: ::crc::Crc<u32, ::crc::Table<16>> =
@@ -10,8 +10,8 @@ pub(crate) fn of(parts: &[&[u8]]) -> u32 {
     digest.finalize()
 }
 
-/// Computes the checksum of bytes that stand in several places, four bits at a time by a table of 64 bytes:
-/// on bare targets flash is dear, and a file is loaded once.
+/// Computes the checksum of several slices in order, four bits at a time, with a table of 64 bytes.
+/// Bare targets have little flash, and load a file only once.
 #[cfg(any(target_os = "none", test))]
 pub(crate) fn by_nibbles(parts: &[&[u8]]) -> u32 {
     const TABLE: [u32; 16] = {
@@ -28,7 +28,7 @@ pub(crate) fn by_nibbles(parts: &[&[u8]]) -> u32 {
         }
         table
     };
-    // Not inlined, or the loop would be unrolled to ten times its length.
+    // Not inlined: unrolling would make the loop ten times as long.
     #[inline(never)]
     fn step(sum: u32, byte: u8) -> u32 {
         let next = |sum: u32| {

@@ -1,101 +1,117 @@
-//! Why a file is refused.
+//! Errors of files.
 
 use super::SectionKind;
 use core::fmt;
 
-/// Why a file was refused, and where; FORMAT.md lists the checks in their order.
+/// Reason why a file was refused, with its place. FORMAT.md lists the checks in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileError {
-    /// What is wrong.
+    /// Kind of the mistake.
     pub kind: FileErrorKind,
-    /// The part, a row of the part table; `None` for the file as a whole.
+    /// Row of the part in the part table; `None` for the file as a whole.
     pub part: Option<u16>,
-    /// The section, or that of a row of the section table where it is known; `None` for the message and its tables.
+    /// The section, or the section of a table row if its kind is known. `None` for the message and
+    /// its tables.
     pub section: Option<SectionKind>,
-    /// Which element: of the section, in what its table counts, or of a table, in rows.
+    /// Index of the element: in the section's own elements, or in rows of a table.
     pub index: u32,
-    /// What should be there, or the most or the least that may; `u32::MAX` also stands for more.
+    /// Expected value, or the bound that was broken; `u32::MAX` also means a larger value.
     pub expected: u32,
-    /// What is there; `u32::MAX` also stands for more.
+    /// Value found; `u32::MAX` also means a larger value.
     pub found: u32,
 }
 
-/// What can be wrong with a file.
+/// Kinds of mistakes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum FileErrorKind {
-    /// The first four bytes, `found`, are not those of a model.
+    /// The first four bytes, `found`, are not the magic of a model.
     NotAModel,
-    /// Written in version `found`; this reader knows `expected`.
+    /// The file has format version `found`; this reader knows `expected`.
     Version,
-    /// The message contradicts itself, at the place `index`. 1 or 2: the part or the section table has `found` bytes,
-    /// expected rows of `expected` bytes. 3: the blob stands at byte `found`, expected a
-    /// multiple of `expected` after zeros. 4: the file has
-    /// `found` bytes, expected `expected`, the end of the blob.
+    /// The message contradicts itself, at place `index`:
+    ///
+    /// 1 or 2: the part table or the section table has `found` bytes, expected rows of `expected`
+    /// bytes.
+    ///
+    /// 3: the blob starts at byte `found`, expected a multiple of `expected` after zeros.
+    ///
+    /// 4: the file has `found` bytes, expected `expected`, the end of the blob.
     Malformed,
-    /// The file was changed after it was written: it states checksum `expected`, and has `found`.
+    /// The file was changed after writing: it states checksum `expected`, and has checksum `found`.
     Checksum,
-    /// More of something than the caller's [`crate::Limits`] or the format allow. Without a section
-    /// `index` 0 is bytes of the file, 1 parts, 2 sections; else it is a count of the section.
+    /// A count exceeds the caller's [`crate::Limits`] or the format's own limit. Without a section,
+    /// `index` 0 means bytes of the file, 1 parts, 2 sections; otherwise `index` is a count of the
+    /// section.
     Limit,
-    /// `found` is nothing that this reader knows: feature bits; flags or the kind of a part or of a
-    /// section; an element type, a predictor, a kernel, a reserved number that is not 0.
+    /// This reader does not know `found`. The value is feature bits; flags or the kind of a part or
+    /// section; an element type, a predictor, a kernel, or a reserved number other than 0.
     Unsupported,
-    /// Row `index` of the section table names part `found` of `expected`.
+    /// Row `index` of the section table names part `found`; the file has `expected` parts.
     PartIndex,
     /// Row `index` of the section table starts at byte `found` of the blob, expected a multiple of `expected`.
     Alignment,
-    /// Row `index` of the section table starts at byte `found` of the blob; the one before it ends at `expected`.
+    /// Row `index` of the section table starts at byte `found` of the blob; the previous row ends
+    /// at `expected`.
     Overlap,
-    /// Row `index` of the section table ends at byte `found` of the blob, which has `expected`.
+    /// Row `index` of the section table ends at byte `found` of the blob, which has `expected`
+    /// bytes.
     Bounds,
     /// Row `index` of the section table repeats a kind of its part.
     Duplicate,
     /// The part lacks the section.
     Missing,
-    /// The section is not one that the part, as its counts describe it, has.
+    /// The part's counts exclude this section.
     Unexpected,
-    /// The section should have `expected` bytes.
+    /// The section has `found` bytes, expected `expected`.
     Length,
-    /// A count that must be at least one is zero: `index` of the section.
+    /// Count `index` of the section is zero, expected at least one.
     Empty,
-    /// Float `index` is not finite, or larger than [`super::MAGNITUDE_MAX`], or in a correction than
-    /// [`super::CORRECTION_MAX`]; or negative where it may not be; or of half precision and subnormal.
+    /// Float `index` is out of range. The float is not finite, larger than [`super::MAGNITUDE_MAX`]
+    /// ([`super::CORRECTION_MAX`] in a correction), negative in a section of unsigned floats, or
+    /// subnormal in half precision.
     Float,
-    /// Element `index` should be less than `expected`.
+    /// Element `index` is `found`, expected less than `expected`.
     Index,
-    /// Element `index` should be `expected`, which follows from the rest of the file.
+    /// Element `index` is `found`, expected `expected` from the rest of the file.
     Mismatch,
-    /// Element `index` breaks a rule of its section: a name is not UTF-8 or out of place, a joint not
-    /// of the tree, an inverse bind matrix not rigid, a normal, tangent or axis not of its length, a
-    /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
-    /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
-    /// starts, a first term is not 1, deltas lie outside their shape's box (`found` is the delta), entries of
-    /// shapes are out of order or move no vertex of their block, a factor's diagonal is not positive or too small for
-    /// its column, weights have a bound that ends before it starts, a pair is of one shape or cannot be 0, β is 0, a map
-    /// does not give places and then numbers, an element has one point twice, a mask has more bits than there are
-    /// points, a texture is empty or larger than the format allows.
+    /// Element `index` breaks a rule of its section:
+    ///
+    /// - names: a name is not UTF-8 or out of place;
+    /// - joints: a joint is not part of the tree, an inverse bind matrix is not rigid;
+    /// - meshes: a normal, tangent or axis has a wrong length, weights do not sum to one, vertices
+    ///   lie outside a rest box (`found` is the vertex), a range is not inside the mesh or ends
+    ///   before it starts;
+    /// - envelopes: a twist is too large, a fade does not start and then end;
+    /// - shapes: deltas lie outside their shape's box (`found` is the delta), entries are out of
+    ///   order or move no vertex of their block;
+    /// - kernels: a first term is not 1;
+    /// - priors: a factor's diagonal is not positive or too small for its column, the bounds of a
+    ///   weight end before they start, a pair has one shape twice or excludes 0, β is 0;
+    /// - views: a map does not give places and then numbers, an element has one point twice, a mask
+    ///   has more bits than points, a texture is empty or larger than the format allows.
     Invalid,
-    /// The file ends early: it has `found` bytes of the section, expected `expected`. Without a section both are bytes of
-    /// the file, `expected` the least, and `index` is the place of its end: 0 the head, 1 the part table, 2 the section
-    /// table, 3 the padding, 4 the blob.
+    /// The file ends early: it has `found` bytes of the section, expected `expected`. Without a
+    /// section both values are bytes of the file, `expected` is the least, and `index` is the place
+    /// of the end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
     Truncated,
-    /// Byte `index` of the space is `found`, which no space has.
+    /// Byte `index` of the space has the invalid value `found`.
     Space,
 }
 
-/// Returns a number, or the most that an error holds.
+/// Converts a number to u32, saturating at the greatest value.
 pub(crate) fn saturated(value: u64) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)
 }
 
-/// Names what an index of [`FileErrorKind::Truncated`] and [`FileErrorKind::Malformed`] stands for.
+/// Names the place in the file for an index of [`FileErrorKind::Truncated`] and
+/// [`FileErrorKind::Malformed`].
 fn place(index: u32) -> &'static str {
     let names = ["head", "part table", "section table", "padding", "blob"];
     names.get(index as usize).copied().unwrap_or("file")
 }
 
-/// Names what an index counts where a section, or the file as a whole, has counts.
+/// Names the count at an index, of a section or of the file as a whole.
 fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
     let names: &[&str] = match section {
         None => &["file bytes", "parts", "sections"],
@@ -163,7 +179,7 @@ impl fmt::Display for FileError {
                     place(index)
                 ),
             },
-            FileErrorKind::Space => write!(f, "byte {index} of the space: {found} is not one"),
+            FileErrorKind::Space => write!(f, "byte {index} of the space: {found} is not valid"),
             FileErrorKind::Checksum => {
                 write!(f, "damaged file: expected checksum {expected:08x}, found {found:08x}")
             }
@@ -271,10 +287,10 @@ impl fmt::Display for FileError {
                 }
                 Some(SectionKind::KernelRule) => f.write_str("the fade does not start and end"),
                 Some(SectionKind::Inputs) => {
-                    write!(f, "the axis of input {index} has a length other than it must have")
+                    write!(f, "the axis of input {index} has a wrong length")
                 }
                 Some(SectionKind::Outputs) => {
-                    write!(f, "the range or the neutral of output {index} is not one of its kind")
+                    write!(f, "the range or the neutral of output {index} does not fit its kind")
                 }
                 Some(SectionKind::Features) => {
                     write!(f, "the range of feature {index} ends before it starts")
@@ -310,7 +326,7 @@ impl fmt::Display for FileError {
                     write!(f, "element {index} has one point twice")
                 }
                 Some(SectionKind::ViewMasks) => {
-                    write!(f, "key view {index} shows points that there are not")
+                    write!(f, "key view {index} has mask bits behind its last point")
                 }
                 Some(SectionKind::Textures) => {
                     write!(f, "texture {index} is empty, or wider or higher than 65535 texels")

@@ -1,4 +1,4 @@
-//! Reads the message and its two tables: what is found is offsets, which outlive the bytes.
+//! Reads the message and its two tables. The result is offsets, which outlive the bytes.
 
 use super::error::{FileErrorKind as Kind, saturated};
 use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VERSION, checksum};
@@ -8,14 +8,14 @@ use super::space::Space;
 use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionRow};
 use core::num::NonZeroU16;
 
-/// What a file can end in, as errors number it.
+/// Places where a file can end early, as errors number them.
 const HEAD: usize = 0;
 const PART_TABLE: usize = 1;
 const SECTION_TABLE: usize = 2;
 const PADDING: usize = 3;
 const BLOB: usize = 4;
 
-/// Where bytes lie in the file; a file has less than 4 GiB.
+/// Position of bytes in the file; a file has less than 4 GiB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Span {
     start: u32,
@@ -23,16 +23,16 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Where there is nothing: a file starts with its head.
+    /// The empty span. Real spans start behind the head.
     pub(crate) const NONE: Self = Self { start: 0, len: 0 };
 
-    /// Returns the span of bytes that are a part of a file.
+    /// Returns the span of a slice of a file.
     fn of(part: &[u8], file: &[u8]) -> Self {
         let start = part.as_ptr().addr().saturating_sub(file.as_ptr().addr());
         Self { start: narrow(start), len: narrow(part.len()) }
     }
 
-    /// Returns the bytes; none of a file that does not reach so far.
+    /// Returns the bytes; empty if the file is too short.
     #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn bytes(self, file: &[u8]) -> &[u8] {
         file.get(self.start as usize..)
@@ -50,7 +50,7 @@ fn narrow(value: usize) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)
 }
 
-/// Where the section table and the blob start in a file.
+/// Start of the section table and of the blob in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tables {
     sections: u32,
@@ -58,15 +58,15 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Those of no file.
+    /// The tables of no file.
     pub(crate) const NOTHING: Self = Self { sections: 0, blob: 0 };
 
-    /// Whether they are those of a file, which has a head before its blob.
+    /// Whether the tables belong to a file. A file has a head before its blob.
     pub(crate) const fn is_some(self) -> bool {
         self.blob != 0
     }
 
-    /// Returns the content of the section with row `number`, counted from 1.
+    /// Returns the content of the section in row `number`, counted from 1.
     #[inline]
     pub(crate) fn section(self, number: u16, file: &[u8]) -> Option<&[u8]> {
         let start = (self.sections as usize).wrapping_add(SectionRow::BYTES * usize::from(number));
@@ -74,7 +74,7 @@ impl Tables {
         self.content(&SectionRow::from_bytes(row), file)
     }
 
-    /// Returns the content of the section of a row; `None` of a file that does not reach so far.
+    /// Returns the content of a row's section; `None` if the file is too short.
     #[inline]
     fn content<'a>(self, row: &SectionRow, file: &'a [u8]) -> Option<&'a [u8]> {
         let blob = file.get(self.blob as usize..)?;
@@ -82,7 +82,7 @@ impl Tables {
     }
 }
 
-/// Tells files apart, without reading them: by their length and the checksum that they state.
+/// Identity of a file, without reading it: its length and its stated checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileId {
     len: u32,
@@ -90,7 +90,7 @@ pub struct FileId {
 }
 
 impl FileId {
-    /// That of no file.
+    /// The identity of no file.
     pub(crate) const NONE: Self = Self { len: 0, checksum: 0 };
 
     /// Returns its numbers.
@@ -99,7 +99,7 @@ impl FileId {
         [self.len, self.checksum]
     }
 
-    /// Reads it; `None` of bytes that are too short to be a file.
+    /// Reads the identity; `None` if the bytes are too short for a file.
     pub fn of(file: &[u8]) -> Option<Self> {
         let checksum = file.get(CHECKSUM_OFFSET..)?.first_chunk()?;
         Some(Self { len: narrow(file.len()), checksum: u32::from_le_bytes(*checksum) })
@@ -116,15 +116,15 @@ pub(crate) struct Manifest {
 }
 
 impl Manifest {
-    /// That of no file.
+    /// The manifest of no file.
     pub(crate) const NOTHING: Self =
         Self { id: FileId::NONE, parts: Span::NONE, sections: Span::NONE, blob: Span::NONE };
 
-    /// Reads and checks what stands before the blob: steps 1 to 4 of FORMAT.md.
+    /// Reads and checks the bytes before the blob: steps 1 to 4 of FORMAT.md.
     pub(crate) fn read(&mut self, loading: &Loading<'_>) -> Checked {
         let file = loading.file;
         let (parts, sections, _, blob) = message(loading)?;
-        // A file that has been decoded is long enough to have one.
+        // A decoded file is long enough for an identity.
         self.id = FileId::of(file).unwrap_or(FileId::NONE);
         self.parts = Span::of(parts, file);
         self.sections = Span::of(sections, file);
@@ -133,7 +133,7 @@ impl Manifest {
         self.check_sections(loading)
     }
 
-    /// Tells which file was read.
+    /// Returns the file's identity.
     pub(crate) const fn id(&self) -> FileId {
         self.id
     }
@@ -164,12 +164,13 @@ impl Manifest {
         self.tables().content(row, file).unwrap_or_default()
     }
 
-    /// Returns where tables and blob start.
+    /// Returns the start of the tables and of the blob.
     pub(crate) const fn tables(&self) -> Tables {
         Tables { sections: self.sections.start, blob: self.blob.start }
     }
 
-    /// Finds the first row of a part's section of one kind: its number, from 1, and the section's length.
+    /// Finds the first row of a part's section of one kind. Returns the row's number, counted from
+    /// 1, and the section's length.
     #[inline(never)]
     pub(crate) fn find(&self, file: &[u8], part: u16, kind: u16) -> Option<(NonZeroU16, u32)> {
         for (index, row) in self.sections(file).enumerate() {
@@ -180,7 +181,7 @@ impl Manifest {
         None
     }
 
-    /// Returns the type of the elements of a part's section of one kind.
+    /// Returns the element type of a part's section of one kind.
     pub(crate) fn element(&self, file: &[u8], part: u16, kind: SectionKind) -> Option<Element> {
         let mut rows = self.sections(file);
         let row = rows.find(|row| (row.part, row.kind) == (part, kind.number()))?;
@@ -249,8 +250,8 @@ impl Manifest {
     }
 }
 
-/// Finds what the row of a part's section says that this reader does not know, as far as it knows the
-/// kinds of both.
+/// Finds an unknown value in the row of a part's section. Element types are checked only for known
+/// kinds of parts.
 fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
     let is_known = PartKind::from_number(part.kind).is_some();
     if u16::from(row.flags) & !REQUIRED != 0 {
@@ -264,11 +265,12 @@ fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
     }
 }
 
-/// Whether errors of the section table name the section and its bytes, and those of truncated files the section. On bare
-/// targets, whose flash is small, the former have the row alone, and a truncated file asks for one byte more.
-const IS_PARTICULAR: bool = cfg!(not(target_os = "none"));
+/// Whether errors name their section in detail. Errors of the section table then name the section
+/// and its bytes, and errors of truncated files name the section. On bare targets flash is small:
+/// table errors give only the row, and a truncated file expects one byte more.
+const IS_DETAILED: bool = cfg!(not(target_os = "none"));
 
-/// Refuses a row of the section table, whose part and section it names.
+/// Refuses a row of the section table, and names its part and section.
 #[cold]
 fn refuse_row(
     loading: &Loading<'_>,
@@ -277,7 +279,7 @@ fn refuse_row(
     row: &SectionRow,
     values: [u32; 2],
 ) -> Refused {
-    if !IS_PARTICULAR {
+    if !IS_DETAILED {
         return loading.refuse(kind, None, index, [0; 2]);
     }
     loading.of_part(row.part);
@@ -287,7 +289,7 @@ fn refuse_row(
 /// The byte strings of a message: part rows, section rows, padding, blob.
 type Strings<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
 
-/// Checks what stands before the tables: size, magic, version, checksum, features, padding, space.
+/// Checks the fields before the tables: size, magic, version, checksum, features, padding, space.
 fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     let file = loading.file;
     let wrong = |kind, values| Err(loading.refuse(kind, None, 0, values));
@@ -324,7 +326,7 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
         return Err(loading.refuse(Kind::Malformed, None, PADDING, values));
     }
     let space = Space::bytes(file);
-    if let Some(at) = Space::unsound(space) {
+    if let Some(at) = Space::invalid_byte(space) {
         let found = space.into_iter().nth(at).unwrap_or_default();
         return Err(loading.refuse(Kind::Space, None, at, [0, found.into()]));
     }
@@ -336,12 +338,12 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
 fn cut_off(loading: &Loading<'_>) -> Refused {
     let file = loading.file;
     let (mut place, mut expected) = (HEAD, HEAD_BYTES);
-    if !IS_PARTICULAR {
+    if !IS_DETAILED {
         (place, expected) = (BLOB, file.len() + 1);
     } else if let Some(mut rest) = file.get(HEAD_BYTES..) {
         let mut sections = rest;
         for string in PART_TABLE..=BLOB {
-            // A length that is cut off asks for a byte more than is there.
+            // If the length itself is cut off, one more byte is expected.
             let at_end = rest.get(rest.len()..).unwrap_or_default();
             let (len, after) = postcard::take_from_bytes(rest).unwrap_or((1, at_end));
             (place, expected) = (string, (file.len() - after.len()).saturating_add(len));
@@ -362,7 +364,8 @@ fn cut_off(loading: &Loading<'_>) -> Refused {
     loading.refuse(Kind::Truncated, None, place, [expected, file.len()].map(narrow))
 }
 
-/// Refuses a file whose blob has so many bytes and ends inside a section; `None` if it ends behind the known ones.
+/// Refuses a file whose blob of `blob_len` bytes ends inside a section. Returns `None` if the blob
+/// ends behind the known sections.
 #[cold]
 fn cut_section(loading: &Loading<'_>, sections: &[u8], blob_len: usize) -> Option<Refused> {
     let mut rows = sections.as_chunks().0.iter().map(SectionRow::from_bytes);

@@ -1,17 +1,21 @@
-//! The file: its layout, defined here once for reader and writer.
+//! The file format: its layout, defined once for reader and writer.
 //!
-//! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`], with a table of
-//! parts and one of sections; what the sections of a part hold is the part's affair.
+//! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`], with a table
+//! of parts and a table of sections. Each kind of part defines the content of its sections.
 //!
-//! Loading checks in this order, which FORMAT.md states: the message and its checksum (`manifest`), the
-//! tables of parts and sections (`manifest`), then every part of a kind that this reader knows: its counts
-//! (`counts` in the `check.rs` of the part's folder), which sections it has (`part`, by the `RULES` in that
-//! folder's `counts.rs`), and what they hold (`CHECKS` in its `check.rs`). What goes from one to the next
-//! is `Found::read` in `model.rs`.
+//! Loading checks in this order, which FORMAT.md states:
 //!
-//! A new kind of part adds: a kind in `tables` and its sections in `sections`; a folder beside `envelope` with its counts, its table of rules and its table of checks; an arm each where `model.rs` picks them;
-//! its views; its page in FORMAT.md, and there `tests/format/document.rs`. The C ABI and the GPU show a
-//! part only where they evaluate it.
+//! 1. the message and its checksum (`manifest`);
+//! 2. the tables of parts and sections (`manifest`);
+//! 3. every part of a known kind: its counts, then its sections (`part`, by the part's table
+//!    `RULES`), then their content (the part's own checks).
+//!
+//! `Contents::read` in `model.rs` runs the steps.
+//!
+//! A new kind of part needs: a kind in `tables` and its sections in `sections`; a module beside
+//! `envelope` with its counts, its table of rules, its checks and its views; an arm in each `match`
+//! of `model.rs`; a chapter in FORMAT.md and a test of the chapter in `tests/format/document`. The
+//! C ABI and the GPU show a part only if they evaluate it.
 
 pub(crate) mod content;
 pub(crate) mod crc;

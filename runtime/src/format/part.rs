@@ -1,4 +1,4 @@
-//! A part: what loading finds of it, whatever its kind, and how it is read.
+//! A part of any kind: the offsets that loading stores, and access to its sections.
 
 use super::error::{FileErrorKind as Kind, saturated};
 use super::manifest::{FileId, Manifest, Tables};
@@ -7,7 +7,7 @@ use super::rule::{ALWAYS, OPTIONAL, Rule};
 use crate::linear::Le;
 use core::num::NonZeroU16;
 
-/// The most counts of a part, of any kind.
+/// Largest number of counts of any kind of part.
 pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
     11
 } else if cfg!(feature = "shapes") {
@@ -15,7 +15,7 @@ pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
 } else {
     8
 };
-/// The most sizes that rules multiply, of any kind of part.
+/// Largest number of sizes in the rules of any kind of part.
 const SIZES: usize = match (
     cfg!(feature = "views"),
     cfg!(feature = "shapes"),
@@ -28,7 +28,7 @@ const SIZES: usize = match (
     (false, false, false, true) => 7,
     (false, false, false, false) => 6,
 };
-/// The most sections that rules ask of a part, of any kind.
+/// Largest number of sections in the rules of any kind of part.
 pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     17
 } else if cfg!(feature = "views") {
@@ -37,34 +37,34 @@ pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     12
 };
 
-/// What loading finds of a part. It borrows nothing, so that it can be kept beside the model, and views
-/// be made of it each frame.
+/// Offsets that loading stores for a part. The layout borrows nothing: it can be kept beside the
+/// model, and makes views every frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PartLayout {
     file: FileId,
     part: u16,
-    /// Its counts, in the order of the file; behind them what follows from other parts.
+    /// The part's counts, in the order of the file, then values that follow from other parts.
     pub(crate) counts: [u32; COUNTS],
-    /// Which rows of the section table its sections have, in the order of its rules, counted from 1.
+    /// Row of each section in the section table, counted from 1, in the order of the rules.
     rows: [Option<NonZeroU16>; SECTIONS],
     tables: Tables,
 }
 
-/// Makes what the view of a part has, whatever its kind: its layout, where it is, its name and its counts.
+/// Defines the members that views of all kinds of parts share: layout, location, name and counts.
 macro_rules! view {
     ($view:ident, $layout:ident, |$words:ident| -> $counts:ident { $read:expr }) => {
-        #[doc = concat!("What loading found of a part, [`", stringify!($view), "`]: its counts, and where its arrays lie.")]
+        #[doc = concat!("Layout of a part, [`", stringify!($view), "`]: its counts and the offsets of its arrays.")]
         ///
-        /// It borrows nothing, so that it can be kept beside the model, and views be made of it each frame.
+        /// It borrows nothing: it can be kept beside the model, and makes views every frame.
         #[derive(Clone, Copy, Debug)]
         pub struct $layout(pub(crate) $crate::format::part::PartLayout);
 
         impl $layout {
-            /// Returns the part; `None` if the bytes are not those of the file in which it was found, by their length
-            /// and the checksum that they state.
+            /// Returns the part; `None` if the bytes have another length or stated checksum than
+            /// the file of this layout.
             ///
-            /// Nothing is read again. Of bytes that have changed otherwise the part gives wrong results, but never
-            /// panics.
+            /// Nothing is read again. With other changes in the bytes the part gives wrong results,
+            /// but never panics.
             pub fn open<'a>(&self, file: &'a [u8]) -> Option<$view<'a>> {
                 self.0.open(file).map($view)
             }
@@ -77,17 +77,18 @@ macro_rules! view {
         }
 
         impl<'a> $view<'a> {
-            /// Returns what loading found, to open it again.
+            /// Returns the layout, to open the part again later.
             pub const fn layout(&self) -> $layout {
                 $layout(self.0.layout)
             }
 
-            /// Tells in which file it is.
+            /// Returns the identity of the part's file.
             pub const fn file(&self) -> $crate::format::FileId {
                 self.0.id()
             }
 
-            /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
+            /// Returns the part's index in [`crate::Model::parts`]. The rows of
+            /// [`crate::Model::sections`] refer to the index.
             pub const fn part(&self) -> usize {
                 self.0.index()
             }
@@ -114,19 +115,19 @@ macro_rules! view {
 }
 pub(crate) use view;
 
-/// What a part of certain counts has, in the terms of its rules.
+/// Properties and sizes of a part, derived from its counts, for its rules.
 pub(crate) struct Asked {
-    /// Bits of what it has, [`ALWAYS`] among them.
+    /// Bits of the part's properties, including [`ALWAYS`].
     pub(crate) has: u8,
-    /// What rules multiply to the number of elements; the first is 1.
+    /// Sizes whose products are numbers of elements; the first is 1.
     pub(crate) sizes: [u32; SIZES],
 }
 
 impl Asked {
-    /// What is asked of the counts themselves.
+    /// Properties for the section of counts itself.
     pub(crate) const COUNTS: Self = Self::new(ALWAYS, [1]);
 
-    /// Makes it of the bits and of N sizes, of which the first is 1.
+    /// Makes the value from the bits and N sizes, the first of which is 1.
     pub(crate) const fn new<const N: usize>(has: u8, sizes: [u32; N]) -> Self {
         let mut asked = Self { has, sizes: [0; SIZES] };
         let mut at = 0;
@@ -147,7 +148,7 @@ pub(crate) const fn first_counts<const N: usize>(counts: &[u32; COUNTS]) -> [u32
 }
 
 impl PartLayout {
-    /// That of no part, which opens nothing.
+    /// The layout of no part, which opens nothing.
     pub(crate) const NOTHING: Self = Self {
         file: FileId::NONE,
         part: 0,
@@ -156,30 +157,30 @@ impl PartLayout {
         tables: Tables::NOTHING,
     };
 
-    /// Takes another for the first of its kind, if it is that of no part yet.
+    /// Stores another layout, unless one is stored already.
     pub(crate) fn keep(&mut self, other: &Self) {
         if !self.is_some() {
             *self = *other;
         }
     }
 
-    /// Whether it is that of a part.
+    /// Whether it is the layout of a part.
     pub(crate) const fn is_some(&self) -> bool {
         self.tables.is_some()
     }
 
-    /// Whether it has the section of a rule, if only an empty one.
+    /// Whether the part has the section of a rule, which may be empty.
     pub(crate) const fn has(&self, place: usize) -> bool {
         self.rows[place].is_some()
     }
 
-    /// Returns the part; `None` if the bytes are not those of the file in which it was found.
+    /// Returns the part; `None` if the bytes are not from the file of this layout.
     pub(crate) fn open<'a>(&self, file: &'a [u8]) -> Option<Part<'a>> {
         (FileId::of(file) == Some(self.file)).then_some(Part { layout: *self, file })
     }
 }
 
-/// A part in the file in which it was found.
+/// A part and its file.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub(crate) layout: PartLayout,
@@ -187,15 +188,15 @@ pub(crate) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// Makes that of no part, to be found in a file.
+    /// Makes the view of no part yet, in a file.
     pub(crate) const fn new(file: &'a [u8]) -> Self {
         Self { layout: PartLayout::NOTHING, file }
     }
 
-    /// Enters a part, whose sections are to be found.
+    /// Starts the search for the sections of a part.
     ///
     /// # Errors
-    /// [`Kind::Unsupported`] of a section that a reader must know and that is not in the rules.
+    /// [`Kind::Unsupported`]: a section is required and not in the rules.
     #[inline(never)]
     pub(crate) fn enter(
         &mut self,
@@ -215,7 +216,7 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    /// Reads the counts, of which the section has been found.
+    /// Reads the counts, whose section has been found.
     pub(crate) fn read_counts(&mut self) {
         let words = self.bytes(0).as_chunks().0;
         for (count, word) in self.layout.counts.iter_mut().zip(words) {
@@ -223,7 +224,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Finds the part's sections, and holds them to its rules.
+    /// Finds the part's sections, and checks them against the rules.
     ///
     /// # Errors
     /// [`Kind::Missing`], [`Kind::Unexpected`] and [`Kind::Length`].
@@ -256,17 +257,17 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    /// Tells in which file it is.
+    /// Returns the identity of the part's file.
     pub(crate) const fn id(&self) -> FileId {
         self.layout.file
     }
 
-    /// Returns its place in the part table.
+    /// Returns its index in the part table.
     pub(crate) const fn index(&self) -> usize {
         self.layout.part as usize
     }
 
-    /// Returns the bytes of a rule's section; none of one that it has not.
+    /// Returns the bytes of a rule's section; empty if the part lacks the section.
     #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn bytes(&self, place: usize) -> &'a [u8] {
         let PartLayout { rows, tables, .. } = &self.layout;
@@ -274,8 +275,8 @@ impl<'a> Part<'a> {
         row.and_then(|row| tables.section(row.get(), self.file)).unwrap_or_default()
     }
 
-    /// Returns an array of N words, by its number, in the section of a rule that has `len` of them: also of
-    /// bytes that have changed, where the section may be longer by now.
+    /// Returns array `number` of N words from the section of a rule with `len` arrays. The check of
+    /// `number` also covers bytes that changed after loading, where the section may be longer.
     pub(crate) fn entry<const N: usize>(
         &self,
         place: usize,
@@ -285,7 +286,7 @@ impl<'a> Part<'a> {
         self.array(place).get(number).filter(|_| number < len)
     }
 
-    /// Cuts the section of a rule into arrays of N words.
+    /// Splits the section of a rule into arrays of N words.
     pub(crate) fn array<const N: usize>(&self, place: usize) -> &'a [[Le; N]] {
         self.bytes(place).as_chunks().0.as_chunks().0
     }

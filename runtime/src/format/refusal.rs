@@ -1,29 +1,29 @@
-//! What every check of a load is given, and where it says what is wrong. The loader is `model.rs`.
+//! The state of a load, and how a check reports an error. The loader is `model.rs`.
 
 use super::error::{FileError, FileErrorKind, saturated};
 use super::sections::SectionKind;
 use crate::limits::Limits;
 use core::cell::Cell;
 
-/// A file that is being loaded: what every check needs, and what the one that failed has to say.
+/// A file that is being loaded, with the error of the check that failed.
 pub(crate) struct Loading<'a> {
     pub(crate) file: &'a [u8],
     pub(crate) limits: &'a Limits,
-    /// The part that the checks are of.
+    /// Part under check.
     part: Cell<Option<u16>>,
     error: Cell<FileError>,
 }
 
-/// The file is refused, and [`Loading`] knows why. A result that carried the reason would be copied on
-/// its way out of every check; this one costs a branch.
+/// Marker that the file is refused; [`Loading`] holds the reason. A result with the reason inside
+/// would be copied on its way out of every check; this marker costs a branch.
 #[derive(Debug)]
 pub(crate) struct Refused;
 
-/// What comes of a check.
+/// Result of a check.
 pub(crate) type Checked<T = ()> = Result<T, Refused>;
 
 impl<'a> Loading<'a> {
-    /// Starts to load a file.
+    /// Starts loading a file.
     pub(crate) const fn new(file: &'a [u8], limits: &'a Limits) -> Self {
         let kind = FileErrorKind::Truncated;
         let nothing =
@@ -31,13 +31,13 @@ impl<'a> Loading<'a> {
         Self { file, limits, part: Cell::new(None), error: Cell::new(nothing) }
     }
 
-    /// Says which part the checks that follow are of.
+    /// Sets the part of the checks that follow.
     #[inline(never)]
     pub(crate) fn of_part(&self, part: u16) {
         self.part.set(Some(part));
     }
 
-    /// Refuses the file, and says of which section, element and values.
+    /// Refuses the file, and records the section, element and values.
     #[cold]
     #[inline(never)]
     pub(crate) fn refuse(
@@ -58,7 +58,7 @@ impl<'a> Loading<'a> {
         Err(self.refuse(FileErrorKind::Invalid, Some(section), index, [0; 2]))
     }
 
-    /// Returns why the file was refused.
+    /// Returns the reason for the refusal.
     pub(crate) const fn error(self) -> FileError {
         FileError { part: self.part.into_inner(), ..self.error.into_inner() }
     }

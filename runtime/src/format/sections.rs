@@ -1,14 +1,14 @@
-//! The kinds of sections: their names and numbers, and what each is an array of.
+//! Kinds of sections: their names, numbers and element types.
 
 use super::tables::Element;
 
-/// A kind of section. A number never changes meaning; which part has which is the part's affair.
+/// A kind of section. A number never changes meaning. Each kind of part defines its own sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum SectionKind {
-    /// Name of the part, and of what it consists of: joints, ranges of vertices, inputs and outputs.
+    /// Names of the part and its components: joints, ranges of vertices, inputs and outputs.
     Names = 1,
-    /// Parent of each joint, evaluation order, and rank of each joint in it.
+    /// Parent of each joint, the evaluation order, and each joint's rank in the order.
     Hierarchy = 2,
     /// Inverse bind matrices.
     InverseBinds = 3,
@@ -24,65 +24,65 @@ pub enum SectionKind {
     InfluenceWeights = 8,
     /// Key predictors.
     Keys = 9,
-    /// Gradients to palette.
+    /// From gradients to palette.
     C1 = 10,
-    /// Joints to palette.
+    /// From joints to palette.
     C2 = 11,
-    /// Rest box of what each transform of the palette moves.
+    /// Rest box of the vertices that each transform of the palette moves.
     RestBoxes = 12,
-    /// Largest rotation of each joint in training, and how far it came from its parent.
+    /// Largest rotation of each joint in training, and its largest distance from its parent.
     PoseRanges = 13,
     /// Origin of each joint in the rest pose.
     Origins = 14,
-    /// Groups of proxies that share a kernel map.
+    /// Groups of proxies with a shared kernel map.
     Groups = 15,
-    /// Numbers of the kernel maps, group by group.
+    /// Numbers of the kernel maps, in the order of the groups.
     Corrections = 16,
     /// Counts of an envelope.
     EnvelopeCounts = 17,
-    /// What an envelope's fit was measured to reach.
+    /// Measured accuracy of an envelope's fit.
     Certificate = 18,
     /// Counts of a skin.
     SkinCounts = 19,
-    /// Ranges of vertices: the meshes that the artist made.
+    /// Ranges of vertices: the artist's separate meshes.
     Ranges = 20,
     /// Counts of a kernel.
     KernelCounts = 21,
-    /// Which kernel it is, and what it does with queries and outputs.
+    /// Choice of kernel, and rules for queries and outputs.
     KernelRule = 22,
-    /// What a query consists of.
+    /// Inputs of a query.
     Inputs = 23,
-    /// What a kernel gives.
+    /// Outputs of a kernel.
     Outputs = 24,
     /// Shift, scale and range of each feature.
     Features = 25,
-    /// The metric of distances.
+    /// Metric of the distances.
     Metric = 26,
     /// Centres of a kernel.
     KernelCentres = 27,
     /// Monomials of a kernel's polynomial.
     Terms = 28,
-    /// From a kernel's basis to its values.
+    /// Matrix from a kernel's basis to its values.
     KernelCoefficients = 29,
-    /// What the variance of a kernel's values is computed of.
+    /// Matrices for the variance of a kernel's values.
     Variance = 30,
-    /// What a kernel's fit was measured to reach.
+    /// Measured accuracy of a kernel's fit.
     KernelFit = 31,
-    /// Tangent coefficients of each influence but a vertex's last.
+    /// Tangent coefficients of each influence except a vertex's last.
     TangentCoefficients = 32,
-    /// How far a skin's normals were measured to be from the true ones.
+    /// Measured error of a skin's normals.
     NormalErrors = 33,
-    /// Steps and box of each shape.
+    /// Quantisation steps and box of each shape.
     Shapes = 34,
-    /// Where the entries of each block of vertices start.
+    /// Start of the entries of each block of vertices.
     ShapeBlocks = 35,
-    /// Which vertices of a block a shape moves, and where its deltas start.
+    /// Vertices of a block that a shape moves, and the start of their deltas.
     ShapeEntries = 36,
-    /// How far shapes move vertices.
+    /// Displacements of vertices by shapes.
     ShapeDeltas = 37,
-    /// How shapes tilt the surface at vertices.
+    /// Tilt of the surface at vertices by shapes.
     ShapeSlopes = 38,
-    /// How far shapes were measured to be from those that were baked.
+    /// Measured error of shapes against the baked originals.
     ShapeErrors = 39,
     /// Counts of a prior.
     PriorCounts = 40,
@@ -94,48 +94,48 @@ pub enum SectionKind {
     WeightBounds = 43,
     /// Pairs of shapes that mirror each other.
     Symmetry = 44,
-    /// Pairs of shapes of which one alone is at work.
+    /// Pairs of mutually exclusive shapes.
     CancelPairs = 45,
-    /// How stiff pins are by default, and what a prior was measured to reach.
+    /// Default stiffness of pins, and measured accuracy of a prior.
     PriorFit = 46,
-    /// Which elements each layer of an object has, and which layer it shows itself on.
+    /// Elements of each layer of an object, and the layer that clips it.
     Layers = 47,
-    /// Where the weights of each vertex of an object end, and where it stands without them.
+    /// End of the weights of each vertex of an object, and its place without weights.
     Vertices = 48,
-    /// By which control points vertices of an object stand, and how much each counts.
+    /// Control points of an object's vertices, with their weights.
     VertexWeights = 49,
     /// Counts of an object.
     ViewsCounts = 50,
-    /// The kernels that are an object's maps.
+    /// Kernels that are an object's maps.
     Maps = 51,
     /// Triangles and quads between vertices.
     Elements = 52,
     /// Texture of each layer in each key view.
     ViewTextures = 53,
-    /// Where key views have control points on the screen.
+    /// Places of control points on the screen in key views.
     References = 54,
-    /// Which control points key views show.
+    /// Control points that are visible in key views.
     ViewMasks = 55,
-    /// Size of each texture, and where its texels start.
+    /// Size of each texture, and the start of its texels.
     Textures = 56,
     /// Colours of textures.
     Texels = 57,
-    /// How an object differs from the one as which it moves.
+    /// Difference between an object and its prototype.
     Deformations = 58,
-    /// What an object was measured to reach.
+    /// Measured accuracy of an object.
     ViewsFit = 59,
     /// Counts of a filter.
     FilterCounts = 60,
-    /// By how much each coarse sample of a window counts for each fine one.
+    /// Weight of each coarse sample of a window for each fine sample.
     FilterTaps = 61,
     /// Variance of each fine sample.
     FilterVariances = 62,
-    /// How far a filter was measured to be from what it was trained on.
+    /// Measured error of a filter on its training data.
     FilterFit = 63,
     /// Counts of a record.
     #[cfg(feature = "record")]
     RecordCounts = 64,
-    /// Marks by which training frames are known again.
+    /// Marks that identify training frames.
     #[cfg(feature = "record")]
     FrameMarks = 65,
     /// Joints of linear blend skinning.
@@ -144,9 +144,9 @@ pub enum SectionKind {
     /// Weights of linear blend skinning.
     #[cfg(feature = "record")]
     LbsWeights = 67,
-    /// Which element lies across each edge of an element.
+    /// Element across each edge of an element.
     Neighbours = 68,
-    /// Where vertices are in the textures of key views.
+    /// Places of vertices in the textures of key views.
     VertexTexels = 69,
 }
 
@@ -233,12 +233,12 @@ impl SectionKind {
         self as u16
     }
 
-    /// Returns the kind of this number.
+    /// Returns the kind with this number.
     pub fn from_number(number: u16) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.number() == number)
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Names => "names",
@@ -317,7 +317,7 @@ impl SectionKind {
         }
     }
 
-    /// Returns the types that its elements may have; a file's row says which.
+    /// Returns the allowed types of its elements; a file's row chooses one.
     pub const fn elements(self) -> &'static [Element] {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
@@ -341,10 +341,11 @@ impl SectionKind {
         }
     }
 
-    /// Whether the elements of the kind of a number may have the type of a number; those of an unknown kind any.
+    /// Whether elements of kind number `kind` may have type number `element`. An unknown kind
+    /// accepts any type.
     pub(crate) fn takes(kind: u16, element: u8) -> bool {
-        // A bit a type, and none for a number that no kind has: what `elements` returns is ten times as large,
-        // and firmware reads files as well.
+        // One bit per type, and no bits for an unassigned number. The slices of `elements` would be
+        // ten times as large, and firmware reads files too.
         const LAST: SectionKind = SectionKind::ALL[SectionKind::ALL.len() - 1];
         const BITS: [u8; LAST.number() as usize + 1] = {
             let mut bits = [0; LAST.number() as usize + 1];

@@ -1,4 +1,4 @@
-//! The space that a file's numbers are in: which way its axes point, and how long its unit is.
+//! The coordinate space of a file: its axes and its unit of length.
 
 use super::message::SPACE_OFFSET;
 
@@ -35,7 +35,7 @@ impl Axis {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// Returns its name, the same as on the command line.
+    /// Returns its name, as on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -47,13 +47,13 @@ impl Axis {
         }
     }
 
-    /// Whether the two lie along one line.
+    /// Whether both directions lie along one axis.
     pub const fn is_along(self, other: Self) -> bool {
         (self as u8 - 1) / 2 == (other as u8 - 1) / 2
     }
 }
 
-/// Which way the third axis points, seen from the first two.
+/// Direction of the third axis relative to the first two.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Handedness {
@@ -64,30 +64,30 @@ pub enum Handedness {
     Left = 2,
 }
 
-/// The space of a file: of its rest meshes, of the poses it takes, and of what it gives.
+/// The coordinate space of a file: of its rest meshes, its poses, and its results.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Space {
-    /// Where a character's head is; `None` where the examples did not tell.
+    /// Direction from a character's feet to its head; `None` if the examples did not say.
     pub up: Option<Axis>,
-    /// Where a character looks.
+    /// Direction in which a character looks.
     pub forward: Option<Axis>,
     /// The axes' handedness.
     pub handedness: Handedness,
-    /// Metres of a unit of length.
+    /// Metres per unit of length.
     pub unit: Option<f32>,
 }
 
 impl Space {
-    /// That of glTF.
+    /// The space of glTF.
     pub const GLTF: Self = Self {
         up: Some(Axis::Y),
         forward: Some(Axis::Z),
         handedness: Handedness::Right,
         unit: Some(1.0),
     };
-    /// That of Unity.
+    /// The space of Unity.
     pub const UNITY: Self = Self { handedness: Handedness::Left, ..Self::GLTF };
-    /// That of Unreal.
+    /// The space of Unreal.
     pub const UNREAL: Self = Self {
         up: Some(Axis::Z),
         forward: Some(Axis::X),
@@ -95,19 +95,19 @@ impl Space {
         unit: Some(0.01),
     };
 
-    /// Writes it as the file has it.
+    /// Encodes the space as in the file.
     pub fn to_bytes(&self) -> [u8; 8] {
         let axis = |axis: Option<Axis>| axis.map_or(0, Axis::number);
         let [a, b, c, d] = self.unit.unwrap_or_default().to_le_bytes();
         [axis(self.up), axis(self.forward), self.handedness as u8, 0, a, b, c, d]
     }
 
-    /// Returns its bytes in a file; zeros of one that is too short.
+    /// Returns the bytes of the space in a file; zeros if the file is too short.
     pub(crate) fn bytes(file: &[u8]) -> [u8; 8] {
         file.get(SPACE_OFFSET..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
     }
 
-    /// Reads that of a file; what it cannot have is taken for what it need not have.
+    /// Decodes the space of a file; invalid values read as the defaults.
     pub(crate) fn of(file: &[u8]) -> Self {
         let [up, forward, handedness, _, unit @ ..] = Self::bytes(file);
         let unit = f32::from_le_bytes(unit);
@@ -119,11 +119,11 @@ impl Space {
         }
     }
 
-    /// Finds the first byte of a value that a space cannot have.
-    pub(crate) fn unsound(bytes: [u8; 8]) -> Option<usize> {
+    /// Finds the first byte with an invalid value.
+    pub(crate) fn invalid_byte(bytes: [u8; 8]) -> Option<usize> {
         let [up, forward, handedness, reserved, unit @ ..] = bytes;
         let unit = f32::from_le_bytes(unit);
-        // Of the numbers of an axis the even one is against it; 0 stands for none.
+        // An axis has two numbers, the even one for its negative direction; 0 means none.
         let along = up > 0 && forward > 0 && up.div_ceil(2) == forward.div_ceil(2);
         if up > 6 {
             Some(0)

@@ -1,4 +1,4 @@
-//! Rows of the two tables, the kinds of parts, and the types of elements.
+//! Rows of the two tables, kinds of parts, and types of elements.
 
 /// A kind of part. A number never changes meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,16 +11,16 @@ pub enum PartKind {
     /// A function of a few numbers (METHOD §2).
     #[cfg(feature = "kernel")]
     Kernel = 3,
-    /// How the weights of a skin's shapes belong together (METHOD §5.1).
+    /// Prior of the weights of a skin's shapes (METHOD §5.1).
     #[cfg(feature = "prior")]
     Prior = 4,
     /// A drawn object between its key views (METHOD §6).
     #[cfg(feature = "views")]
     Views = 5,
-    /// Makes a signal finer (METHOD §4).
+    /// Increases the sampling rate of a signal (METHOD §4).
     #[cfg(feature = "filter")]
     Filter = 6,
-    /// What an envelope was trained on.
+    /// Record of an envelope's training.
     #[cfg(feature = "record")]
     Record = 7,
 }
@@ -52,7 +52,7 @@ impl PartKind {
         self as u16
     }
 
-    /// Returns its name, the same as on the command line.
+    /// Returns its name, as on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Envelope => "envelope",
@@ -70,7 +70,7 @@ impl PartKind {
         }
     }
 
-    /// Returns the kind of this number.
+    /// Returns the kind with this number.
     pub const fn from_number(number: u16) -> Option<Self> {
         match number {
             1 => Some(Self::Envelope),
@@ -90,7 +90,7 @@ impl PartKind {
     }
 }
 
-/// A row of the part table. What a part consists of stands in its sections.
+/// A row of the part table. The part's sections hold its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartRow {
     /// Number of a [`PartKind`].
@@ -103,7 +103,7 @@ impl PartRow {
     /// Bytes of a row.
     pub const BYTES: usize = 4;
 
-    /// Makes the row of a part of a kind, which a reader must know if evaluation needs it.
+    /// Makes the row of a part. The row is required if evaluation needs the part.
     pub const fn new(kind: PartKind) -> Self {
         let flags = match kind {
             #[cfg(feature = "record")]
@@ -131,11 +131,11 @@ impl PartRow {
     }
 }
 
-/// What a section is an array of. A number never changes meaning.
+/// Type of a section's elements. A number never changes meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Element {
-    /// Records or text, whose layout the section's kind gives.
+    /// Records or text, in a layout that depends on the section's kind.
     Mixed = 0,
     /// IEEE 754 single precision.
     F32 = 1,
@@ -158,7 +158,7 @@ impl Element {
         self as u8
     }
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mixed => "mixed",
@@ -170,7 +170,7 @@ impl Element {
         }
     }
 
-    /// Returns the bytes of a number; 1 of what is mixed.
+    /// Returns the bytes of one number; 1 for mixed elements.
     pub const fn bytes(self) -> usize {
         match self {
             Self::F32 | Self::U32 => 4,
@@ -185,15 +185,15 @@ impl Element {
 pub struct SectionRow {
     /// Number of a [`super::SectionKind`].
     pub kind: u16,
-    /// Row of the part table that it belongs to.
+    /// Row of the section's part in the part table.
     pub part: u16,
     /// Number of an [`Element`].
     pub element: u8,
     /// Bit 0: a reader that does not know the kind must refuse the file.
     pub flags: u8,
-    /// Zero.
+    /// Reserved; zero.
     pub reserved: u16,
-    /// Where it starts, in bytes from the blob's start.
+    /// Start of the section, in bytes from the blob's start.
     pub offset: u32,
     /// Its length in bytes.
     pub bytes: u32,
@@ -232,5 +232,5 @@ impl SectionRow {
     }
 }
 
-/// Flag bit of a row that must be understood.
+/// Flag of a row that a reader must understand.
 pub(crate) const REQUIRED: u16 = 1;

@@ -1,8 +1,7 @@
-//! The checks of a kernel, in the order that FORMAT.md lists.
+//! The checks of a kernel, in the order of FORMAT.md.
 
 use super::counts::{KernelCounts, NO_TERM, RULES, place};
-use super::input::InputRow;
-use super::output::OutputRow;
+use super::rows::{InputRow, OutputRow};
 use super::rule::KernelRule;
 use super::view::KernelMap;
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
@@ -11,9 +10,9 @@ use crate::format::refusal::{Checked, Loading};
 use crate::format::{FileErrorKind as Kind, SectionKind, saturated};
 use crate::linear::floats;
 
-/// Checks a kernel's counts, and returns what they ask of its sections.
+/// Checks a kernel's counts, and returns the requirements for its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
-    // Terms and their inputs are u16, of which the greatest stands for none; nothing else needs more.
+    // Terms and their inputs are u16 with the greatest value reserved. Other counts need no more.
     let most = u32::from(u16::MAX);
     let ranges = [
         (place::INPUTS, 1, most),
@@ -29,12 +28,12 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     Ok(KernelCounts::from_words(first_counts(words)).asked())
 }
 
-/// Checks the content of a kernel whose sections all have their length.
+/// Checks the content of a kernel. The lengths of all sections have been checked before.
 pub(crate) fn content(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     CHECKS.iter().try_for_each(|check| check(map, loading))
 }
 
-/// The checks of the content, in their order, likewise as an envelope's.
+/// The checks of the content, in order. A table keeps code small, as for an envelope.
 static CHECKS: [fn(&KernelMap<'_>, &Loading<'_>) -> Checked; 7] = [
     |map, loading| check_names(loading, map.names()),
     |map, loading| check_floats(loading, &map.0, &RULES),
@@ -45,7 +44,7 @@ static CHECKS: [fn(&KernelMap<'_>, &Loading<'_>) -> Checked; 7] = [
     check_terms,
 ];
 
-/// Checks that the numbers of the rule are known, and that a fade starts and ends.
+/// Checks that the numbers of the rule are known, and that a fade starts before it ends.
 fn check_rule(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::KernelRule;
     let bytes = map.rule_bytes().first_chunk().copied().unwrap_or_default();
@@ -56,7 +55,8 @@ fn check_rule(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     }
 }
 
-/// Checks that inputs are known, that their axes have length 1, and that they make the features counted.
+/// Checks that inputs are known, that axes have length 1, and that the features add up to their
+/// count.
 fn check_inputs(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Inputs;
     let mut features = 0;
@@ -70,8 +70,8 @@ fn check_inputs(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     check_sum(loading, place::FEATURES, features, map.counts().feature_len)
 }
 
-/// Checks that outputs are known, that their ranges and neutrals are theirs, and that they take the values
-/// counted.
+/// Checks that outputs are known, that ranges and neutral values fit their kinds, and that the
+/// values add up to their count.
 fn check_outputs(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Outputs;
     let mut values = 0;
@@ -85,7 +85,7 @@ fn check_outputs(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     check_sum(loading, place::VALUES, values, map.counts().value_len)
 }
 
-/// Checks that the least of each feature is not above the most.
+/// Checks that no feature's range ends before it starts.
 fn check_features(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     for (index, figures) in map.features().iter().enumerate() {
         let [_, _, low, high] = floats(figures);
@@ -96,7 +96,8 @@ fn check_features(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that the first term is 1, and every other a product of an earlier one and a feature.
+/// Checks that the first term is 1, and that every other term is the product of an earlier term and
+/// a feature.
 fn check_terms(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Terms;
     let features = map.counts().feature_len;
@@ -114,12 +115,12 @@ fn check_terms(map: &KernelMap<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Refuses a number that stands for nothing that this reader knows.
+/// Refuses a number that this reader does not know.
 fn unknown(loading: &Loading<'_>, section: SectionKind, index: usize, number: u8) -> Checked {
     Err(loading.refuse(Kind::Unsupported, Some(section), index, [0, number.into()]))
 }
 
-/// Checks a count that follows from rows.
+/// Checks a count against the sum over its rows.
 fn check_sum(loading: &Loading<'_>, place: usize, expected: u64, found: u32) -> Checked {
     let expected = saturated(expected);
     if expected == found {

@@ -1,25 +1,25 @@
-//! The numbers of a kernel: how large it is, how good it is.
+//! Counts and measured accuracy of a kernel.
 
-use super::input::InputRow;
-use super::output::OutputRow;
+use super::rows::{InputRow, OutputRow};
 use super::rule::KernelRule;
 use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, Rule};
 
-/// Stands for no earlier term and no input: in the row of the first term, which is 1.
+/// Sentinel for "none" in the row of the first term, which is 1 and has no earlier term and no
+/// input.
 pub const NO_TERM: u16 = u16::MAX;
 
-/// What the fit was measured to reach, in the units of the outputs.
+/// Measured accuracy of the fit, in units of the outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KernelFit {
-    /// RMS over samples of the distance between the samples' values and the kernel's.
+    /// RMS distance between the samples' values and the kernel's.
     pub rms_residual: f32,
-    /// The same, each sample left out of its own fit; 0 if it was not computed.
+    /// RMS distance with each sample left out of its own fit; 0 if not computed.
     pub left_out_rms: f32,
-    /// The largest error of single precision that was found: the bound E of METHOD §2.7.
+    /// Largest observed error of single precision: the bound E of METHOD §2.7.
     pub rounding_error: f32,
-    /// Reciprocal of the condition number of what was solved.
+    /// Reciprocal condition number of the solved system.
     pub reciprocal_condition: f32,
 }
 
@@ -33,31 +33,31 @@ impl KernelFit {
         [rms_residual, left_out_rms, rounding_error, reciprocal_condition]
     }
 
-    /// Makes it of its figures.
+    /// Makes the fit from its figures.
     pub const fn from_figures(figures: [f32; 4]) -> Self {
         let [rms_residual, left_out_rms, rounding_error, reciprocal_condition] = figures;
         Self { rms_residual, left_out_rms, rounding_error, reciprocal_condition }
     }
 }
 
-/// Counts of a kernel, from which every section's length follows.
+/// Counts of a kernel. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KernelCounts {
     /// Inputs, I.
     pub input_len: u32,
     /// Outputs, O.
     pub output_len: u32,
-    /// Features, d: what the inputs make together.
+    /// Features of all inputs, d.
     pub feature_len: u32,
-    /// Rows of the metric, e; 0 if distances are those of the features.
+    /// Rows of the metric, e; 0 if distances are measured between features.
     pub metric_len: u32,
     /// Centres, n.
     pub centre_len: u32,
     /// Terms of the polynomial, T.
     pub term_len: u32,
-    /// Values, m: what the outputs take together.
+    /// Values of all outputs, m.
     pub value_len: u32,
-    /// Rows of the variance's factor, r; 0 if no variance is stored.
+    /// Rows of the variance's factor, r; 0 if the file has no variance.
     pub variance_len: u32,
 }
 
@@ -81,7 +81,7 @@ impl KernelCounts {
         ]
     }
 
-    /// Makes them of their words.
+    /// Makes the counts from their words.
     pub const fn from_words(words: [u32; 8]) -> Self {
         let [input_len, output_len, feature_len, metric_len, rest @ ..] = words;
         let [centre_len, term_len, value_len, variance_len] = rest;
@@ -97,7 +97,7 @@ impl KernelCounts {
         }
     }
 
-    /// Returns c, the number of coordinates in which distances are measured: e, or d without a metric.
+    /// Returns c, the number of coordinates for distances: e, or d without a metric.
     pub const fn coordinate_len(&self) -> u32 {
         if self.metric_len > 0 { self.metric_len } else { self.feature_len }
     }
@@ -107,12 +107,13 @@ impl KernelCounts {
         Rule::of(&RULES, section).is_some_and(|rule| self.asked().has & rule.has != 0)
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if no kernel has it.
+    /// Computes a section's length in bytes, or the least length of the names; `None` if kernels
+    /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
+    /// Returns the requirements for the sections, in the terms of [`RULES`].
     pub(crate) const fn asked(&self) -> Asked {
         let Self { input_len: i, output_len: o, feature_len: d, metric_len: e, .. } = *self;
         let Self { centre_len: n, term_len: t, value_len: m, variance_len: r, .. } = *self;
@@ -141,12 +142,13 @@ impl KernelCounts {
     }
 }
 
-/// Counts the columns of 8 of a matrix in blocks of 8 rows; more than a file holds where they are too many.
+/// Returns the number of columns of 8 in a matrix stored in blocks of 8 rows. Saturates above the
+/// size of any file.
 const fn blocks(rows: u32, columns: u32) -> u32 {
     rows.div_ceil(8).saturating_mul(columns)
 }
 
-/// Where the counts stand in their section.
+/// Indices of the counts in their section.
 pub(crate) mod place {
     pub(crate) const INPUTS: usize = 0;
     pub(crate) const OUTPUTS: usize = 1;
@@ -158,18 +160,18 @@ pub(crate) mod place {
     pub(crate) const VARIANCE: usize = 7;
 }
 
-/// Bit of a kernel with a metric.
+/// Bit for a kernel with a metric.
 const METRIC: u8 = 4;
-/// Bit of a kernel with a variance.
+/// Bit for a kernel with a variance.
 const VARIANCE: u8 = 8;
 
-/// The sections of a kernel, in the order in which the trainer writes them.
+/// The sections of a kernel, in the trainer's order.
 pub const KERNEL_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && KernelCounts::BYTES <= 4 * COUNTS);
 
-/// What a kernel asks of its sections. Sizes: 1, I, O, I + O, d, then columns of 8 of the metric and of the
-/// centres, T, columns of 8 of the coefficients, words of the variance.
+/// Rules for the sections of a kernel. Sizes: 1, I, O, I + O, d, columns of 8 of the metric and of
+/// the centres, T, columns of 8 of the coefficients, words of the variance.
 pub(crate) const RULES: [Rule; 12] = [
     Rule::new(SectionKind::KernelCounts, KernelCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [3, 0]).or_more(4),

@@ -1,47 +1,55 @@
-//! From what a query gives to features: quadratic forms of quaternions, over their square (METHOD §2.3).
+//! Features of a query: quadratic forms of quaternions, divided by the squared length (METHOD
+//! §2.3).
 
-use super::input::{InputKind, InputRow};
+use super::rows::{InputKind, InputRow};
 use crate::linear::{dot, squared_length, turn};
 use crate::numeric::quadrant_angle;
 
-/// The most features of an input.
-pub(super) const MOST: usize = 9;
+/// Largest number of features of an input.
+pub(super) const FEATURES_MAX: usize = 9;
 
-/// Computes the features of an input's numbers; zeros behind them.
-pub(super) fn features(input: &InputRow, numbers: [f32; 4]) -> [f32; MOST] {
+/// Computes the features of an input's numbers; unused places are 0.
+pub(super) fn features(input: &InputRow, numbers: [f32; 4]) -> [f32; FEATURES_MAX] {
     let [x, y, z, w] = numbers;
     let about = dot([x, y, z], input.axis);
-    let mut out = [0.0; MOST];
+    let mut out = [0.0; FEATURES_MAX];
     match input.kind {
-        InputKind::Scalar => put(&mut out, &[x]),
-        InputKind::Vector3 => put(&mut out, &[x, y, z]),
+        InputKind::Scalar => copy_to(&mut out, &[x]),
+        InputKind::Vector3 => copy_to(&mut out, &[x, y, z]),
         InputKind::Rotation | InputKind::TwoRows => {
             let rows = turn(numbers);
-            put(&mut out, rows.as_flattened().get(..input.kind.feature_len()).unwrap_or_default());
+            copy_to(
+                &mut out,
+                rows.as_flattened().get(..input.kind.feature_len()).unwrap_or_default(),
+            );
         }
-        InputKind::Swing => put(&mut out, &turn(numbers).map(|row| dot(row, input.axis))),
+        InputKind::Swing => copy_to(&mut out, &turn(numbers).map(|row| dot(row, input.axis))),
         InputKind::Twist => {
             let square = squared_length(numbers);
-            put(&mut out, &[(w * w - about * about) / square, 2.0 * w * about / square]);
+            copy_to(&mut out, &[(w * w - about * about) / square, 2.0 * w * about / square]);
         }
-        InputKind::TwistAngle => put(&mut out, &[twist_angle(about, w)]),
+        InputKind::TwistAngle => copy_to(&mut out, &[twist_angle(about, w)]),
     }
     out
 }
 
-/// Computes the derivatives of the features by the numbers, a row a feature; zeros where there is none.
-pub(super) fn gradients(input: &InputRow, numbers: [f32; 4]) -> [[f32; 4]; MOST] {
+/// Computes the derivatives of the features with respect to the numbers, one row per feature;
+/// unused places are 0.
+pub(super) fn gradients(input: &InputRow, numbers: [f32; 4]) -> [[f32; 4]; FEATURES_MAX] {
     let axis = input.axis;
     let [x, y, z, w] = numbers;
     let about = dot([x, y, z], axis);
-    let mut out = [[0.0; 4]; MOST];
+    let mut out = [[0.0; 4]; FEATURES_MAX];
     match input.kind {
-        InputKind::Scalar | InputKind::Vector3 => put(&mut out, &UNITS),
+        InputKind::Scalar | InputKind::Vector3 => copy_to(&mut out, &UNITS),
         InputKind::Rotation | InputKind::TwoRows => {
             let rows = turn_gradients(numbers);
-            put(&mut out, rows.as_flattened().get(..input.kind.feature_len()).unwrap_or_default());
+            copy_to(
+                &mut out,
+                rows.as_flattened().get(..input.kind.feature_len()).unwrap_or_default(),
+            );
         }
-        InputKind::Swing => put(&mut out, &turn_gradients(numbers).map(|row| sum(row, axis))),
+        InputKind::Swing => copy_to(&mut out, &turn_gradients(numbers).map(|row| sum(row, axis))),
         InputKind::Twist => {
             let s = 2.0 / squared_length(numbers);
             let [cosine, sine, ..] = features(input, numbers);
@@ -51,16 +59,18 @@ pub(super) fn gradients(input: &InputRow, numbers: [f32; 4]) -> [[f32; 4]; MOST]
                 [by_axis * a, by_axis * b, by_axis * c, by_w]
             };
             let (about, w) = (about * s, w * s);
-            let rows =
-                [less(along(-about, w), cosine, scaled), less(along(w, about), sine, scaled)];
-            put(&mut out, &rows);
+            let rows = [
+                subtract_scaled(along(-about, w), cosine, scaled),
+                subtract_scaled(along(w, about), sine, scaled),
+            ];
+            copy_to(&mut out, &rows);
         }
         InputKind::TwistAngle => {
             let square = about * about + w * w;
-            // Of half a turn about another axis the angle is no angle.
+            // After a half turn about another axis the twist angle is undefined.
             let s = if square.is_normal() { 2.0 / square } else { 0.0 };
             let [a, b, c] = axis.map(|x| x * (w * s));
-            put(&mut out, &[[a, b, c, -about * s]]);
+            copy_to(&mut out, &[[a, b, c, -about * s]]);
         }
     }
     out
@@ -68,13 +78,13 @@ pub(super) fn gradients(input: &InputRow, numbers: [f32; 4]) -> [[f32; 4]; MOST]
 
 const UNITS: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Copies what there is to the start.
-fn put<T: Copy>(out: &mut [T], values: &[T]) {
+/// Copies values to the start.
+fn copy_to<T: Copy>(out: &mut [T], values: &[T]) {
     out.iter_mut().zip(values).for_each(|(out, value)| *out = *value);
 }
 
-/// Returns the angle of the twist in radians, within half a turn: of a quaternion and of its opposite the
-/// same.
+/// Returns the twist angle in radians, within half a turn. A quaternion and its negative give equal
+/// angles.
 fn twist_angle(about: f32, w: f32) -> f32 {
     let is_flipped = w < 0.0 || w == 0.0 && about < 0.0;
     let (about, w) = if is_flipped { (-about, -w) } else { (about, w) };
@@ -82,10 +92,10 @@ fn twist_angle(about: f32, w: f32) -> f32 {
     if about < 0.0 { -angle } else { angle }
 }
 
-/// Computes the derivatives of the entries of a rotation's matrix by the quaternion.
+/// Computes the derivatives of a rotation matrix with respect to the quaternion.
 ///
-/// R = I + M / |q|², M quadratic: with p = 2 q / |q|², the derivative of M over |q|² is linear in p, and that
-/// of |q|² over it is p.
+/// R = I + M / |q|² with a quadratic M. Let p = 2 q / |q|². The derivative of M over |q|² is linear
+/// in p, and the derivative of |q|² over |q|² is p.
 fn turn_gradients(q: [f32; 4]) -> [[[f32; 4]; 3]; 3] {
     let s = 2.0 / squared_length(q);
     let p = q.map(|x| x * s);
@@ -93,31 +103,31 @@ fn turn_gradients(q: [f32; 4]) -> [[[f32; 4]; 3]; 3] {
     let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = turn(q);
     [
         [
-            less([0.0, -2.0 * y, -2.0 * z, 0.0], xx - 1.0, p),
-            less([y, x, -w, -z], xy, p),
-            less([z, w, x, y], xz, p),
+            subtract_scaled([0.0, -2.0 * y, -2.0 * z, 0.0], xx - 1.0, p),
+            subtract_scaled([y, x, -w, -z], xy, p),
+            subtract_scaled([z, w, x, y], xz, p),
         ],
         [
-            less([y, x, w, z], yx, p),
-            less([-2.0 * x, 0.0, -2.0 * z, 0.0], yy - 1.0, p),
-            less([-w, z, y, -x], yz, p),
+            subtract_scaled([y, x, w, z], yx, p),
+            subtract_scaled([-2.0 * x, 0.0, -2.0 * z, 0.0], yy - 1.0, p),
+            subtract_scaled([-w, z, y, -x], yz, p),
         ],
         [
-            less([z, -w, x, -y], zx, p),
-            less([w, z, y, x], zy, p),
-            less([-2.0 * x, -2.0 * y, 0.0, 0.0], zz - 1.0, p),
+            subtract_scaled([z, -w, x, -y], zx, p),
+            subtract_scaled([w, z, y, x], zy, p),
+            subtract_scaled([-2.0 * x, -2.0 * y, 0.0, 0.0], zz - 1.0, p),
         ],
     ]
 }
 
 /// Returns a - f b.
-fn less(a: [f32; 4], f: f32, b: [f32; 4]) -> [f32; 4] {
+fn subtract_scaled(a: [f32; 4], f: f32, b: [f32; 4]) -> [f32; 4] {
     let mut out = a;
     out.iter_mut().zip(b).for_each(|(out, b)| *out -= f * b);
     out
 }
 
-/// Returns the sum of rows by weights.
+/// Returns the weighted sum of rows.
 fn sum(rows: [[f32; 4]; 3], weights: [f32; 3]) -> [f32; 4] {
     let mut out = [0.0; 4];
     for (row, weight) in rows.iter().zip(weights) {
@@ -152,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_quaternion_and_its_opposite_have_the_same_bits() {
-        let bits = |features: [f32; MOST]| features.map(|x| (x + 0.0).to_bits());
+        let bits = |features: [f32; FEATURES_MAX]| features.map(|x| (x + 0.0).to_bits());
         for kind in rotations() {
             for q in QUERIES.into_iter().chain([[0.48, 0.6, 0.64, 0.0], [0.64, 0.0, -0.48, 0.0]]) {
                 let (one, other) =
@@ -181,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_matrix_turns_as_its_quaternion_does() {
-        // A quarter about z, of length 2: x goes to y.
+        // A quarter turn about z, with quaternion length 2: x goes to y.
         let q = [0.0, 0.0, core::f32::consts::SQRT_2, core::f32::consts::SQRT_2];
         let expected = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
         let found = features(&input(InputKind::Rotation), q);
@@ -206,8 +216,8 @@ mod tests {
             for q in QUERIES.into_iter().take(3) {
                 let input = input(kind);
                 let found = gradients(&input, q);
-                // Central differences in the features' own single precision, of a step between its rounding
-                // and the differences' own error.
+                // Central differences in the features' own single precision. The step balances the
+                // features' rounding and the error of the differences.
                 let length = squared_length(q).sqrt();
                 let step = 1e-3 * length;
                 for column in 0..kind.number_len() {

@@ -1,9 +1,9 @@
-//! The derivatives of a kernel's values by the numbers of a query.
+//! Derivatives of a kernel's values with respect to the numbers of a query.
 
 use super::counts::{KernelCounts, NO_TERM};
 use super::features::{features, gradients};
-use super::input::InputRow;
 use super::point::{self, Point, inputs_of, quaternion};
+use super::rows::InputRow;
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -20,19 +20,20 @@ impl KernelCounts {
 }
 
 impl KernelMap<'_> {
-    /// Computes the derivatives of the m values by the R numbers of a query: of the values before the fade,
-    /// ranges and sums, so that those of a rotation are its vector's.
+    /// Computes the derivatives of the m values with respect to the R numbers of a query. The
+    /// values are taken before the fade, ranges and normalisation; the values of a rotation are its
+    /// vector.
     ///
-    /// A feature that is kept at an end of its range does not change. On a centre the derivative of a cone is
-    /// 0 (METHOD §3). The time is that of d evaluations.
+    /// A feature that is clamped at an end of its range has derivative 0. On a centre the
+    /// derivative of a cone is 0 (METHOD §3). The call takes as long as d evaluations.
     ///
-    /// - `query`: as [`KernelMap::evaluate`] takes it.
+    /// - `query`: as for [`KernelMap::evaluate`].
     /// - `scratch`: at least [`KernelCounts::jacobian_scratch_len`] floats, of any content.
     /// - `out`: m rows of R derivatives.
     ///
     /// # Errors
-    /// Those of [`KernelMap::evaluate`]; of [`crate::CallErrorKind::NonFinite`] the argument is the Jacobian where a
-    /// derivative would not be finite.
+    /// The errors of [`KernelMap::evaluate`]. For a derivative that would not be finite, the
+    /// argument of [`crate::CallErrorKind::NonFinite`] is the Jacobian.
     pub fn jacobian(
         &self,
         query: &[f32],
@@ -49,7 +50,7 @@ impl KernelMap<'_> {
         let (slopes, scratch) = split(scratch, padded(counts.centre_len as usize));
         self.slopes(&point, slopes.as_chunks_mut().0);
         let columns = Columns { map: self, point, slopes: slopes.as_chunks().0 };
-        // Once to see that all is finite, then to write.
+        // The first pass checks that all derivatives are finite, the second writes them.
         let unsound =
             |at: usize| CallError::new(CallErrorKind::NonFinite, Argument::Jacobian).at(at);
         columns.each(query, scratch, |value, column, x| {
@@ -64,7 +65,7 @@ impl KernelMap<'_> {
         })
     }
 
-    /// Computes 2 dG/ds of each centre, n values in whole blocks.
+    /// Computes 2 dG/ds for each centre, n values in whole blocks.
     fn slopes(&self, point: &Point<'_>, out: &mut [[f32; 8]]) {
         let kernel = self.rule().kernel;
         let mut blocks = out.iter_mut();
@@ -77,7 +78,7 @@ impl KernelMap<'_> {
     }
 }
 
-/// What the derivatives are computed of.
+/// Inputs of the derivatives.
 struct Columns<'a, 's> {
     map: &'a KernelMap<'a>,
     point: Point<'s>,
@@ -85,7 +86,8 @@ struct Columns<'a, 's> {
 }
 
 impl Columns<'_, '_> {
-    /// Computes each derivative, input by input, and hands it over by its value and its number.
+    /// Computes each derivative, in the order of the inputs, and passes it on with the indices of
+    /// its value and number.
     fn each(
         &self,
         query: &[f32],
@@ -118,7 +120,8 @@ impl Columns<'_, '_> {
         Ok(())
     }
 
-    /// Lists the derivatives of an input's features by its numbers; 0 of one that is kept at an end.
+    /// Lists the derivatives of an input's features with respect to its numbers; 0 for a clamped
+    /// feature.
     fn gradients(
         &self,
         input: &InputRow,
@@ -136,7 +139,7 @@ impl Columns<'_, '_> {
         )
     }
 
-    /// Computes the derivatives of the values by a feature, m of them.
+    /// Computes the m derivatives of the values with respect to a feature.
     fn by_feature<'m>(&self, feature: usize, scratch: &'m mut [f32]) -> &'m [f32] {
         let counts = self.map.counts();
         let (n, m) = (counts.centre_len as usize, counts.value_len as usize);
@@ -154,12 +157,12 @@ impl Columns<'_, '_> {
         out.get(..m).unwrap_or_default()
     }
 
-    /// Computes the derivatives of G of each centre by u of a feature.
+    /// Computes the derivative of each centre's G with respect to u of a feature.
     fn steps(&self, feature: usize, out: &mut [[f32; 8]]) {
         let (map, z) = (self.map, self.point.z);
         let counts = map.counts();
         let (e, d) = (counts.metric_len as usize, counts.feature_len as usize);
-        // Chunks of zero would panic.
+        // A chunk length of zero would panic.
         let blocks = map.centres().chunks_exact(z.len().max(1));
         for ((out, slopes), block) in out.iter_mut().zip(self.slopes).zip(blocks) {
             *out = [0.0; 8];
@@ -177,7 +180,7 @@ impl Columns<'_, '_> {
         }
     }
 
-    /// Computes the derivatives of the monomials by u of a feature.
+    /// Computes the derivatives of the monomials with respect to u of a feature.
     fn terms(&self, feature: usize, out: &mut [f32]) {
         let (u, powers) = (self.point.u, self.point.terms);
         for (place, term) in self.map.terms().iter().enumerate() {

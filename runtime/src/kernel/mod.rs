@@ -1,28 +1,25 @@
-//! The part kernel: any function of a few numbers, from scattered data (METHOD §2).
+//! The part kernel: any function of a few numbers, fitted to scattered data (METHOD §2).
 //!
-//! [`KernelMap::evaluate`] goes from a query to outputs: `features` makes numbers of what was given, rotations
-//! among them; `point` shifts, scales and measures them; `value` is the kernel itself; `outputs` makes
-//! of the values what is given back. `jacobian` and `variance` start from the same point.
+//! [`KernelMap::evaluate`] computes outputs from a query. `features` turns the inputs, including
+//! rotations, into numbers. `point` shifts and scales these numbers, and computes coordinates for
+//! distances. `function` is the kernel itself. `evaluate` combines the kernels into values, and the
+//! values into outputs. `jacobian` and `variance` start at the same point.
 
 pub(crate) mod check;
 mod counts;
 mod evaluate;
 mod features;
 mod function;
-mod input;
 mod jacobian;
-mod output;
-mod outputs;
 mod point;
+mod rows;
 mod rule;
-mod value;
 mod variance;
 mod view;
 
 pub(crate) use counts::RULES;
 pub use counts::{KERNEL_SECTIONS, KernelCounts, KernelFit, NO_TERM};
 pub use function::Kernel;
-pub use input::{EulerOrder, InputKind, InputRow};
-pub use output::{OutputKind, OutputRow};
+pub use rows::{EulerOrder, InputKind, InputRow, OutputKind, OutputRow};
 pub use rule::{KernelRule, Normalise, QueryRule};
 pub use view::{KernelLayout, KernelMap};

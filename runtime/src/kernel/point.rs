@@ -1,32 +1,33 @@
-//! A query as the kernels see it: features, shifted and scaled, measured, and the monomials of them.
+//! A query as the kernels use it: its scaled features, its coordinates for distances, and its
+//! monomials.
 
 use super::counts::{KernelCounts, NO_TERM};
 use super::features::features;
-use super::input::InputRow;
+use super::rows::InputRow;
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{block_product, floats, padded, split, squared_length};
 use crate::numeric::{greater, lesser};
 
-/// A query as the kernels see it.
+/// A query as the kernels use it.
 pub(super) struct Point<'s> {
     /// Features shifted and scaled, d.
     pub(super) u: &'s [f32],
-    /// Where distances are measured, c: W u, or u.
+    /// Coordinates for distances, c: W u, or u without a metric.
     pub(super) z: &'s [f32],
-    /// The polynomial's monomials of u, T.
+    /// Monomials of u for the polynomial, T.
     pub(super) terms: &'s [f32],
 }
 
 impl<'s> Point<'s> {
-    /// Returns the floats of scratch that it takes.
+    /// Returns the floats of scratch of a point.
     pub(super) const fn scratch_len(counts: &KernelCounts) -> usize {
         let (d, e) = (counts.feature_len as usize, counts.metric_len as usize);
         padded(d) + padded(e) + counts.term_len as usize
     }
 
-    /// Makes the point of a query that has been checked; returns also what is left of the scratch.
+    /// Computes the point of a query that was checked before. Also returns the rest of the scratch.
     pub(super) fn new(
         map: &KernelMap<'_>,
         query: &[f32],
@@ -48,7 +49,7 @@ impl<'s> Point<'s> {
     }
 }
 
-/// Checks that a query has its length, that its numbers are finite, and that rotations have a direction.
+/// Checks the query's length, that its numbers are finite, and that rotations have a direction.
 pub(super) fn check(map: &KernelMap<'_>, query: &[f32]) -> Result<(), CallError> {
     Argument::Query.check_len(map.query_len(), query.len())?;
     if let Some(number) = query.iter().position(|x| !x.is_finite()) {
@@ -63,7 +64,7 @@ pub(super) fn check(map: &KernelMap<'_>, query: &[f32]) -> Result<(), CallError>
     })
 }
 
-/// Lists the inputs with their numbers of a query.
+/// Lists the inputs, each with its numbers from a query.
 pub(super) fn inputs_of<'q>(
     map: &KernelMap<'q>,
     query: &'q [f32],
@@ -76,14 +77,15 @@ pub(super) fn inputs_of<'q>(
     })
 }
 
-/// Returns up to four numbers; zeros behind them.
+/// Returns up to four numbers, padded with zeros.
 pub(super) fn quaternion(numbers: &[f32]) -> [f32; 4] {
     let mut out = [0.0; 4];
     out.iter_mut().zip(numbers).for_each(|(out, number)| *out = *number);
     out
 }
 
-/// Computes the features, keeps them in their ranges if that is the rule, and shifts and scales them.
+/// Computes the features, clamps them to their ranges if the rule is to clamp, and shifts and
+/// scales them.
 fn scale(map: &KernelMap<'_>, query: &[f32], out: &mut [f32]) {
     let is_clamped = map.rule().query == QueryRule::Clamp;
     let mut left = out.iter_mut().zip(map.features());
@@ -98,7 +100,7 @@ fn scale(map: &KernelMap<'_>, query: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Computes monomials, each of an earlier one.
+/// Computes the monomials, each from an earlier one.
 fn monomials(terms: &[[[u8; 2]; 2]], u: &[f32], out: &mut [f32]) {
     for (place, term) in terms.iter().enumerate() {
         let [earlier, input] = term.map(u16::from_le_bytes);

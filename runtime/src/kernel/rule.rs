@@ -1,16 +1,16 @@
-//! Which kernel it is, and what it does with queries outside the data and with its outputs.
+//! Choice of kernel, and rules for queries outside the data and for outputs.
 
 use super::function::Kernel;
 
-/// What is done with a query outside the data (METHOD §2.6).
+/// Rule for a query outside the data (METHOD §2.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum QueryRule {
-    /// Nothing: the function goes on as it does.
+    /// Free: the function extrapolates.
     Free = 0,
-    /// Each feature is kept within its range.
+    /// Clamp: each feature is clamped to its range.
     Clamp = 1,
-    /// Values tend to the neutral ones.
+    /// Fade: values approach the neutral values.
     Fade = 2,
 }
 
@@ -18,7 +18,7 @@ impl QueryRule {
     /// Every rule, by number.
     pub const ALL: [Self; 3] = [Self::Free, Self::Clamp, Self::Fade];
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -28,23 +28,23 @@ impl QueryRule {
     }
 }
 
-/// Which sums of the marked outputs are brought to 1.
+/// Rule for dividing the marked outputs by their sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Normalise {
-    /// None.
+    /// Never.
     Never = 0,
-    /// Every one that is above 1e-12.
+    /// For a sum above 1e-12.
     Always = 1,
-    /// Those above 1.
+    /// For a sum above 1.
     AboveOne = 2,
 }
 
 impl Normalise {
-    /// Every way, by number.
+    /// Every rule, by number.
     pub const ALL: [Self; 3] = [Self::Never, Self::Always, Self::AboveOne];
 
-    /// Returns its name, as FORMAT.md has it.
+    /// Returns its name, as in FORMAT.md.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Never => "never",
@@ -53,7 +53,7 @@ impl Normalise {
         }
     }
 
-    /// Returns the sum above which sums are brought to 1.
+    /// Returns the sum above which outputs are divided.
     pub(super) const fn least(self) -> f32 {
         match self {
             Self::Never => f32::INFINITY,
@@ -68,12 +68,12 @@ impl Normalise {
 pub struct KernelRule {
     /// G.
     pub kernel: Kernel,
-    /// What is done with a query outside the data.
+    /// Rule for a query outside the data.
     pub query: QueryRule,
-    /// Which sums of the marked outputs are brought to 1.
+    /// Rule for dividing the marked outputs by their sum.
     pub normalise: Normalise,
-    /// Squared distances at which a centre stops to vouch for a query wholly, and at all; both are 0 where
-    /// no confidence is computed.
+    /// Squared distances at which a centre's nearness starts to fall, and reaches 0. Both are 0
+    /// without a confidence.
     pub fade: (f32, f32),
 }
 
@@ -81,7 +81,7 @@ impl KernelRule {
     /// Bytes of section `kernel_rule`.
     pub const BYTES: usize = 12;
 
-    /// Writes it, little-endian.
+    /// Encodes the rule, little-endian.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let Self { kernel, query, normalise, fade: (start, end) } = *self;
         let ([s0, s1, s2, s3], [e0, e1, e2, e3]) = (start.to_le_bytes(), end.to_le_bytes());
@@ -89,10 +89,10 @@ impl KernelRule {
         [k, p, query as u8, normalise as u8, s0, s1, s2, s3, e0, e1, e2, e3]
     }
 
-    /// Reads it.
+    /// Decodes the rule.
     ///
     /// # Errors
-    /// The number that stands for nothing: of a kernel, its parameter if the kernel is known.
+    /// The first unknown number. For a known kernel with an unknown parameter, the parameter.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Result<Self, u8> {
         let [k, p, q, n, s0, s1, s2, s3, e0, e1, e2, e3] = *bytes;
         let is_known = Kernel::ALL.iter().any(|kernel| kernel.number() == k);
@@ -104,7 +104,7 @@ impl KernelRule {
         Ok(Self { kernel, query, normalise, fade })
     }
 
-    /// Whether the fade starts and then ends, or there is none and none is asked for.
+    /// Whether the fade starts before it ends, or is absent and not needed.
     pub(super) fn is_sound(&self) -> bool {
         match self.fade {
             (0.0, 0.0) => self.query != QueryRule::Fade,

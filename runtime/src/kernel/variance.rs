@@ -1,4 +1,4 @@
-//! The variance of a kernel's values at a query: how far they may be from what more samples would say.
+//! Variance of a kernel's values at a query: an estimate of their squared error.
 
 use super::counts::KernelCounts;
 use super::point::{self, Point};
@@ -18,21 +18,21 @@ impl KernelCounts {
 }
 
 impl KernelMap<'_> {
-    /// Whether it holds what a variance is computed of.
+    /// Whether the file has the matrices for a variance.
     pub const fn has_variance(&self) -> bool {
         self.counts().variance_len > 0
     }
 
-    /// Computes the variance of each of the m values, before the fade, ranges and sums.
+    /// Computes the variance of each of the m values, before the fade, ranges and normalisation.
     ///
-    /// - `query`: as [`KernelMap::evaluate`] takes it.
+    /// - `query`: as for [`KernelMap::evaluate`].
     /// - `scratch`: at least [`KernelCounts::variance_scratch_len`] floats, of any content.
     /// - `out`: m variances, not negative, in squares of the values' units.
     ///
     /// # Errors
-    /// - [`crate::CallErrorKind::NoAttribute`]: the kernel holds none.
-    /// - Those of [`KernelMap::evaluate`]; of [`crate::CallErrorKind::NonFinite`] the argument is the variances where
-    ///   one would not be finite.
+    /// - [`crate::CallErrorKind::NoAttribute`]: the kernel has no variance.
+    /// - The errors of [`KernelMap::evaluate`]. For a variance that would not be finite, the
+    ///   argument of [`crate::CallErrorKind::NonFinite`] is the variances.
     pub fn variance(
         &self,
         query: &[f32],
@@ -76,12 +76,12 @@ struct Matrices<'a> {
     mixed: &'a [[Le; 8]],
     /// H, T x T.
     polynomial: &'a [[Le; 8]],
-    /// A standard deviation of each value.
+    /// Standard deviation of each value.
     deviations: &'a [Le],
 }
 
 impl<'a> Matrices<'a> {
-    /// Cuts the words of the section.
+    /// Splits the words of the section.
     fn new(counts: &KernelCounts, words: &'a [Le]) -> Self {
         let (n, t) = (counts.centre_len as usize, counts.term_len as usize);
         let (r, m) = (counts.variance_len as usize, counts.value_len as usize);
@@ -97,7 +97,8 @@ impl<'a> Matrices<'a> {
         Self { row_len: r, factor, mixed, polynomial, deviations }
     }
 
-    /// Computes `G(0) - 2 g (P p) + p (H p) - |A [g; p]|²`, at least 0, of kernels g and monomials p.
+    /// Computes `G(0) - 2 g (P p) + p (H p) - |A [g; p]|²`, at least 0, for kernels g and monomials
+    /// p.
     fn share(&self, at_centre: f32, g: &[f32], p: &[f32], scratch: &mut [f32]) -> f32 {
         let mut share = at_centre;
         let mixed = product(self.mixed, [p, &[]], g.len(), scratch);
@@ -110,7 +111,8 @@ impl<'a> Matrices<'a> {
     }
 }
 
-/// Computes a matrix' product with a vector in two parts, of so many rows; zeros of rows that it lacks.
+/// Computes the product of a matrix of `row_len` rows with a vector in two parts. Rows missing in
+/// the matrix give 0.
 fn product<'s>(
     matrix: &[[Le; 8]],
     parts: [&[f32]; 2],
@@ -123,7 +125,7 @@ fn product<'s>(
     out.get(..row_len).unwrap_or(out)
 }
 
-/// Returns the sum of products, in order.
+/// Returns the inner product, summed in order.
 fn inner(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }

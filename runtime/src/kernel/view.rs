@@ -1,9 +1,8 @@
-//! A kernel in a loaded file: what loading found of it, and what it holds.
+//! A kernel in a loaded file, with access to its sections.
 
 use super::counts::{KernelCounts, KernelFit, RULES};
 use super::function::Kernel;
-use super::input::{InputKind, InputRow};
-use super::output::{OutputKind, OutputRow};
+use super::rows::{InputKind, InputRow, OutputKind, OutputRow};
 use super::rule::{KernelRule, Normalise, QueryRule};
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
@@ -23,16 +22,17 @@ const COEFFICIENTS: usize = Rule::place(&RULES, SectionKind::KernelCoefficients)
 const VARIANCE: usize = Rule::place(&RULES, SectionKind::Variance);
 const FIT: usize = Rule::place(&RULES, SectionKind::KernelFit);
 
-/// A function `f = C G(|z - t|²) + B p(u)` from named inputs to named outputs; borrowed from a loaded model.
+/// A function `f = C G(|z - t|²) + B p(u)` from named inputs to named outputs; borrowed from a
+/// loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by number return `None` if the number is out of range.
 #[derive(Clone, Copy)]
 pub struct KernelMap<'a>(pub(crate) Part<'a>);
 
 part::view! { KernelMap, KernelLayout, |words| -> KernelCounts { KernelCounts::from_words(first_counts(words)) } }
 
 impl<'a> KernelMap<'a> {
-    /// Returns which kernel it is, and what it does with queries and outputs.
+    /// Returns the choice of kernel, and the rules for queries and outputs.
     pub fn rule(&self) -> KernelRule {
         let bytes = self.0.bytes(RULE).first_chunk();
         bytes.and_then(|bytes| KernelRule::from_bytes(bytes).ok()).unwrap_or(KernelRule {
@@ -43,19 +43,19 @@ impl<'a> KernelMap<'a> {
         })
     }
 
-    /// Returns what the fit was measured to reach.
+    /// Returns the measured accuracy of the fit.
     pub fn fit(&self) -> KernelFit {
         let figures = self.0.array(FIT).first().map(floats);
         KernelFit::from_figures(figures.unwrap_or_default())
     }
 
-    /// Returns R, how many numbers a query has.
+    /// Returns R, the numbers of a query.
     pub fn query_len(&self) -> usize {
         let kinds = self.input_rows().iter().filter_map(|[kind, ..]| InputKind::from_number(*kind));
         kinds.map(InputKind::number_len).sum()
     }
 
-    /// Returns how many numbers the outputs are.
+    /// Returns the numbers of a result.
     pub fn result_len(&self) -> usize {
         let kinds =
             self.output_rows().iter().filter_map(|[kind, ..]| OutputKind::from_number(*kind));
@@ -79,13 +79,13 @@ impl<'a> KernelMap<'a> {
         rows.iter().filter_map(|row| InputRow::from_bytes(row).ok())
     }
 
-    /// Lists the O outputs, in the order in which they are given.
+    /// Lists the O outputs, in the order of a result.
     pub fn outputs(&self) -> impl Iterator<Item = OutputRow> + use<'a> {
         let rows = self.0.bytes(OUTPUTS).as_chunks().0;
         rows.iter().filter_map(|row| OutputRow::from_bytes(row).ok())
     }
 
-    /// Returns what a feature is shifted by, scaled by, and the least and the most of it in the data.
+    /// Returns the shift and scale of a feature, and its least and greatest value in the data.
     pub fn feature(&self, feature: usize) -> Option<[f32; 4]> {
         self.0.entry(FEATURES, self.counts().feature_len as usize, feature).map(floats)
     }
@@ -104,8 +104,8 @@ impl<'a> KernelMap<'a> {
         block_entry(self.centres(), shape, k, i)
     }
 
-    /// Returns a monomial: the earlier one and the input whose product it is; of the first, which is 1,
-    /// [`super::NO_TERM`] twice.
+    /// Returns the factors of a monomial: an earlier monomial and an input. The first monomial,
+    /// which is 1, has [`super::NO_TERM`] twice.
     pub fn term(&self, term: usize) -> Option<[u16; 2]> {
         let is_there = term < self.counts().term_len as usize;
         let term = self.terms().get(term).filter(|_| is_there)?;

@@ -1,72 +1,74 @@
-//! Least squares between bounds: which weights are held at one, many at a time.
+//! Least squares between bounds. An active-set method holds many weights at a bound at a time.
 //!
-//! Projected Newton steps (Bertsekas, Projected Newton methods for optimization problems with simple constraints, SIAM J.
-//! Control and Optimization 1982): solve what is free, cut it to the bounds, and hold what the slope presses against one.
-//! The cost falls in every round, so none comes twice; what is found is solved from what is held alone, whatever led there.
+//! The method takes projected Newton steps (Bertsekas, Projected Newton methods for optimization
+//! problems with simple constraints, SIAM J. Control and Optimization 1982). A round solves for the
+//! free weights, cuts the solution to the bounds, and holds the weights that the gradient presses
+//! against a bound. The cost falls in every round, so no set of held weights repeats. The solution
+//! depends only on the held weights, not on the path of the search.
 
 use super::packed::{dot, factor, multiply, rows, solve};
 
-/// Rounds after which the weights stay as they are: of 53 shapes none was seen to need 20.
+/// Rounds after which the search stops. No test with 53 shapes needed 20.
 pub(super) const ROUNDS_MAX: u32 = 100;
-/// The least share of a step that is tried.
+/// Least share of a step in the line search.
 const STEP_MIN: f64 = 1.0e-9;
-/// What rounding may leave of a bound, in its span.
+/// Tolerance at a bound for rounding, relative to the bounds' span.
 const SLACK: f64 = 1.0e-10;
 
-/// The least share of a diagonal that its factor must have kept: what is below is of rounding, and nothing of the
-/// prior is left under pins that are so stiff.
+/// Least share of a diagonal entry that the factor must keep. A smaller share is rounding: with
+/// pins so stiff nothing of the prior is left.
 const SHARE_MIN: f64 = 1.0e-13;
 
-/// A step that is free.
+/// The step is free.
 pub(super) const FREE: f64 = 0.0;
-/// One that is held at its least.
+/// The step is held at its lower bound.
 pub(super) const LOW: f64 = -1.0;
-/// One that is held at its greatest.
+/// The step is held at its upper bound.
 pub(super) const HIGH: f64 = 1.0;
-/// One that keeps its weight at 0, whatever pulls.
+/// The step keeps its weight at 0, for any gradient.
 pub(super) const ZERO: f64 = 2.0;
 
 /// Minimises `½ dᵀ H d - gᵀ d` over steps d of n weights between bounds.
 pub(super) struct ActiveSet<'a> {
     /// H, packed.
     pub(super) hessian: &'a [f64],
-    /// g.
-    pub(super) pull: &'a [f64],
-    /// The least of each step, and below the greatest; infinite without bounds.
+    /// g, the right-hand side.
+    pub(super) rhs: &'a [f64],
+    /// Lower and upper bounds of the steps; infinite without bounds.
     pub(super) low: &'a [f64],
     pub(super) high: &'a [f64],
-    /// What brings each weight to 0.
+    /// Steps that bring the weights to 0.
     pub(super) zero: &'a [f64],
-    /// [`FREE`], [`LOW`], [`HIGH`] or [`ZERO`] of each step.
+    /// State of each step: [`FREE`], [`LOW`], [`HIGH`] or [`ZERO`].
     pub(super) held: &'a mut [f64],
-    /// Factor of the rows and columns of H whose steps are free, packed.
+    /// Factor of the rows and columns of H of the free steps, packed.
     pub(super) factor: &'a mut [f64],
-    /// Whether it is that of `held`.
+    /// Whether `factor` belongs to `held`.
     pub(super) is_factored: bool,
     pub(super) is_bounded: bool,
     /// d.
     pub(super) step: &'a mut [f64],
-    /// What d would be without the bounds of what is free.
-    pub(super) aim: &'a mut [f64],
-    /// H d - g.
+    /// Solution of a round: held steps fixed, free steps without bounds.
+    pub(super) solution: &'a mut [f64],
+    /// H d - g, the gradient.
     pub(super) slope: &'a mut [f64],
-    /// The free steps, one after the other; or a step that is tried.
+    /// The free steps packed together, or a trial step.
     pub(super) free: &'a mut [f64],
 }
 
-/// How a search ended.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// The step is the least.
+    /// The step is the minimum.
     Least,
-    /// The step is within the bounds, and may not be the least.
+    /// The step is within the bounds, and may not be the minimum.
     Cut,
     /// H has no factor.
     NoFactor,
 }
 
 impl ActiveSet<'_> {
-    /// Searches, and returns in how many rounds.
+    /// Searches for the minimum, and returns the number of rounds.
     pub(super) fn search(&mut self) -> (End, u32) {
         let mut cost = f64::INFINITY;
         self.step.fill(0.0);
@@ -75,31 +77,31 @@ impl ActiveSet<'_> {
                 return (End::NoFactor, round);
             }
             if !self.is_bounded {
-                copy(self.step, self.aim);
+                copy(self.step, self.solution);
                 return (End::Least, round);
             }
             if self.is_within() {
-                copy(self.step, self.aim);
+                copy(self.step, self.solution);
                 cost = self.cost_of(Which::Step);
-                if !self.hold() {
+                if !self.update_held() {
                     return (End::Least, round);
                 }
             } else {
-                let Some(less) = self.approach(cost) else { return (End::Cut, round) };
+                let Some(less) = self.line_search(cost) else { return (End::Cut, round) };
                 cost = less;
-                self.hold();
+                self.update_held();
             }
         }
         (End::Cut, ROUNDS_MAX)
     }
 
-    /// Returns the weight that the step leads to.
+    /// Returns the weight after the step.
     pub(super) fn weight(&self, index: usize) -> f64 {
         let step = self.step.get(index).zip(self.zero.get(index));
         step.map_or(0.0, |(step, zero)| step - zero)
     }
 
-    /// Holds a step at what brings its weight to 0.
+    /// Holds a step at the value that brings its weight to 0.
     pub(super) fn hold_at_zero(&mut self, index: usize) {
         let step = self.held.get_mut(index).zip(self.step.get_mut(index)).zip(self.zero.get(index));
         if let Some(((held, step), zero)) = step {
@@ -108,7 +110,7 @@ impl ActiveSet<'_> {
         }
     }
 
-    /// Computes the aim with what is held.
+    /// Computes the solution for the current held steps.
     fn solve_free(&mut self) -> bool {
         if !self.is_factored {
             let Some(len) = self.gather() else { return false };
@@ -118,36 +120,40 @@ impl ActiveSet<'_> {
             self.is_factored = true;
         }
         let ends = self.low.iter().zip(self.high).zip(self.zero);
-        let mut is_moved = false;
-        for ((aim, held), ((low, high), zero)) in self.aim.iter_mut().zip(&*self.held).zip(ends) {
-            *aim = match *held {
+        let mut has_held = false;
+        for ((solution, held), ((low, high), zero)) in
+            self.solution.iter_mut().zip(&*self.held).zip(ends)
+        {
+            *solution = match *held {
                 LOW => *low,
                 HIGH => *high,
                 ZERO => *zero,
                 _ => 0.0,
             };
-            is_moved |= *aim != 0.0;
+            has_held |= *solution != 0.0;
         }
-        if is_moved {
-            multiply(self.hessian, self.aim, self.slope);
+        if has_held {
+            multiply(self.hessian, self.solution, self.slope);
         } else {
             self.slope.fill(0.0);
         }
         let mut len = 0;
-        let pulls = self.pull.iter().zip(&*self.slope).zip(&*self.held);
-        let free = pulls.filter(|(_, held)| **held == FREE).map(|((pull, slope), _)| pull - slope);
-        for (out, pull) in self.free.iter_mut().zip(free) {
-            *out = pull;
+        let rhs_entries = self.rhs.iter().zip(&*self.slope).zip(&*self.held);
+        let free =
+            rhs_entries.filter(|(_, held)| **held == FREE).map(|((rhs, slope), _)| rhs - slope);
+        for (out, rhs) in self.free.iter_mut().zip(free) {
+            *out = rhs;
             len += 1;
         }
         let free = self.free.get_mut(..len).unwrap_or_default();
         solve(self.factor, free);
-        let aims = self.aim.iter_mut().zip(&*self.held).filter(|(_, held)| **held == FREE);
-        aims.zip(free).for_each(|((aim, _), free)| *aim = *free);
+        let solutions =
+            self.solution.iter_mut().zip(&*self.held).filter(|(_, held)| **held == FREE);
+        solutions.zip(free).for_each(|((solution, _), free)| *solution = *free);
         true
     }
 
-    /// Whether rounding has left enough of the diagonal of so many free rows.
+    /// Whether rounding has left enough of the diagonal of the `len` free rows.
     fn is_sound(&self, len: usize) -> bool {
         let whole = rows(self.hessian, self.held.len()).zip(&*self.held);
         let whole = whole.filter(|(_, held)| **held == FREE).map(|(row, _)| row);
@@ -158,7 +164,7 @@ impl ActiveSet<'_> {
         })
     }
 
-    /// Copies the free rows and columns of H, and returns how many there are.
+    /// Copies the free rows and columns of H, and returns their number.
     fn gather(&mut self) -> Option<usize> {
         let (mut len, mut out) = (0, self.factor.iter_mut());
         for (at, row) in rows(self.hessian, self.held.len()).enumerate() {
@@ -174,24 +180,24 @@ impl ActiveSet<'_> {
         Some(len)
     }
 
-    /// Whether the aim is within the bounds.
+    /// Whether the solution is within the bounds.
     fn is_within(&self) -> bool {
-        let mut all = self.aim.iter().zip(self.low.iter().zip(self.high));
-        all.all(|(aim, (low, high))| {
+        let mut all = self.solution.iter().zip(self.low.iter().zip(self.high));
+        all.all(|(solution, (low, high))| {
             let slack = SLACK * (high - low);
-            low - slack <= *aim && *aim <= high + slack
+            low - slack <= *solution && *solution <= high + slack
         })
     }
 
-    /// Goes toward the aim as far as the cost falls, along the bounds, and returns the cost; `None` where it falls
-    /// nowhere.
-    fn approach(&mut self, cost: f64) -> Option<f64> {
+    /// Moves toward the solution along the bounds while the cost falls, and returns the cost.
+    /// `None` if the cost falls nowhere.
+    fn line_search(&mut self, cost: f64) -> Option<f64> {
         let mut share = 1.0;
         while share > STEP_MIN {
             let ends = self.low.iter().zip(self.high);
-            let way = self.step.iter().zip(&*self.aim).zip(ends);
-            for (tried, ((step, aim), (low, high))) in self.free.iter_mut().zip(way) {
-                *tried = (step + share * (aim - step)).max(*low).min(*high);
+            let way = self.step.iter().zip(&*self.solution).zip(ends);
+            for (tried, ((step, solution), (low, high))) in self.free.iter_mut().zip(way) {
+                *tried = (step + share * (solution - step)).max(*low).min(*high);
             }
             let less = self.cost_of(Which::Tried);
             if less < cost {
@@ -203,24 +209,24 @@ impl ActiveSet<'_> {
         None
     }
 
-    /// Computes the slope at a step, and returns the cost.
+    /// Computes the gradient at a step, and returns the cost.
     fn cost_of(&mut self, which: Which) -> f64 {
         let step = if which == Which::Step { &*self.step } else { &*self.free };
         multiply(self.hessian, step, self.slope);
-        let cost = 0.5 * dot(step, self.slope) - dot(step, self.pull);
-        self.slope.iter_mut().zip(self.pull).for_each(|(slope, pull)| *slope -= pull);
+        let cost = 0.5 * dot(step, self.slope) - dot(step, self.rhs);
+        self.slope.iter_mut().zip(self.rhs).for_each(|(slope, rhs)| *slope -= rhs);
         cost
     }
 
-    /// Holds the steps that the slope presses against a bound, frees those that it pulls off one, and returns whether
-    /// that changes anything.
-    fn hold(&mut self) -> bool {
+    /// Holds the steps that the gradient presses against a bound, and frees the steps that it pulls
+    /// off a bound. Returns whether anything changed.
+    fn update_held(&mut self) -> bool {
         let mut is_changed = false;
         let bounds = self.low.iter().zip(self.high);
         let steps = self.step.iter().zip(&*self.slope).zip(bounds);
         let steps = steps.zip(rows(self.hessian, self.held.len()));
         for (held, (((step, slope), (low, high)), row)) in self.held.iter_mut().zip(steps) {
-            // What a slope is worth in steps goes by the diagonal.
+            // The diagonal converts a tolerance in steps to a tolerance in gradients.
             let steep = row.first().copied().unwrap_or_default() * SLACK * (high - low);
             let becomes = match *held {
                 ZERO => ZERO,
@@ -239,12 +245,12 @@ impl ActiveSet<'_> {
     }
 }
 
-/// Copies a vector, of the same length: where lengths may differ, firmware would have to hold a panic.
+/// Copies a vector of equal length. `copy_from_slice` would put a panic into firmware.
 fn copy(out: &mut [f64], from: &[f64]) {
     out.iter_mut().zip(from).for_each(|(out, from)| *out = *from);
 }
 
-/// A step whose cost is asked for.
+/// Step at which to compute the cost.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Which {
     Step,
@@ -259,10 +265,10 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// A problem of n steps, another for each seed.
+    /// A random problem of n steps, chosen by the seed.
     struct Problem {
         hessian: Vec<f64>,
-        pull: Vec<f64>,
+        rhs: Vec<f64>,
         low: Vec<f64>,
         high: Vec<f64>,
     }
@@ -282,19 +288,19 @@ mod tests {
                 let b: Vec<f64> = (0..n).map(|_| number()).collect();
                 add_square(&mut hessian, 1.0, &b);
             }
-            let pull = (0..n).map(|_| 2.0 * number()).collect();
+            let rhs = (0..n).map(|_| 2.0 * number()).collect();
             let low: Vec<f64> = (0..n).map(|_| number().min(0.5)).collect();
             let high = low.iter().map(|low| low + number().abs()).collect();
-            Self { hessian, pull, low, high }
+            Self { hessian, rhs, low, high }
         }
 
-        /// Returns the step, how the search ended, and its rounds.
+        /// Returns the step, the result of the search, and its rounds.
         fn solved(&self, held: &mut [f64], zero: &[f64]) -> (Vec<f64>, End, u32) {
-            let n = self.pull.len();
-            let [mut step, mut aim, mut slope, mut free] = [(); 4].map(|()| vec![7.0; n]);
+            let n = self.rhs.len();
+            let [mut step, mut solution, mut slope, mut free] = [(); 4].map(|()| vec![7.0; n]);
             let mut set = ActiveSet {
                 hessian: &self.hessian,
-                pull: &self.pull,
+                rhs: &self.rhs,
                 low: &self.low,
                 high: &self.high,
                 zero,
@@ -303,7 +309,7 @@ mod tests {
                 is_factored: false,
                 is_bounded: self.low.iter().all(|low| low.is_finite()),
                 step: &mut step,
-                aim: &mut aim,
+                solution: &mut solution,
                 slope: &mut slope,
                 free: &mut free,
             };
@@ -314,13 +320,14 @@ mod tests {
         fn cost(&self, step: &[f64]) -> f64 {
             let mut product = vec![0.0; step.len()];
             multiply(&self.hessian, step, &mut product);
-            let each = step.iter().zip(&product).zip(&self.pull);
+            let each = step.iter().zip(&product).zip(&self.rhs);
             each.map(|((d, h), g)| d * (0.5 * h - g)).sum()
         }
 
-        /// The least cost over every way to hold steps: gaussian elimination of each, those within the bounds.
+        /// The least cost over all choices of held steps, by Gaussian elimination of each;
+        /// infeasible solutions do not count.
         fn least_cost(&self) -> f64 {
-            let n = self.pull.len();
+            let n = self.rhs.len();
             let mut least = f64::INFINITY;
             for code in 0..3usize.pow(n as u32) {
                 let ways: Vec<usize> = (0..n).map(|i| code / 3usize.pow(i as u32) % 3).collect();
@@ -337,7 +344,7 @@ mod tests {
                     .iter()
                     .map(|&i| {
                         let row = free.iter().map(|&j| entry(i, j));
-                        row.chain([self.pull[i] - slope[i]]).collect()
+                        row.chain([self.rhs[i] - slope[i]]).collect()
                     })
                     .collect();
                 for k in 0..free.len() {
@@ -361,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_is_that_of_every_way_to_hold_steps() {
+    fn the_minimum_is_the_least_over_all_held_steps() {
         let mut several = 0;
         for (n, seed) in (1..7).flat_map(|n| (0..20).map(move |seed| (n, seed))) {
             let problem = Problem::new(n, seed * 7 + n as u64);
@@ -375,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn where_it_starts_changes_no_bit() {
+    fn the_start_changes_no_bit() {
         for seed in 0..20 {
             let problem = Problem::new(40, seed);
             let mut held = vec![FREE; 40];
@@ -388,10 +395,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_at_zero_stays_there() {
+    fn steps_held_at_zero_stay_there() {
         let mut problem = Problem::new(5, 3);
         let zero = [0.25; 5];
-        // A weight that is held at 0 has bounds that hold 0.
+        // A weight can be held at 0 only if its bounds contain 0.
         for held in [1, 4] {
             (problem.low[held], problem.high[held]) = (-1.0, 1.0);
         }
@@ -408,6 +415,6 @@ mod tests {
         assert_eq!((end, rounds), (End::Least, 1));
         let mut product = vec![0.0; 12];
         multiply(&problem.hessian, &step, &mut product);
-        assert!(product.iter().zip(&problem.pull).all(|(a, b)| (a - b).abs() < 1e-10));
+        assert!(product.iter().zip(&problem.rhs).all(|(a, b)| (a - b).abs() < 1e-10));
     }
 }

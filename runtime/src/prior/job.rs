@@ -1,75 +1,78 @@
-//! Pins: from where a few vertices are to be to the weights of all shapes (METHOD §5.1).
+//! Pins: from target places of a few vertices to the weights of all shapes (METHOD §5.1).
 
 use super::active_set::{ActiveSet, End, FREE, HIGH, LOW};
-use super::observation::{Vertex, not_finite};
 use super::packed::{add, add_square, add_to_diagonal, dot, packed_len};
-use super::pins::PinList;
-use super::scratch::{Head, Scratch};
-use super::view::{Prior, shapes};
+use super::part::{Prior, shapes};
+use super::pins::{PinList, Vertex, not_finite};
+use super::scratch::{CacheKey, Scratch};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, Matrix3x4, floats};
 use crate::skin::Skin;
 
-/// What is changed as little as pins allow.
+/// Weights that an edit changes as little as the pins allow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Anchor {
-    /// The weights now: an artist's edit.
+    /// The current weights, for an artist's edit.
     #[default]
     Current,
-    /// The mean weights: a face that is nothing but what pins say.
+    /// The mean weights: the pins alone decide the face.
     Mean,
 }
 
-/// How little weights change from one frame to the next.
+/// Penalty on the change of weights from frame to frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Temporal<'a> {
-    /// S weights, those of the frame before.
+    /// S weights of the previous frame.
     pub weights: &'a [f32],
-    /// The reciprocal of the mean square by which a weight changes.
+    /// Reciprocal of the mean squared change of a weight.
     pub stiffness: f32,
 }
 
-/// Solves weights for pins: the least of `|U (w - anchor)|² + sum stiffness / β (row - target)²`, U the prior's factor.
+/// Solves weights for pins. Minimises `|U (w - anchor)|² + sum stiffness / β (row - target)²`, with
+/// U the prior's factor.
 #[derive(Clone, Debug)]
 pub struct PinJob<'a> {
     /// The prior.
     pub prior: Prior<'a>,
-    /// Its skin, or another with the same shapes.
+    /// The prior's skin, or another skin with equal shapes.
     pub skin: Skin<'a>,
-    /// [`Skin::palette_len`] transforms of the pose in which pins are where they are.
+    /// [`Skin::palette_len`] transforms of the pose in which the pins apply.
     pub palette: &'a [Matrix3x4],
-    /// The pins. Those of a vertex that no shape moves, along what they look at, count as none.
+    /// The pins. A pin has no effect if no shape moves its vertex along its rows.
     pub pins: PinList<'a>,
-    /// What is changed as little as pins allow.
+    /// Weights from which the change is measured.
     pub anchor: Anchor,
-    /// β: the square of the length by which a pin of stiffness 1 may miss; [`super::PriorFit::beta`], or another.
+    /// β, the squared distance by which a pin of stiffness 1 may miss: [`super::PriorFit::beta`] or
+    /// another value.
     pub beta: f32,
-    /// Whether weights stay between the prior's bounds.
+    /// Whether the weights stay between the prior's bounds.
     pub is_bounded: bool,
-    /// What keeps the weights near those of the frame before.
+    /// Penalty that keeps the weights near the previous frame's.
     pub temporal: Option<Temporal<'a>>,
-    /// How much the prior's symmetry counts; 0 leaves it out, 1 is as stiff as the prior has it.
+    /// Weight of the prior's symmetry term: 0 turns the term off, and 1 is the prior's own
+    /// stiffness.
     pub symmetry: f32,
-    /// Whether of the pairs that cancel the smaller weight is held at 0.
+    /// Whether to hold the smaller weight of each mutually exclusive pair at 0.
     pub cancels: bool,
 }
 
-/// What a [`PinJob`] did.
+/// Result of a [`PinJob`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Edit {
-    /// `|U (w - anchor)|`: how unlikely the prior finds the change (S0, Eq. 5).
+    /// `|U (w - anchor)|`: how unlikely the change is under the prior (S0, Eq. 5).
     pub norm: f32,
     /// Pins that no shape moves.
     pub unreachable_len: usize,
-    /// Factors and solves that it took; 0 where there was nothing to solve.
+    /// Number of solves; 0 if there was nothing to solve.
     pub round_len: u32,
-    /// Whether bounds were found to hold at the least; else weights were cut to them.
+    /// Whether the solution is the minimum between the bounds. Otherwise weights were cut to the
+    /// bounds.
     pub is_least: bool,
 }
 
 impl<'a> PinJob<'a> {
-    /// Makes the job of an artist's edit at rest: from the weights now, between the bounds, without the terms of
-    /// trackers.
+    /// Makes the job of an artist's edit at rest: from the current weights, between the bounds,
+    /// without temporal and symmetry terms.
     pub fn new(prior: Prior<'a>, skin: Skin<'a>, pins: PinList<'a>) -> Self {
         Self {
             prior,
@@ -85,22 +88,22 @@ impl<'a> PinJob<'a> {
         }
     }
 
-    /// Changes weights. Without a pin that any shape moves they stay as they are.
+    /// Solves the weights. Without a pin that any shape moves, the weights stay unchanged.
     ///
-    /// What scratch holds from a run with the same prior, terms and pins, but for their targets, is used again: then a
-    /// run costs only the solve. The result is the same, to the last bit.
+    /// Scratch from a run with equal prior, terms and pins is reused, even if the pins' targets
+    /// differ. A reusing run costs only the solve, and gives equal results to the last bit.
     ///
     /// - `scratch`: at least [`super::PriorCounts::pin_scratch_len`] numbers, of any content.
-    /// - `weights`: S weights, the anchor [`Anchor::Current`]; then those solved.
+    /// - `weights`: S weights. On entry the anchor [`Anchor::Current`]; on return the solution.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: the prior has not as many shapes as the skin; or `palette`, `weights` or those of
-    ///   the frame before have another length.
+    /// - [`CallErrorKind::Length`]: the prior and the skin differ in their number of shapes; or
+    ///   `palette`, `weights` or the previous frame's weights have another length.
     /// - [`CallErrorKind::TooShort`]: `scratch` is too short.
-    /// - [`CallErrorKind::OutOfRange`]: a pin's vertex, whose place in the list is the index, is not of the skin; or β
-    ///   or a stiffness is not positive and finite.
-    /// - [`CallErrorKind::NonFinite`]: a weight is not finite, or would not be; or what a pin looks at; or pins are so
-    ///   stiff that nothing is left of the prior.
+    /// - [`CallErrorKind::OutOfRange`]: a pin's vertex is not in the skin, and the index is the
+    ///   pin's place in the list; or β or a stiffness is not positive and finite.
+    /// - [`CallErrorKind::NonFinite`]: a weight is not finite or would not be; or a pin's row gives
+    ///   a value that is not finite; or pins are so stiff that nothing of the prior is left.
     pub fn run(&self, scratch: &mut [f64], weights: &mut [f32]) -> Result<Edit, CallError> {
         self.check(weights)?;
         let (n, scalar_len) = (self.prior.shape_len(), self.pins.scalar_len());
@@ -111,10 +114,10 @@ impl<'a> PinJob<'a> {
         };
         self.set_anchor(&mut scratch, weights);
         let terms = [self.temporal.map_or(0.0, |temporal| temporal.stiffness), self.symmetry];
-        let head = Head::new(&self.prior, scalar_len, terms);
-        let was = core::mem::replace(scratch.head, Head::NOTHING.0);
+        let key = CacheKey::new(&self.prior, scalar_len, terms);
+        let was = core::mem::replace(scratch.key, CacheKey::NOTHING.0);
         let (is_same, unreachable_len) = self.observe(&mut scratch)?;
-        let is_same = is_same && was == head.0;
+        let is_same = is_same && was == key.0;
         if unreachable_len == self.pins.iter().len() {
             return Ok(Edit { unreachable_len, is_least: true, ..Edit::default() });
         }
@@ -124,9 +127,9 @@ impl<'a> PinJob<'a> {
         }
         let (end, round_len) = self.search(&mut scratch, is_same);
         if end == End::Least {
-            *scratch.head = head.0;
+            *scratch.key = key.0;
         }
-        let [step, ..] = &scratch.loose;
+        let [step, ..] = &scratch.work;
         let solved =
             scratch.anchor.iter().zip(&**step).map(|(anchor, step)| (anchor + step) as f32);
         if end == End::NoFactor {
@@ -164,7 +167,7 @@ impl<'a> PinJob<'a> {
         }
     }
 
-    /// Writes what weights are changed from, and how far each may go.
+    /// Writes the anchor, and the bounds of each step.
     fn set_anchor(&self, scratch: &mut Scratch<'_>, weights: &[f32]) {
         let pairs = scratch.anchor.iter_mut().zip(weights).zip(self.prior.means());
         for ((anchor, weight), mean) in pairs {
@@ -186,16 +189,16 @@ impl<'a> PinJob<'a> {
         }
     }
 
-    /// Writes the rows of pins and what they pull, and returns whether they are those that were there, and how many
-    /// pins no shape moves.
+    /// Writes the pins' rows and their right-hand side. Returns whether the rows equal the previous
+    /// run's, and the number of pins that no shape moves.
     fn observe(&self, scratch: &mut Scratch<'_>) -> Result<(bool, usize), CallError> {
-        scratch.pull.fill(0.0);
+        scratch.rhs.fill(0.0);
         let (mut is_same, mut unreachable) = (true, 0);
-        // Chunks of zero would panic.
+        // A chunk length of zero would panic.
         let mut rows = scratch.rows.chunks_exact_mut((scratch.anchor.len() + 1).max(1));
         for (index, pin) in self.pins.iter().enumerate() {
             let Some(vertex) = Vertex::new(&self.skin, self.palette, pin.vertex) else { continue };
-            let [x, y, z, _] = &mut scratch.loose;
+            let [x, y, z, _] = &mut scratch.work;
             [&mut **x, &mut **y, &mut **z].into_iter().for_each(|deltas| deltas.fill(0.0));
             for (shape, delta) in self.skin.deltas_of(pin.vertex as usize) {
                 for (out, u) in [&mut *x, &mut *y, &mut *z].into_iter().zip(delta) {
@@ -204,11 +207,11 @@ impl<'a> PinJob<'a> {
             }
             let strength = f64::from(pin.stiffness) / f64::from(self.beta);
             let mut is_reached = false;
-            for (row, target) in pin.looks() {
+            for (row, target) in pin.active_rows() {
                 let Some((strength_was, out)) = rows.next().and_then(<[_]>::split_first_mut) else {
                     break;
                 };
-                let (at_rest, [a, b, c]) = vertex.seen(row);
+                let (at_rest, [a, b, c]) = vertex.apply_row(row);
                 is_same &= *strength_was == strength;
                 *strength_was = strength;
                 for (out, ((x, y), z)) in out.iter_mut().zip(x.iter().zip(&**y).zip(&**z)) {
@@ -217,34 +220,29 @@ impl<'a> PinJob<'a> {
                     is_reached |= b != 0.0;
                     *out = b;
                 }
-                let missing = f64::from(target) - at_rest - dot(out, scratch.anchor);
-                if !missing.is_finite() || !dot(out, out).is_finite() {
+                let residual = f64::from(target) - at_rest - dot(out, scratch.anchor);
+                if !residual.is_finite() || !dot(out, out).is_finite() {
                     return Err(not_finite(index));
                 }
-                add(scratch.pull, strength * missing, out);
+                add(scratch.rhs, strength * residual, out);
             }
             unreachable += usize::from(!is_reached);
         }
         Ok((is_same, unreachable))
     }
 
-    /// Adds what the terms of trackers pull.
+    /// Adds the right-hand sides of the temporal and symmetry terms.
     fn add_terms(&self, scratch: &mut Scratch<'_>) {
         if let Some(Temporal { weights, stiffness }) = self.temporal {
-            let pulls = scratch.pull.iter_mut().zip(weights).zip(&*scratch.anchor);
-            for ((pull, weight), anchor) in pulls {
-                *pull += f64::from(stiffness) * (f64::from(*weight) - anchor);
+            let rhs_entries = scratch.rhs.iter_mut().zip(weights).zip(&*scratch.anchor);
+            for ((rhs, weight), anchor) in rhs_entries {
+                *rhs += f64::from(stiffness) * (f64::from(*weight) - anchor);
             }
         }
         for (pair, stiffness) in self.symmetry() {
             let [a, b] = pair.map(|shape| scratch.anchor.get(shape).copied().unwrap_or_default());
             for (shape, by) in pair.into_iter().zip([b - a, a - b]) {
-                scratch
-                    .pull
-                    .iter_mut()
-                    .skip(shape)
-                    .take(1)
-                    .for_each(|pull| *pull += stiffness * by);
+                scratch.rhs.iter_mut().skip(shape).take(1).for_each(|rhs| *rhs += stiffness * by);
             }
         }
     }
@@ -254,7 +252,7 @@ impl<'a> PinJob<'a> {
         let n = scratch.anchor.len();
         let hessian = &mut *scratch.hessian;
         hessian.fill(0.0);
-        let [row, ..] = &mut scratch.loose;
+        let [row, ..] = &mut scratch.work;
         let mut rest = &mut *hessian;
         for len in (1..=n).rev() {
             let start = packed_len(n) - packed_len(len);
@@ -263,7 +261,7 @@ impl<'a> PinJob<'a> {
             add_square(rest, 1.0, own);
             rest = rest.get_mut(len..).unwrap_or_default();
         }
-        // Likewise.
+        // A chunk length of zero would panic.
         for row in scratch.rows.chunks_exact((n + 1).max(1)) {
             if let Some((strength, row)) = row.split_first() {
                 add_square(hessian, *strength, row);
@@ -283,7 +281,8 @@ impl<'a> PinJob<'a> {
         }
     }
 
-    /// Searches the step, with what was held last where H is the same.
+    /// Searches for the step. With an unchanged H the search starts at the held steps of the last
+    /// run.
     fn search(&self, scratch: &mut Scratch<'_>, is_same: bool) -> (End, u32) {
         let mut is_factored = is_same;
         for held in &mut *scratch.held {
@@ -295,10 +294,10 @@ impl<'a> PinJob<'a> {
             is_factored &= starts == *held;
             *held = starts;
         }
-        let [step, aim, slope, free] = &mut scratch.loose;
+        let [step, solution, slope, free] = &mut scratch.work;
         let mut set = ActiveSet {
             hessian: scratch.hessian,
-            pull: scratch.pull,
+            rhs: scratch.rhs,
             low: scratch.low,
             high: scratch.high,
             zero: scratch.zero,
@@ -307,7 +306,7 @@ impl<'a> PinJob<'a> {
             is_factored,
             is_bounded: self.is_bounded,
             step,
-            aim,
+            solution,
             slope,
             free,
         };
@@ -321,12 +320,13 @@ impl<'a> PinJob<'a> {
         }
     }
 
-    /// Holds the smaller weight of each pair that is at work, and returns whether there was one.
+    /// Holds the smaller weight of each mutually exclusive pair with two active weights. Returns
+    /// whether there was such a pair.
     fn cancel(&self, set: &mut ActiveSet<'_>) -> bool {
         let mut found = false;
         for pair in self.prior.cancel_pairs() {
             let [a, b] = pair.map(|shape| set.weight(shape).abs());
-            if a.min(b) > SILENT {
+            if a.min(b) > INACTIVE_MAX {
                 let [first, second] = pair;
                 set.hold_at_zero(if a < b { first } else { second });
                 found = true;
@@ -335,10 +335,10 @@ impl<'a> PinJob<'a> {
         found
     }
 
-    /// Lists the pairs that mirror each other, with the stiffness that they have here.
+    /// Lists the symmetric pairs, with their stiffness in this job.
     fn symmetry(&self) -> impl Iterator<Item = ([usize; 2], f64)> {
         let by = f64::from(self.symmetry);
-        // Without it there are none, so that nothing is added.
+        // With weight 0 the list is empty, so that nothing is added.
         let rows = if by > 0.0 { self.prior.symmetry_rows() } else { &[] };
         rows.iter().map(move |[pair, stiffness]| {
             (shapes(pair), by * f64::from(f32::from_le_bytes(*stiffness)))
@@ -362,11 +362,11 @@ impl<'a> PinJob<'a> {
     }
 }
 
-/// Reads floats of the file from one on.
+/// Reads floats of the file, starting at index `start`.
 fn read(from: &[Le], start: usize, out: &mut [f64]) {
     let from = from.get(start..).unwrap_or_default();
     out.iter_mut().zip(from).for_each(|(out, le)| *out = f32::from_le_bytes(*le).into());
 }
 
-/// Up to what weight a shape of a pair that cancels counts as not at work.
-const SILENT: f64 = 1.0e-9;
+/// Largest weight at which a shape of a mutually exclusive pair counts as inactive.
+const INACTIVE_MAX: f64 = 1.0e-9;

@@ -1,21 +1,18 @@
-//! The part prior: how the weights of a skin's shapes belong together, and what pins do with that (METHOD §5.1).
+//! The part prior: a prior over the weights of a skin's shapes, and pins that use the prior (METHOD
+//! §5.1).
 //!
-//! [`PinJob::run`] goes from pins to weights: `observation` makes rows of them, `active_set` finds the weights that
-//! fit, between their bounds, with a factor that `packed` makes. All of it is f64 inside: a drag of a thousand steps
-//! must not drift.
+//! [`PinJob::run`] computes weights from pins. `pins` turns the pins into rows, and `active_set`
+//! solves for the weights between their bounds, with the factorisation in `packed`. All arithmetic
+//! is f64: a drag of a thousand steps must not drift.
 
 mod active_set;
-pub(crate) mod check;
-mod counts;
 mod job;
-mod observation;
 mod packed;
+mod part;
 mod pins;
 mod scratch;
-mod view;
 
-pub(crate) use counts::RULES;
-pub use counts::{PRIOR_SECTIONS, PriorCounts, PriorFit};
 pub use job::{Anchor, Edit, PinJob, Temporal};
+pub use part::{PRIOR_SECTIONS, Prior, PriorCounts, PriorFit, PriorLayout};
+pub(crate) use part::{RULES, check_content, check_counts};
 pub use pins::{Pin, PinList, Pins};
-pub use view::{Prior, PriorLayout};

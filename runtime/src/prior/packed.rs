@@ -1,8 +1,10 @@
-//! Symmetric matrices in half the memory: row after row of the upper triangle, the diagonal first in each.
+//! Symmetric matrices in packed storage: the rows of the upper triangle, each starting at the
+//! diagonal.
 //!
-//! Loops add a multiple of one row to another, so that they need no sum in order and vectorise with the same bits.
+//! Loops add a multiple of one row to another. No loop needs an ordered sum, so all vectorise with
+//! equal bits.
 
-/// Returns how many numbers the triangle of n rows has.
+/// Returns the number of entries in a triangle of n rows.
 pub(crate) const fn packed_len(n: usize) -> usize {
     n * (n + 1) / 2
 }
@@ -30,7 +32,7 @@ pub(super) fn add_square(packed: &mut [f64], strength: f64, b: &[f64]) {
     }
 }
 
-/// Adds a number to a diagonal.
+/// Adds a number to the diagonal.
 pub(super) fn add_to_diagonal(packed: &mut [f64], n: usize, x: f64) {
     let mut rest = packed;
     for len in (1..=n).rev() {
@@ -55,7 +57,8 @@ pub(super) fn multiply(packed: &[f64], x: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Replaces H of n rows by its factor U, `H = Uᵀ U`; `false` where rounding leaves no positive diagonal.
+/// Replaces H of n rows by its factor U, `H = Uᵀ U`. Returns `false` if rounding leaves no positive
+/// diagonal.
 pub(super) fn factor(packed: &mut [f64], n: usize) -> bool {
     let mut rest = packed;
     for len in (1..=n).rev() {
@@ -104,13 +107,13 @@ pub(super) fn solve(factor: &[f64], x: &mut [f64]) {
     }
 }
 
-/// Adds a multiple of a vector.
+/// Adds a multiple of a vector to another.
 #[inline(always)]
 pub(super) fn add(out: &mut [f64], by: f64, x: &[f64]) {
     out.iter_mut().zip(x).for_each(|(out, x)| *out += by * x);
 }
 
-/// Returns a · b: four sums, of which one alone would wait for itself.
+/// Returns a · b. Four accumulators hide the latency of addition.
 #[inline]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a4, a), (b4, b)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -130,7 +133,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// A matrix of n rows with squares on it, packed, and whole.
+    /// A matrix of n rows made of squares, in packed and in full storage.
     fn sample(n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let mut packed = vec![0.0; packed_len(n)];
         let mut whole = vec![vec![0.0; n]; n];
@@ -179,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_has_no_factor() {
+    fn a_matrix_that_is_not_positive_has_no_factor() {
         for diagonal in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(!factor(&mut [4.0, 2.0, diagonal], 2));
         }

@@ -1,4 +1,4 @@
-//! The checks of an object, in the order that FORMAT.md lists.
+//! The checks of an object, in the order of FORMAT.md.
 
 use super::counts::{
     CLIP_ELEMENTS_MAX, CLIPS_MAX, FITS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, place,
@@ -11,9 +11,9 @@ use crate::format::{FileErrorKind as Kind, MAGNITUDE_MAX, SectionKind, saturated
 use crate::kernel::{OutputKind, OutputRow};
 use crate::linear::Le;
 
-/// Checks an object's counts, and returns what they ask of its sections.
+/// Checks an object's counts, and returns the requirements for its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
-    // Vertices are u16, of which the greatest stands for none; so are elements and layers where they are sorted.
+    // Vertices are u16 with the greatest value reserved. Elements and layers are sorted as u16 too.
     let most = u32::from(u16::MAX);
     let ranges = [
         (place::POINTS, 1, most),
@@ -32,10 +32,10 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     Ok(ViewsCounts::from_words(first_counts(words)).asked())
 }
 
-/// Checks the content of an object whose sections all have their length.
+/// Checks the content of an object. The lengths of all sections have been checked before.
 ///
 /// - `part_len`: parts of the file.
-/// - `outputs`: returns the rows of what a part gives, if that is a kernel.
+/// - `outputs`: returns the output rows of a part if the part is a kernel.
 pub(crate) fn content<'a>(
     views: &Views<'_>,
     loading: &Loading<'_>,
@@ -67,7 +67,7 @@ pub(crate) fn content<'a>(
     Ok(())
 }
 
-/// The checks of the content, in their order, likewise as an envelope's.
+/// The checks of the content, in order. A table keeps code small, as for an envelope.
 static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 9] = [
     |views, loading| check_names(loading, views.names()),
     |views, loading| check_floats(loading, &views.0, &RULES),
@@ -80,8 +80,8 @@ static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 9] = [
     check_textures,
 ];
 
-/// Checks that each element is of one layer, that no layer is clipped by itself, directly or through others, and that
-/// elements and key views are not too many to fit.
+/// Checks that each element belongs to one layer, that no layer clips itself through any chain, and
+/// that the numbers of elements and key views stay within [`FITS_MAX`].
 fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Layers;
     let ViewsCounts { element_len, layer_len, .. } = views.counts();
@@ -102,7 +102,7 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     }
     let mut clip_len = 0;
     for index in 0..views.layer_len() {
-        // A chain that does not end in so many steps may come round.
+        // A longer chain may be a circle.
         if views.chain(index).nth(CLIPS_MAX).is_some() {
             return loading.invalid(section, index);
         }
@@ -121,7 +121,7 @@ fn check_layers(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Err(loading.refuse(Kind::Limit, Some(section), place::VIEWS, [most, found]))
 }
 
-/// Checks that vertices stand by points of the object.
+/// Checks that vertices refer to points of the object.
 fn check_vertices(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let (section, found) = (SectionKind::Vertices, views.counts().weight_len);
     let mut before = 0;
@@ -146,7 +146,7 @@ fn check_vertices(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that elements are of vertices of the object, no two of one element the same.
+/// Checks that elements refer to vertices of the object, with no vertex twice in an element.
 fn check_elements(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Elements;
     for (index, row) in views.elements().iter().enumerate() {
@@ -164,7 +164,7 @@ fn check_elements(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that the neighbours of elements are elements.
+/// Checks that neighbours are elements of the object.
 fn check_neighbours(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Neighbours;
     for (index, other) in views.neighbour_rows().as_flattened().iter().enumerate() {
@@ -176,7 +176,7 @@ fn check_neighbours(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that layers of key views have textures of the object.
+/// Checks that the layers of key views refer to textures of the object.
 fn check_view_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let below = views.counts().texture_len;
     for (index, texture) in views.view_textures().iter().enumerate() {
@@ -188,7 +188,7 @@ fn check_view_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     Ok(())
 }
 
-/// Checks that the bits of a mask beyond its points are 0.
+/// Checks that the mask bits behind the last point are 0.
 fn check_masks(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let point_len = views.point_len();
     let words = point_len.div_ceil(32);
@@ -201,7 +201,8 @@ fn check_masks(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     }
 }
 
-/// Checks that textures have texels, of all of which each has its own.
+/// Checks that textures are not empty, and that their texels follow each other and use the whole
+/// section.
 fn check_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Textures;
     let mut end = 0;

@@ -1,29 +1,34 @@
-//! The numbers of an object: how large it is, how good it is.
+//! Counts and measured accuracy of an object.
 
 use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
 
-/// Stands for no vertex, no neighbour: in the row of a triangle, which has no fourth of either, and beyond a border.
+/// Sentinel for "none": for the fourth vertex and neighbour of a triangle, and for the neighbour
+/// across a border.
 pub const NO_VERTEX: u16 = u16::MAX;
-/// Stands for no texture of a layer in a key view, and for no layer that clips.
+/// Sentinel for "none": for the texture of a layer in a key view, and for the layer that clips a
+/// layer.
 pub const NOTHING: u32 = u32::MAX;
 
-/// The most layers that clip one layer: one that itself is clipped clips by that, too.
+/// Largest number of layers that clip one layer, including the layers that clip its clipping
+/// layers.
 pub const CLIPS_MAX: usize = 8;
-/// The most elements that clip, those of every layer that clips one counted once for that one.
+/// Largest number of elements in clipping layers. A layer's elements count once for every layer
+/// that it clips.
 pub const CLIP_ELEMENTS_MAX: usize = 1 << 20;
-/// The most elements, those that clip counted again, times the key views: each is fitted to each.
+/// Largest product of elements and key views. Elements of clipping layers count again, as for
+/// [`CLIP_ELEMENTS_MAX`]. The raster compares each element with each key view.
 pub const FITS_MAX: usize = 1 << 22;
 
-/// Counts of an object, from which every section's length follows.
+/// Counts of an object. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ViewsCounts {
     /// Control points, K.
     pub point_len: u32,
     /// Vertices, V.
     pub vertex_len: u32,
-    /// Weights of points in vertices, W.
+    /// Weights of points for vertices, W.
     pub weight_len: u32,
     /// Elements, E.
     pub element_len: u32,
@@ -37,7 +42,7 @@ pub struct ViewsCounts {
     pub texture_len: u32,
     /// Texels of all textures.
     pub texel_len: u32,
-    /// Width and height of the screen on which points are, in pixels.
+    /// Width and height of the screen of the points, in pixels.
     pub size: [u32; 2],
 }
 
@@ -54,7 +59,7 @@ impl ViewsCounts {
         [k, v, w, e, l, n, m, t, texel_len, width, height]
     }
 
-    /// Makes them of their words.
+    /// Makes the counts from their words.
     pub const fn from_words(words: [u32; 11]) -> Self {
         let [point_len, vertex_len, weight_len, element_len, layer_len, rest @ ..] = words;
         let [view_len, map_len, texture_len, texel_len, size @ ..] = rest;
@@ -72,20 +77,21 @@ impl ViewsCounts {
         }
     }
 
-    /// Returns how many numbers a map of the object gives: K places with their depth, K visibilities, N scores, and of L
-    /// layers opacity and order.
+    /// Returns the numbers in a result of a map: K places with depth, K visibilities, N scores, and
+    /// opacity and order of L layers.
     pub const fn result_len(&self) -> usize {
         let points = (self.point_len as usize).saturating_mul(4);
         let layers = (self.layer_len as usize).saturating_mul(2);
         points.saturating_add(self.view_len as usize).saturating_add(layers)
     }
 
-    /// Computes a section's length in bytes, the least of the names; `None` if no object has it.
+    /// Computes a section's length in bytes, or the least length of the names; `None` if objects
+    /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
         Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns what they ask of the sections, as [`RULES`] have it.
+    /// Returns the requirements for the sections, in the terms of [`RULES`].
     pub(crate) const fn asked(&self) -> Asked {
         let Self { point_len: k, vertex_len: v, weight_len: w, element_len: e, .. } = *self;
         let Self { layer_len: l, view_len: n, map_len: m, texture_len: t, texel_len, .. } = *self;
@@ -95,19 +101,19 @@ impl ViewsCounts {
     }
 }
 
-/// Counts the words of a mask with a bit a point.
+/// Returns the words of a mask with one bit per point.
 pub(crate) const fn mask_len(point_len: u32) -> u32 {
     point_len.div_ceil(32)
 }
 
-/// What an object was measured to reach. Lengths are in pixels.
+/// Measured accuracy of an object. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewsFit {
-    /// RMS over points and examples of the distance between the examples' points and the maps'.
+    /// RMS distance between the examples' points and the maps' points, over points and examples.
     pub rms_error: f32,
-    /// The same, each example left out of its own fit; 0 if it was not measured.
+    /// RMS distance with each example left out of its own fit; 0 if not measured.
     pub left_out_rms: f32,
-    /// Share of the points whose visibility the maps give as the examples do.
+    /// Share of the points with correct visibility.
     pub visibility: f32,
 }
 
@@ -121,13 +127,13 @@ impl ViewsFit {
         [rms_error, left_out_rms, visibility]
     }
 
-    /// Makes it of its figures.
+    /// Makes the fit from its figures.
     pub const fn from_figures([rms_error, left_out_rms, visibility]: [f32; 3]) -> Self {
         Self { rms_error, left_out_rms, visibility }
     }
 }
 
-/// Where the counts stand in their section.
+/// Indices of the counts in their section.
 pub(crate) mod place {
     pub(crate) const POINTS: usize = 0;
     pub(crate) const VERTICES: usize = 1;
@@ -141,13 +147,13 @@ pub(crate) mod place {
     pub(crate) const SIZE: [usize; 2] = [9, 10];
 }
 
-/// The sections of an object, in the order in which the trainer writes them.
+/// The sections of an object, in the trainer's order.
 pub const VIEWS_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && ViewsCounts::BYTES <= 4 * COUNTS);
 
-/// What an object asks of its sections. Sizes: 1, K, V, W, E, L, N, M, T, texels, words of a mask of K bits, floats of a
-/// view's deformation, N + L.
+/// Rules for the sections of an object. Sizes: 1, K, V, W, E, L, N, M, T, texels, words of a mask
+/// of K bits, floats of a view's deformation, N + L.
 pub(crate) const RULES: [Rule; 16] = [
     Rule::new(SectionKind::ViewsCounts, ViewsCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [12, 0]).or_more(4),

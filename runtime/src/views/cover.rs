@@ -1,17 +1,18 @@
-//! Which pixels an element covers: edge functions of whole numbers, so that neighbours share every pixel exactly once, and
-//! borders as a share of a pixel (METHOD §6.9).
+//! Coverage of pixels by an element. Integer edge functions give each pixel on a shared edge to
+//! exactly one neighbour. Borders cover a share of a pixel (METHOD §6.9).
 
 use crate::numeric::{greater, lesser, sqrt};
 
-/// A place on the screen, x to the right and y down, in steps of a pixel's 256th.
+/// A place on the screen, x to the right and y down, in 256ths of a pixel.
 pub(super) type Step = [i64; 2];
 
-/// Steps of a pixel.
+/// Steps per pixel.
 const PIXEL: i64 = 256;
-/// How far places may be from the screen's corner, in steps: with 2^20 pixels an edge function stays below 2^60.
+/// Largest distance of a place from the screen's corner, in steps. With 2^20 pixels an edge
+/// function stays below 2^60.
 const STEPS_MAX: f32 = 268_435_456.0;
 
-/// Snaps a place in pixels to steps; one that is farther out than 2^20 pixels, to where it leaves them.
+/// Snaps a place in pixels to steps. A place outside 2^20 pixels snaps to their edge.
 pub(super) fn snap(place: [f32; 2]) -> Step {
     place.map(|x| {
         let steps = lesser(STEPS_MAX, greater(-STEPS_MAX, x * PIXEL as f32));
@@ -24,11 +25,15 @@ pub(super) const fn area([ax, ay]: Step, [bx, by]: Step, [cx, cy]: Step) -> i64 
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 }
 
-/// Hands over the pixels of a convex clockwise ring, row by row from the top, each with its edge functions, of edge i,
-/// from corner i to the next, twice the area of its triangle with the centre, and with the share that is covered.
+/// Calls `each` for every covered pixel of a convex clockwise ring, row by row from the top.
 ///
-/// A pixel is inside if its centre is, and on an edge if that is a left one or a horizontal top one. Across a soft edge
-/// coverage grows from nothing to all over as many pixels as it is wide, half of them outside.
+/// The arguments are the pixel, its edge functions, and its covered share. Edge i runs from corner
+/// i to the next corner. An edge function is twice the area of the triangle of the edge and the
+/// pixel's centre.
+///
+/// A pixel is inside if its centre is inside. A centre on an edge is inside for left edges and
+/// horizontal top edges. Across a soft edge coverage grows from 0 to 1 over the edge's width in
+/// pixels, half of it outside.
 pub(super) fn cover<const N: usize>(
     ring: &[Step; N],
     soft: [f32; N],
@@ -58,7 +63,7 @@ pub(super) fn cover<const N: usize>(
                 }
                 each([x, y], values, covered);
             } else if has_begun {
-                // A row of a convex ring has one stretch.
+                // A row of a convex ring is one run of pixels.
                 break;
             }
             values.iter_mut().zip(&edges).for_each(|(value, edge)| *value += edge.across);
@@ -71,11 +76,12 @@ pub(super) fn cover<const N: usize>(
 struct Edge {
     from: Step,
     to: Step,
-    /// Its change from a pixel to the next on the right.
+    /// Change from a pixel to its right neighbour.
     across: i64,
-    /// Its least value inside: of a soft edge half its width outside; else 0 of one that owns the centres on it, or 1.
+    /// Least value inside. For a soft edge: half its width outside. Otherwise 0 for an edge that
+    /// owns the centres on it, or 1.
     least: i64,
-    /// Of a soft edge widths of a step of its value; else 0.
+    /// For a soft edge: widths per unit of the edge function; else 0.
     scale: f32,
 }
 
@@ -84,7 +90,7 @@ impl Edge {
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let across = -dy * PIXEL;
         let length = sqrt(dx as f32 * dx as f32 + dy as f32 * dy as f32);
-        // In steps of its value.
+        // In units of the edge function.
         let width = soft * PIXEL as f32 * length;
         if width > 0.0 {
             let least = -(0.5 * width) as i64;
@@ -98,7 +104,7 @@ impl Edge {
         area(self.from, self.to, place)
     }
 
-    /// Returns the share of a pixel that the edge leaves.
+    /// Returns the covered share of a pixel at this edge.
     #[inline(always)]
     fn share(&self, value: i64) -> f32 {
         if self.scale == 0.0 {
@@ -108,8 +114,8 @@ impl Edge {
     }
 }
 
-/// Returns the pixels, first and past the last, whose centres may lie between the least and the greatest coordinate, or
-/// `beside` steps beyond them.
+/// Returns the range of pixels with centres between the least and the greatest coordinate, extended
+/// by `beside` steps.
 fn span<const N: usize>(coordinates: [i64; N], beside: i64, len: usize) -> (usize, usize) {
     let least = coordinates.iter().copied().min().unwrap_or_default() - beside;
     let greatest = coordinates.iter().copied().max().unwrap_or_default() + beside;
@@ -147,8 +153,8 @@ mod tests {
         (*seed >> 40) as f32 / (1u64 << 24) as f32
     }
 
-    /// Corners of a grid of n x n cells over a square, those inside moved at random, every other one onto a pixel's
-    /// centre.
+    /// Corners of a grid of n x n cells over a square. Inner corners are moved at random, and every
+    /// other one lies on a pixel's centre.
     fn grid(n: usize, size: usize) -> Vec<Vec<Step>> {
         let (mut seed, cell) = (3, size as f32 / n as f32);
         let mut place = |i: usize| {
@@ -186,8 +192,9 @@ mod tests {
     }
 
     #[test]
-    fn a_centre_on_an_edge_belongs_to_the_left_and_the_top() {
-        // Corners on centres: the square from 1.5 to 3.5 has the centres of pixels 1 and 2, not those of 3.
+    fn a_centre_on_an_edge_belongs_to_left_and_top_edges() {
+        // Corners on centres: the square from 1.5 to 3.5 covers the centres of pixels 1 and 2, not
+        // those of 3.
         let [low, high] = [centre(1), centre(3)];
         let square = [[low, low], [high, low], [high, high], [low, high]];
         let expected = [0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0];
@@ -209,7 +216,7 @@ mod tests {
 
     #[test]
     fn soft_edges_cover_shares_of_pixels_as_areas_do() {
-        // A square, turned, cut in two along a hard diagonal: the areas of both are those of the square.
+        // A rotated square, cut in two along a hard diagonal: both areas sum to the square's area.
         let turned = |x: f32, y: f32| snap([20.3 + 0.8 * x - 0.6 * y, 19.7 + 0.6 * x + 0.8 * y]);
         let [a, b, c, d] =
             [turned(-9.0, -9.0), turned(9.0, -9.0), turned(9.0, 9.0), turned(-9.0, 9.0)];
@@ -220,7 +227,8 @@ mod tests {
         assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
         let sum: f32 = shares.iter().sum();
         assert!((sum - 324.0).abs() < 1.5, "{sum}");
-        // Of each pixel the share of 16 x 16 samples that lie inside, to the width of a filter of a pixel.
+        // Compare each pixel's share with the share of 16 x 16 samples inside, up to the width of a
+        // one-pixel filter.
         for (at, share) in shares.iter().enumerate() {
             let inside = (0..256).filter(|sample| {
                 let x = (at % 40) as f32 + ((sample % 16) as f32 + 0.5) / 16.0 - 20.3;
@@ -234,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_out_or_flat_is_no_trouble() {
+    fn far_and_flat_elements_are_handled() {
         let far = [[-9e9, -9e9], [9e9, -9e9], [0.0, f32::MAX]].map(snap);
         assert!(counted(&[far], [8, 8]).iter().all(|count| *count == 1));
         let flat = [[0.0, 0.0], [4.0, 4.0], [8.0, 8.0]].map(snap);

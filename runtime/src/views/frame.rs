@@ -1,5 +1,5 @@
-//! From parameters to points, their visibility, the key views that they are like, and what layers do (METHOD §6.1, §6.3,
-//! §6.6, §6.9).
+//! Evaluation of a map: from parameters to points, visibilities, scores of the key views, and
+//! layers (METHOD §6.1, §6.3, §6.6, §6.9).
 
 use super::blend::Blend;
 use super::counts::ViewsCounts;
@@ -14,31 +14,32 @@ use crate::numeric::{greater, lesser};
 pub struct FrameJob<'a> {
     /// The object.
     pub views: Views<'a>,
-    /// One of its maps, of [`crate::Model::map_of`].
+    /// One of the object's maps, from [`crate::Model::map_of`].
     pub map: KernelMap<'a>,
-    /// [`KernelMap::query_len`] numbers, as [`KernelMap::evaluate`] takes them.
+    /// [`KernelMap::query_len`] numbers, as for [`KernelMap::evaluate`].
     pub parameters: &'a [f32],
 }
 
-/// What a [`FrameJob`] writes.
+/// Outputs of a [`FrameJob`].
 #[derive(Debug)]
 pub struct Frame<'o> {
-    /// K points: x to the right and y down, in pixels of the screen, and depth, which grows away from the viewer.
+    /// K points: x to the right and y down, in pixels of the screen, and the depth, which grows
+    /// away from the viewer.
     pub points: &'o mut [[f32; 3]],
     /// K visibilities; above 0.5 a point is visible.
     pub visibility: &'o mut [f32],
-    /// N scores of key views.
+    /// N scores of the key views.
     pub scores: &'o mut [f32],
-    /// Of L layers opacity, from 0 to 1, and order: those of a greater one are drawn over those of a lesser one.
+    /// Opacity (0 to 1) and order of L layers. Layers of greater order are drawn later.
     pub layers: &'o mut [[f32; 2]],
 }
 
-/// What a [`FrameJob`] found.
+/// Result of a [`FrameJob`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The characteristic view: that of the highest score, of equal ones the first.
+    /// The characteristic view, with the highest score; among equal scores the first view.
     pub view: usize,
-    /// The map's confidence in the parameters, as [`KernelMap::evaluate`] returns it.
+    /// The map's confidence in the parameters, from [`KernelMap::evaluate`].
     pub confidence: f32,
 }
 
@@ -50,15 +51,16 @@ impl ViewsCounts {
 }
 
 impl FrameJob<'_> {
-    /// Evaluates the map, tells the characteristic view, and moves what was transferred as its prototype moves.
+    /// Evaluates the map, finds the characteristic view, and deforms a transferred object like its
+    /// prototype.
     ///
     /// - `scratch`: at least [`ViewsCounts::frame_scratch_len`] floats, of any content.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `parameters` has another length; or an output; or the map is not one of the
-    ///   object's.
+    /// - [`CallErrorKind::Length`]: `parameters` or an output has another length; or the map is not
+    ///   a map of the object.
     /// - [`CallErrorKind::TooShort`]: `scratch` is too short.
-    /// - Those of [`KernelMap::evaluate`].
+    /// - The errors of [`KernelMap::evaluate`].
     pub fn run(&self, scratch: &mut [f32], out: Frame<'_>) -> Result<Found, CallError> {
         let k = self.views.point_len();
         let counts = self.views.counts();
@@ -88,8 +90,8 @@ impl FrameJob<'_> {
         Ok(Found { view: characteristic(scores), confidence })
     }
 
-    /// Moves an object that was transferred: `O' = R' + s (O - R)`, centred, R the mean of the key views' references by
-    /// their shares in the picture, so that no switch is seen.
+    /// Deforms a transferred object: `O' = R' + s (O - R)`, centred. R is the mean of the key
+    /// views' references, weighted by their shares in the picture, so that no switch is visible.
     fn deform(&self, points: &mut [[f32; 3]], scores: &[f32]) {
         if !self.views.is_transferred() {
             return;
@@ -99,7 +101,7 @@ impl FrameJob<'_> {
             let views = blend.views().iter();
             views.filter_map(|(view, share)| Some((*share, self.views.deformation(*view)?)))
         };
-        // Where s is 1 nothing is added, and no digit lost.
+        // For s = 1 nothing is added, so no digit is lost.
         let growth: f32 = deformations().map(|(share, (ratio, _))| share * (ratio - 1.0)).sum();
         let centre = centre(points);
         for point in &mut *points {
@@ -115,7 +117,7 @@ impl FrameJob<'_> {
     }
 }
 
-/// Returns the view of the highest score, of equal ones the first.
+/// Returns the view with the highest score; among equal scores the first view.
 fn characteristic(scores: &[f32]) -> usize {
     let (mut best, mut highest) = (0, f32::NEG_INFINITY);
     for (view, score) in scores.iter().enumerate() {

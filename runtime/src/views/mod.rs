@@ -1,19 +1,22 @@
 //! The part views: a drawn object between its key views (METHOD §6).
 //!
-//! [`FrameJob::run`] goes from parameters to points, by a map that is a kernel of the same file; [`RenderJob::run`] from
-//! points to a picture, layer by layer: `blend` says which key views an element has its colours from, `order` which
-//! element is drawn first, `raster` maps textures to the pixels that `cover` finds.
+//! [`FrameJob::run`] computes points from parameters, by a map: a kernel of the same file.
+//! `RenderJob::run` draws a picture from points, layer by layer, with the feature `raster`. `blend`
+//! chooses the key views of an element's colours, `render` draws the elements in order, `raster`
+//! maps textures to the pixels from `cover`, and `sample` reads the textures.
 
 mod blend;
 pub(crate) mod check;
 mod counts;
+#[cfg(feature = "raster")]
 mod cover;
 mod frame;
-mod group;
-mod order;
+#[cfg(feature = "raster")]
 mod raster;
+#[cfg(feature = "raster")]
 mod render;
-mod texture;
+#[cfg(feature = "raster")]
+mod sample;
 mod view;
 
 pub use blend::Blend;
@@ -23,6 +26,6 @@ pub use counts::{
     ViewsFit,
 };
 pub use frame::{Found, Frame, FrameJob};
+#[cfg(feature = "raster")]
 pub use render::{Drawn, RenderJob, RenderScratch};
-pub use texture::Texture;
-pub use view::{Element, Layer, Vertex, Views, ViewsLayout};
+pub use view::{Element, Layer, Texture, Vertex, Views, ViewsLayout};

@@ -1,70 +1,70 @@
-//! From points to a picture (METHOD §6.5, §6.9).
+//! Drawing of a picture from points (METHOD §6.5, §6.9).
 
-use super::blend::{Blend, SOURCES};
-use super::group;
-use super::order::sort;
-use super::raster::{Corner, Screen, Source, quad, triangle};
+use super::blend::{Blend, SOURCES_MAX};
+use super::raster::{Corner, Screen, Source, blend_group, multiply_mask, quad, triangle};
 use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::numeric::{greater, lesser, smoothstep, sqrt};
 
-/// Draws an object into a picture of the caller's.
+/// Draws an object into the caller's picture.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderJob<'a> {
     /// The object.
     pub views: Views<'a>,
-    /// K points, as [`super::Frame`] has them.
+    /// K points, as in [`super::Frame`].
     pub points: &'a [[f32; 3]],
-    /// K visibilities: an element between points is drawn from key views that show as much of it.
+    /// K visibilities. An element with partly visible points is drawn from key views that show the
+    /// element to the same degree.
     pub visibility: &'a [f32],
-    /// N scores of key views, by which they are blended.
+    /// N scores of the key views, for their shares.
     pub scores: &'a [f32],
-    /// Of L layers opacity and order.
+    /// Opacity and order of L layers.
     pub layers: &'a [[f32; 2]],
     /// Width of the picture in pixels.
     pub width: usize,
 }
 
-/// What a [`RenderJob`] works in, of any content.
+/// Scratch memory of a [`RenderJob`], of any content.
 #[derive(Debug)]
 pub struct RenderScratch<'o> {
-    /// V places.
+    /// V places of vertices.
     pub vertices: &'o mut [[f32; 3]],
-    /// E + L numbers.
+    /// E + L numbers, for sorting.
     pub order: &'o mut [u16],
-    /// A float a pixel, if a layer has depth: [`Views::has_depth`].
+    /// One float per pixel if a layer has depth ([`Views::has_depth`]).
     pub depths: &'o mut [f32],
-    /// A colour a pixel, if a layer is clipped or a group: [`Views::has_groups`].
+    /// One colour per pixel if a layer is clipped or a group ([`Views::has_groups`]).
     pub group: &'o mut [[u8; 4]],
-    /// A byte a pixel, if a layer is clipped: [`Views::has_clips`].
+    /// One byte per pixel if a layer is clipped ([`Views::has_clips`]).
     pub clips: &'o mut [u8],
 }
 
-/// What a [`RenderJob`] drew.
+/// Result of a [`RenderJob`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Elements drawn.
+    /// Number of elements drawn.
     pub element_len: usize,
-    /// Those of them that are turned over against their texture, or folded, with all of their points visible.
+    /// Number of drawn elements that are flipped against their texture or folded, with all points
+    /// visible.
     pub flipped_len: usize,
 }
 
 impl RenderJob<'_> {
-    /// Draws the layers over what the picture holds, those of a greater order over those of a lesser one, equal ones as
-    /// they come in the file.
+    /// Draws the layers over the picture, in ascending order. Layers of equal order are drawn as in
+    /// the file.
     ///
-    /// A layer that is a group, or is clipped, is drawn by itself first. Where elements of another one overlap, those below
-    /// show through what is translucent.
+    /// A group or a clipped layer is drawn into its own buffer first. In other layers, overlapping
+    /// translucent elements show the elements below.
     ///
-    /// Points more than 2^20 pixels out are drawn as if they were there.
+    /// Points more than 2^20 pixels out are drawn at this distance.
     ///
-    /// - `out`: pixels row by row from the top, RGBA8: sRGB, each times its alpha. Textures are sampled between texels
-    ///   and blended as sRGB encodes them.
+    /// - `out`: RGBA8 pixels in sRGB with premultiplied alpha, row by row from the top. Textures
+    ///   are sampled and blended in sRGB encoding.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or the scratch have another length; or
-    ///   `out` is not of whole rows.
-    /// - [`CallErrorKind::TooShort`]: scratch that has a value a pixel is too short.
+    /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or a scratch array
+    ///   has another length; or `out` does not hold whole rows.
+    /// - [`CallErrorKind::TooShort`]: a scratch array with one value per pixel is too short.
     /// - [`CallErrorKind::NonFinite`]: a point is not finite.
     pub fn run(&self, scratch: RenderScratch<'_>, out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
         self.check(&scratch, out)?;
@@ -92,7 +92,7 @@ impl RenderJob<'_> {
             order.iter_mut().zip(layer.first as u16..).for_each(|(out, element)| *out = element);
             if layer.has_depth {
                 depths.fill(f32::INFINITY);
-                // From the far ones to the near ones, then by number.
+                // Far elements first, then by number.
                 sort(order, |element| -picture.mean_depth(element.into()));
             }
             if is_group {
@@ -105,7 +105,7 @@ impl RenderJob<'_> {
                 picture.draw(number, &layer, (*element).into(), &mut screen, &mut drawn);
             }
             if is_group {
-                group::blend(group, layer.clip.map(|_| &*clips), opacity, out);
+                blend_group(group, layer.clip.map(|_| &*clips), opacity, out);
             }
         }
         Ok(drawn)
@@ -131,7 +131,7 @@ impl RenderJob<'_> {
         }
     }
 
-    /// Returns the key views that an element of a layer has its colours from.
+    /// Returns the key views and shares for the colours of an element in a layer.
     pub fn blend(&self, layer: usize, element: usize) -> Option<Blend> {
         let element = self.views.element(element)?;
         let vertices = element.vertices();
@@ -139,20 +139,21 @@ impl RenderJob<'_> {
             let vertex = self.views.vertex(vertex);
             vertex.map_or([0.0; 2], |vertex| flat(vertex.at(self.points)))
         };
-        Some(self.weighed(layer, vertices, area(vertices, place)))
+        Some(self.blend_for(layer, vertices, area(vertices, place)))
     }
 
-    /// Lists the points that are vertices of an element.
+    /// Lists the vertices of an element that are points.
     fn points_of(&self, vertices: &[usize]) -> impl Iterator<Item = usize> {
         vertices.iter().filter_map(|vertex| self.views.vertex(*vertex)?.point())
     }
 
-    /// Weighs the key views by what they show of an element.
+    /// Computes the shares of the key views for an element, from the view's scores and how well
+    /// each view shows the element.
     ///
-    /// - `layer`: the element's.
-    /// - `own`: its area on the screen.
-    fn weighed(&self, layer: usize, vertices: &[usize], own: f32) -> Blend {
-        // Of vertices that are no points nothing is hidden but the whole layer.
+    /// - `layer`: the element's layer.
+    /// - `own`: the element's signed area on the screen.
+    fn blend_for(&self, layer: usize, vertices: &[usize], own: f32) -> Blend {
+        // Vertices that are not points have no visibility of their own.
         let mut points = [None; 4];
         points.iter_mut().zip(self.points_of(vertices)).for_each(|(out, point)| *out = Some(point));
         let points = points.iter().flatten();
@@ -160,7 +161,8 @@ impl RenderJob<'_> {
         let shows = |view: usize| {
             !points.clone().any(|point| self.views.is_visible(view, *point) == Some(false))
         };
-        // A view that shows it smaller has fewer texels for it, and one that shows it turned over another side.
+        // A view that shows the element smaller has fewer texels. A view that shows the element
+        // flipped shows its other side.
         let detail = |view: usize| {
             if self.views.view_texture(view, layer).is_none() {
                 return 1.0;
@@ -174,21 +176,21 @@ impl RenderJob<'_> {
         Blend::new(self.scores, fits)
     }
 
-    /// Returns opacity, from 0 to 1, and order of a layer.
+    /// Returns the opacity (0 to 1) and the order of a layer.
     fn layer_numbers(&self, layer: usize) -> [f32; 2] {
         let [opacity, order] = self.layers.get(layer).copied().unwrap_or_default();
         [lesser(1.0, greater(0.0, opacity)), order]
     }
 }
 
-/// A job whose vertices are known.
+/// A job with computed vertices.
 struct Picture<'a> {
     job: &'a RenderJob<'a>,
     vertices: &'a [[f32; 3]],
 }
 
 impl Picture<'_> {
-    /// Makes each byte what the layers that clip a layer leave of the pixel.
+    /// Computes the coverage of every pixel by the layers that clip a layer.
     fn clip(&self, layer: usize, group: &mut [[u8; 4]], clips: &mut [u8]) {
         clips.fill(u8::MAX);
         for number in self.job.views.clips(layer) {
@@ -204,11 +206,11 @@ impl Picture<'_> {
             for element in layer.first..layer.end {
                 self.draw(number, &layer, element, &mut screen, &mut Drawn::default());
             }
-            group::mask(group, self.job.layer_numbers(number)[0], clips);
+            multiply_mask(group, self.job.layer_numbers(number)[0], clips);
         }
     }
 
-    /// Draws an element, if a key view has it.
+    /// Draws an element, if a key view has a texture for the layer.
     fn draw(
         &self,
         number: usize,
@@ -224,11 +226,11 @@ impl Picture<'_> {
         if layer.is_one_sided && area < 0.0 {
             return;
         }
-        let blend = self.job.weighed(number, vertices, area);
-        let mut sources = [Source::default(); SOURCES];
+        let blend = self.job.blend_for(number, vertices, area);
+        let mut sources = [Source::default(); SOURCES_MAX];
         let mut len = 0;
         for (view, share) in blend.views() {
-            // A view without the layer shows nothing of it.
+            // A view without the layer contributes nothing.
             let texture = views.view_texture(*view, number).and_then(|at| views.texture(at));
             if let (Some(texture), Some(out)) = (texture, sources.get_mut(len)) {
                 let mut texels = [[0.0; 2]; 4];
@@ -271,9 +273,11 @@ impl Picture<'_> {
         }
     }
 
-    /// Returns the width in pixels, one at most, over which an edge fades out. It is not 0 in layers with depth, if the
-    /// element across turns the other way. That one reaches back over this one; the first pixel of this does not count, so a
-    /// thin fold leaves no slit.
+    /// Returns the width in pixels over which an edge fades out, at most 1.
+    ///
+    /// The width is positive only in layers with depth, at a fold: the element across the edge
+    /// turns the other way and reaches back over this element. The first pixel of this reach does
+    /// not count, so that a thin fold leaves no slit.
     fn outline(&self, layer: &Layer, area: f32, across: usize, edge: [usize; 2]) -> f32 {
         let Some(across) = self.job.views.element(across).filter(|_| layer.has_depth) else {
             return 0.0;
@@ -290,7 +294,7 @@ impl Picture<'_> {
         )
     }
 
-    /// Returns twice the area of an element on the screen, positive where it turns clockwise.
+    /// Returns twice the signed area of an element on the screen, positive for a clockwise element.
     fn area(&self, vertices: &[usize]) -> f32 {
         area(vertices, |vertex| flat(self.vertices.get(vertex).copied().unwrap_or_default()))
     }
@@ -303,18 +307,76 @@ impl Picture<'_> {
     }
 }
 
-/// Returns a place without its depth.
+/// Drops the depth of a place.
 const fn flat([x, y, _]: [f32; 3]) -> [f32; 2] {
     [x, y]
 }
 
-/// Returns twice the area of a triangle or a quad, positive where it turns clockwise.
+/// Returns twice the signed area of a triangle or a quad, positive for a clockwise ring.
 fn area(vertices: &[usize], place: impl Fn(usize) -> [f32; 2]) -> f32 {
     let at = |corner: usize| vertices.get(corner).map(|vertex| place(*vertex));
     let (Some([ax, ay]), Some([bx, by]), Some([cx, cy])) = (at(0), at(1), at(2)) else {
         return 0.0;
     };
-    // By the diagonals of a quad, two of whose corners are one in a triangle.
+    // Computed from the diagonals of a quad; a triangle is a quad with two equal corners.
     let [dx, dy] = at(3).unwrap_or([ax, ay]);
     (cx - ax) * (dy - by) - (cy - ay) * (dx - bx)
+}
+
+/// Sorts numbers by a key, then by the numbers themselves, with an in-place heap sort.
+fn sort(numbers: &mut [u16], key: impl Fn(u16) -> f32) {
+    let is_before = |a: u16, b: u16| key(a).total_cmp(&key(b)).then(a.cmp(&b)).is_lt();
+    for root in (0..numbers.len() / 2).rev() {
+        sink(numbers, root, &is_before);
+    }
+    let mut heap = numbers;
+    while let Some((last, rest)) = heap.split_last_mut() {
+        let Some(first) = rest.first_mut() else { return };
+        core::mem::swap(first, last);
+        sink(rest, 0, &is_before);
+        heap = rest;
+    }
+}
+
+/// Sifts a number down to its place in the heap.
+fn sink(heap: &mut [u16], root: usize, is_before: &impl Fn(u16, u16) -> bool) {
+    let Some(own) = heap.get(root).copied() else { return };
+    let mut at = root;
+    loop {
+        let child = 2 * at + 1;
+        let next = match (heap.get(child), heap.get(child + 1)) {
+            (Some(a), Some(b)) if is_before(*a, *b) => child + 1,
+            (Some(_), _) => child,
+            (None, _) => break,
+        };
+        let Some(other) = heap.get(next).copied().filter(|other| is_before(own, *other)) else {
+            break;
+        };
+        if let Some(place) = heap.get_mut(at) {
+            *place = other;
+        }
+        at = next;
+    }
+    if let Some(place) = heap.get_mut(at) {
+        *place = own;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn numbers_come_in_the_order_of_their_keys() {
+        for len in 0..60u16 {
+            let keys: Vec<f32> = (0..len).map(|i| f32::from(i * 7 % 13) - 4.0).collect();
+            let mut found: Vec<u16> = (0..len).collect();
+            sort(&mut found, |i| keys[usize::from(i)]);
+            let mut expected: Vec<u16> = (0..len).collect();
+            expected.sort_by(|a, b| keys[usize::from(*a)].total_cmp(&keys[usize::from(*b)]));
+            assert_eq!(found, expected);
+        }
+    }
 }

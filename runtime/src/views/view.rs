@@ -1,7 +1,6 @@
-//! An object in a loaded file: what loading found of it, and what it holds.
+//! An object in a loaded file, with access to its sections.
 
 use super::counts::{CLIPS_MAX, NO_VERTEX, NOTHING, RULES, ViewsCounts, ViewsFit, mask_len};
-use super::texture::Texture;
 use crate::format::SectionKind;
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
@@ -24,12 +23,12 @@ const TEXELS: usize = Rule::place(&RULES, SectionKind::Texels);
 const DEFORMATIONS: usize = Rule::place(&RULES, SectionKind::Deformations);
 const FIT: usize = Rule::place(&RULES, SectionKind::ViewsFit);
 
-/// An element of an object, by the numbers of its vertices in the order in which its edges go round.
+/// An element of an object: the numbers of its vertices, in the order of its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
-    /// Its texture is mapped affinely.
+    /// Has an affine texture map.
     Triangle([usize; 3]),
-    /// Its texture is mapped bilinearly.
+    /// Has a bilinear texture map.
     Quad([usize; 4]),
 }
 
@@ -43,7 +42,7 @@ impl Element {
     }
 }
 
-/// A vertex of an object: it stands at a place of its own, moved by the weighted sum of points.
+/// A vertex of an object: a fixed place, plus the weighted sum of points.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<'a> {
     place: [f32; 2],
@@ -51,13 +50,13 @@ pub struct Vertex<'a> {
 }
 
 impl<'a> Vertex<'a> {
-    /// Returns where it stands without points.
+    /// Returns the fixed place, without points.
     pub const fn place(&self) -> [f32; 2] {
         self.place
     }
 
-    /// Lists points by number, each with its weight: a complex number [a, b], by which the point is scaled and turned,
-    /// x to a x - b y and y to b x + a y.
+    /// Lists the numbers of points, each with its weight. A weight is a complex number [a, b],
+    /// which scales and rotates the point: x to a x - b y and y to b x + a y.
     pub fn weights(&self) -> impl Iterator<Item = (usize, [f32; 2])> + use<'a> {
         let pair = |[point, a, b]: &[Le; 3]| {
             (u32::from_le_bytes(*point) as usize, [*a, *b].map(f32::from_le_bytes))
@@ -65,13 +64,13 @@ impl<'a> Vertex<'a> {
         self.weights.iter().map(pair)
     }
 
-    /// Returns the point that it is, if it is one.
+    /// Returns the point that equals this vertex, if there is one.
     pub fn point(&self) -> Option<usize> {
         let (point, weight) = self.weights().next().filter(|_| self.weights.len() == 1)?;
         (self.place == [0.0; 2] && weight == [1.0, 0.0]).then_some(point)
     }
 
-    /// Returns where it is, and how far away, by K points and their depths.
+    /// Returns the vertex's place and depth, from K points with depths.
     pub fn at(&self, points: &[[f32; 3]]) -> [f32; 3] {
         let [mut x, mut y] = self.place;
         let mut depth = 0.0;
@@ -87,36 +86,58 @@ impl<'a> Vertex<'a> {
 /// A layer of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layer {
-    /// The number of its first element.
+    /// Number of the first element.
     pub first: usize,
-    /// The number past its last one.
+    /// Number past the last element.
     pub end: usize,
-    /// The layer that clips it: it shows itself where that one is opaque.
+    /// The layer that clips this layer: this layer is visible only where the clipping layer is
+    /// opaque.
     pub clip: Option<usize>,
-    /// Whether its elements hide each other by depth, and not by their order.
+    /// Whether elements hide each other by depth, instead of in order.
     pub has_depth: bool,
-    /// Whether it is drawn by itself before it is blended, so that it may lie on itself where it is translucent.
+    /// Whether the layer is drawn into its own buffer before blending, so that translucent elements
+    /// may overlap.
     pub is_group: bool,
-    /// Whether elements are not drawn that turn anticlockwise on the screen.
+    /// Whether elements that turn anticlockwise on the screen are hidden.
     pub is_one_sided: bool,
 }
 
 impl Layer {
-    /// Bytes of its row.
+    /// Bytes of a row.
     pub const BYTES: usize = 12;
-    /// The bit of its flags that says it has depth.
+    /// Flag bit of a layer with depth.
     pub const DEPTH: u32 = 1;
-    /// The bit that says it is a group.
+    /// Flag bit of a group.
     pub const GROUP: u32 = 2;
-    /// The bit that says it is one-sided.
+    /// Flag bit of a one-sided layer.
     pub const ONE_SIDED: u32 = 4;
-    /// All bits.
+    /// All flag bits.
     pub(super) const FLAGS: u32 = Self::DEPTH | Self::GROUP | Self::ONE_SIDED;
 }
 
-/// An object of K control points in L layers, as N key views show it; borrowed from a loaded model.
+/// A picture of RGBA8 texels in sRGB with straight alpha, row by row from the top.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Texture<'a> {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) texels: &'a [[u8; 4]],
+}
+
+impl<'a> Texture<'a> {
+    /// Returns width and height in texels.
+    pub const fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Returns the texels.
+    pub const fn texels(&self) -> &'a [[u8; 4]] {
+        self.texels
+    }
+}
+
+/// An object of K control points in L layers, seen in N key views; borrowed from a loaded model.
 ///
-/// Accessors by number return `None` beyond their range.
+/// Accessors by number return `None` if the number is out of range.
 #[derive(Clone, Copy)]
 pub struct Views<'a>(pub(crate) Part<'a>);
 
@@ -143,7 +164,7 @@ impl<'a> Views<'a> {
         self.counts().layer_len as usize
     }
 
-    /// Returns width and height of the screen on which points are, in pixels.
+    /// Returns width and height of the screen of the points, in pixels.
     pub const fn size(&self) -> [usize; 2] {
         let [width, height] = self.counts().size;
         [width as usize, height as usize]
@@ -165,13 +186,14 @@ impl<'a> Views<'a> {
         self.names().get(place).filter(|_| layer < self.layer_len())
     }
 
-    /// Returns the part, a kernel, that is a map; [`crate::Model::map_of`] returns the kernel itself.
+    /// Returns the row of a map's kernel in the part table; [`crate::Model::map_of`] returns the
+    /// kernel itself.
     pub fn map_part(&self, map: usize) -> Option<usize> {
         let [part] = self.0.entry(MAPS, self.counts().map_len as usize, map)?;
         Some(u32::from_le_bytes(*part) as usize)
     }
 
-    /// Returns a layer; they are drawn in their order where maps do not tell another.
+    /// Returns a layer. Layers are drawn in the order of the file unless maps give another order.
     pub fn layer(&self, layer: usize) -> Option<Layer> {
         let rows = self.layers();
         let [end, clip, flags] = rows.get(layer)?.map(u32::from_le_bytes);
@@ -187,7 +209,7 @@ impl<'a> Views<'a> {
         })
     }
 
-    /// Whether elements of a layer hide each other by depth.
+    /// Whether a layer has depth.
     pub fn has_depth(&self) -> bool {
         (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.has_depth)
     }
@@ -197,24 +219,25 @@ impl<'a> Views<'a> {
         (0..).map_while(|layer| self.layer(layer)).any(|layer| layer.clip.is_some())
     }
 
-    /// Whether a layer is drawn by itself before it is blended: one that is clipped, or a group.
+    /// Whether a layer is a group or clipped, and therefore drawn into its own buffer.
     pub fn has_groups(&self) -> bool {
         let mut layers = (0..).map_while(|layer| self.layer(layer));
         layers.any(|layer| layer.is_group || layer.clip.is_some())
     }
 
-    /// Returns E + L, the numbers that [`super::RenderJob::run`] sorts.
+    /// Returns E + L, the length of the scratch for sorting in `RenderJob::run`.
     pub const fn order_len(&self) -> usize {
         self.element_len().saturating_add(self.layer_len())
     }
 
-    /// Lists the layers that clip a layer: that of its row, the one that clips that, and so on, [`CLIPS_MAX`] at most.
+    /// Lists the layers that clip a layer: the layer of its row, the layer that clips that layer,
+    /// and so on, at most [`CLIPS_MAX`].
     pub fn clips(&self, layer: usize) -> impl Iterator<Item = usize> + use<'a> {
-        // Bytes that changed after loading may come round.
+        // Bytes that changed after loading may hold a circle.
         self.chain(layer).take(CLIPS_MAX)
     }
 
-    /// Lists the layers that clip a layer, without end where they come round.
+    /// Lists the layers that clip a layer; endless for a circle.
     pub(super) fn chain(&self, layer: usize) -> impl Iterator<Item = usize> + use<'a> {
         let own = *self;
         let next = move |layer: &usize| own.layer(*layer).and_then(|layer| layer.clip);
@@ -232,7 +255,7 @@ impl<'a> Views<'a> {
         Some(Vertex { place: [*x, *y].map(f32::from_le_bytes), weights })
     }
 
-    /// Returns an element; those of a layer are drawn in their order where depths do not tell another.
+    /// Returns an element. Elements of a layer are drawn in order unless depths decide.
     pub fn element(&self, element: usize) -> Option<Element> {
         let vertices = self.elements().get(element).filter(|_| element < self.element_len())?;
         let [a, b, c, d] = vertices.map(|le| usize::from(u16::from_le_bytes(le)));
@@ -243,15 +266,16 @@ impl<'a> Views<'a> {
         })
     }
 
-    /// Returns the elements across the edges of an element, of that from its first vertex to its second first; none
-    /// beyond a border.
+    /// Returns the elements across the edges of an element, starting with the edge between its
+    /// first two vertices; `None` across a border.
     pub fn neighbours(&self, element: usize) -> Option<[Option<usize>; 4]> {
         let own = self.neighbour_rows().get(element).filter(|_| element < self.element_len())?;
         let own = own.map(u16::from_le_bytes);
         Some(own.map(|other| (other != NO_VERTEX).then_some(other.into())))
     }
 
-    /// Returns the texture of a layer in a key view, by its number; none of one that it does not show.
+    /// Returns the number of a layer's texture in a key view; `None` if the view does not show the
+    /// layer.
     pub fn view_texture(&self, view: usize, layer: usize) -> Option<usize> {
         let place = view.checked_mul(self.layer_len())?.checked_add(layer)?;
         let is_there = view < self.view_len() && layer < self.layer_len();
@@ -260,18 +284,18 @@ impl<'a> Views<'a> {
         (texture != NOTHING).then_some(texture as usize)
     }
 
-    /// Returns where a vertex is in its layer's texture of a key view: x to the right and y down, in texels, whose centres
-    /// are at 0.5.
+    /// Returns the place of a vertex in its layer's texture of a key view, in texels: x to the
+    /// right, y down, centres at 0.5.
     pub fn texel(&self, view: usize, vertex: usize) -> Option<[f32; 2]> {
         self.row(VERTEX_TEXELS, view, self.vertex_len()).get(vertex).map(floats)
     }
 
-    /// Returns where a key view has a point on the screen, in pixels.
+    /// Returns the place of a point on the screen in a key view, in pixels.
     pub fn reference(&self, view: usize, point: usize) -> Option<[f32; 2]> {
         self.row(REFERENCES, view, self.point_len()).get(point).map(floats)
     }
 
-    /// Whether a point is to be seen in a key view.
+    /// Whether a point is visible in a key view.
     pub fn is_visible(&self, view: usize, point: usize) -> Option<bool> {
         let words = mask_len(self.counts().point_len) as usize;
         let mask: &[Le] = self.0.bytes(MASKS).as_chunks().0;
@@ -288,23 +312,24 @@ impl<'a> Views<'a> {
         Some(Texture { width, height, texels })
     }
 
-    /// Whether it moves as another object does, from which it was transferred (METHOD §6.6).
+    /// Whether the object takes its motion from another object, its prototype (METHOD §6.6).
     pub const fn is_transferred(&self) -> bool {
         self.0.layout.has(DEFORMATIONS)
     }
 
-    /// Returns s of a key view, by which the prototype's motion is scaled; `None` of what is not transferred.
+    /// Returns s of a key view, the scale of the prototype's motion; `None` if the object is not
+    /// transferred.
     pub fn ratio(&self, view: usize) -> Option<f32> {
         self.deformation(view).map(|(ratio, _)| ratio)
     }
 
-    /// Returns `R' - s R` of a point in a key view, R and R' the centred references of the prototype and of the object
-    /// itself, in pixels of the screen; `None` of what is not transferred.
+    /// Returns `R' - s R` of a point in a key view, in pixels of the screen. R is the centred
+    /// reference of the prototype, and R' of this object. `None` if the object is not transferred.
     pub fn offset(&self, view: usize, point: usize) -> Option<[f32; 2]> {
         self.deformation(view)?.1.get(point).map(floats)
     }
 
-    /// Returns what the object was measured to reach.
+    /// Returns the measured accuracy of the object.
     pub fn fit(&self) -> ViewsFit {
         let figures = self.0.array(FIT).first().map(floats);
         ViewsFit::from_figures(figures.unwrap_or_default())
@@ -355,19 +380,19 @@ impl<'a> Views<'a> {
         self.0.bytes(TEXELS).as_chunks().0
     }
 
-    /// Returns a key view's places, `len` of them, of a section that has so many of each.
+    /// Returns the `len` places of a key view from a section with `len` places per view.
     fn row(&self, section: usize, view: usize, len: usize) -> &'a [[Le; 2]] {
         if view >= self.view_len() {
             return &[];
         }
-        // Chunks of zero would panic.
+        // A chunk length of zero would panic.
         self.0.array(section).chunks_exact(len.max(1)).nth(view).unwrap_or_default()
     }
 
     /// Returns s of a key view, and its K offsets.
     pub(super) fn deformation(&self, view: usize) -> Option<(f32, &'a [[Le; 2]])> {
         let words: &[Le] = self.0.bytes(DEFORMATIONS).as_chunks().0;
-        // Chunks of zero would panic: where a product wraps, too.
+        // A chunk length of zero would panic, which also covers a product that wraps.
         let mut views = words.chunks_exact((2 * self.point_len() + 1).max(1));
         let (ratio, offsets) = views.nth(view).filter(|_| view < self.view_len())?.split_first()?;
         Some((f32::from_le_bytes(*ratio), offsets.as_chunks().0))

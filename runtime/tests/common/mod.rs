@@ -1,4 +1,4 @@
-//! What the tests share: errors as they are expected, and evaluation into arrays of their own.
+//! Shared by the tests: expected errors, and evaluation into new arrays.
 #![allow(
     dead_code,
     unreachable_pub,
@@ -21,43 +21,43 @@ use sinew_runtime::{
 };
 use std::cell::Cell;
 
-/// What is wrong with a call; fields that a kind does not use are 0.
+/// Makes the error of a call; fields that a kind does not use are 0.
 pub const fn call_error(kind: CallErrorKind, argument: Argument) -> CallError {
     CallError { kind, argument, index: 0, expected: 0, found: 0 }
 }
 
-/// An argument of another length.
+/// Makes the error for an argument of another length.
 pub const fn length_error(argument: Argument, expected: usize, found: usize) -> CallError {
     CallError { expected, found, ..call_error(CallErrorKind::Length, argument) }
 }
 
-/// An argument that is too short.
+/// Makes the error for an argument that is too short.
 pub const fn short_error(argument: Argument, expected: usize, found: usize) -> CallError {
     CallError { expected, found, ..call_error(CallErrorKind::TooShort, argument) }
 }
 
-/// A stage that a predictor does not have.
+/// Makes the error for a stage that a predictor lacks.
 pub fn stage_error(predictor: Predictor) -> CallError {
     let found = predictor.number().into();
     CallError { found, ..call_error(CallErrorKind::NoStage, Argument::Call) }
 }
 
-/// What is wrong with a file as a whole; fields that a kind does not use are 0.
+/// Makes the error of a file as a whole; fields that a kind does not use are 0.
 pub const fn file_error(kind: FileErrorKind) -> FileError {
     FileError { kind, part: None, section: None, index: 0, expected: 0, found: 0 }
 }
 
-/// What is wrong with a section of the sample's envelope.
+/// Makes the error of a section in the sample's envelope.
 pub const fn envelope_error(kind: FileErrorKind, section: SectionKind) -> FileError {
     FileError { part: Some(0), section: Some(section), ..file_error(kind) }
 }
 
-/// What is wrong with a section of the sample's skin.
+/// Makes the error of a section in the sample's skin.
 pub const fn skin_error(kind: FileErrorKind, section: SectionKind) -> FileError {
     FileError { part: Some(1), section: Some(section), ..file_error(kind) }
 }
 
-/// How far apart the cases of a loop are taken: 1 takes all. Miri is a thousand times slower.
+/// Step between the tested cases of a loop: 1 tests all. Miri is a thousand times slower.
 pub const fn apart(under_miri: usize) -> usize {
     if cfg!(miri) { under_miri } else { 1 }
 }
@@ -77,7 +77,7 @@ pub fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     confident_palette(envelope, pose).0
 }
 
-/// The same, with the pose's confidence.
+/// Computes the palette and the pose's confidence.
 pub fn confident_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
     let mut scratch = vec![f32::NAN; envelope.scratch_len()];
     let mut out = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
@@ -93,7 +93,7 @@ pub fn max_difference(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Returns the bits of floats, which tell -0 from 0.
+/// Returns the bits of floats, which distinguish -0 from 0.
 pub fn bits(floats: &[f32]) -> Vec<u32> {
     floats.iter().map(|x| x.to_bits()).collect()
 }
@@ -121,15 +121,15 @@ pub const fn output(floats: &[Cell<f32>], stride: usize) -> Option<Output<'_>> {
     Some(Output { floats, stride })
 }
 
-/// Makes a job of all vertices that writes nothing yet.
+/// Makes a job over all vertices, without outputs.
 pub fn job<'a>(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> SkinJob<'a> {
     let (vertices, rest) = (0..skin.vertex_len(), Rest::default());
     let (positions, normals, tangents) = (None, None, None);
     SkinJob { skin, palette, vertices, remap: None, rest, positions, normals, tangents }
 }
 
-/// Runs a job with positions, normals (3 each) and tangents (4), each in a run of its own; without
-/// tangents where nothing has them.
+/// Runs a job with positions and normals (3 floats each) and tangents (4), each in its own run of
+/// the result. Tangents are left out if neither the skin nor the job has any.
 pub fn run(job: &SkinJob<'_>) -> Vec<f32> {
     let n = job.vertices.len();
     let has_tangents = job.skin.has_tangents() || job.rest.tangents.is_some();
@@ -152,7 +152,7 @@ pub fn skinned(skin: Skin<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
     run(&job(skin, palette))
 }
 
-/// The rest mesh, laid out as [`run`] does.
+/// Returns the rest mesh, in the layout of [`run`].
 pub fn rest(skin: Skin<'_>) -> Vec<f32> {
     let v = 0..skin.vertex_len();
     let positions = v.clone().flat_map(|v| skin.rest_position(v).unwrap());
@@ -160,7 +160,7 @@ pub fn rest(skin: Skin<'_>) -> Vec<f32> {
     positions.chain(normals).chain(v.filter_map(|v| skin.rest_tangent(v)).flatten()).collect()
 }
 
-/// Evaluates everything that a model offers: none of it may panic.
+/// Evaluates everything in a model. Nothing may panic.
 pub fn exercise(bytes: &[u8]) -> Option<()> {
     let model = Model::from_bytes(bytes).ok()?;
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
@@ -289,7 +289,7 @@ fn exercise_envelope(envelope: &Envelope<'_>) {
     assert_eq!(envelope.groups().count(), envelope.group_len());
     let (transforms, _) = confident_palette(envelope, &vec![IDENTITY; envelope.joint_len()]);
     assert!(transforms.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
-    // A pose that turns gives the kernel maps something to do.
+    // A pose with rotations gives the kernel maps work.
     let local = vec![Rng(1).local(0.2); envelope.joint_len()];
     let mut pose = vec![IDENTITY; envelope.joint_len()];
     if model_space_pose(envelope, &local, &mut pose).is_ok() && rigid(&pose) {
@@ -309,7 +309,7 @@ fn exercise_skin(skin: Skin<'_>, palette: &[Matrix3x4]) {
     assert!(skin.ranges().all(|(_, range)| range.start <= range.end && range.end <= v.end));
 }
 
-/// Whether a pose's matrices are rotations, as those of a damaged file's bind matrices are not.
+/// Whether a pose's matrices are rotations. With the bind matrices of a damaged file they are not.
 fn rigid(pose: &[Matrix3x4]) -> bool {
     let unit = |m: &Matrix3x4| m.map(|[x, y, z, _]| (x * x + y * y + z * z - 1.0).abs() < 1e-3);
     pose.iter().all(|m| unit(m) == [true; 3] && m.iter().all(|row| row[3].abs() < 1e3))

@@ -1,4 +1,5 @@
-//! Poses whose result is known without a reference: rest, one motion for all, degenerate transforms.
+//! Poses with results known without a reference: rest, one motion for all joints, degenerate
+//! transforms.
 
 use crate::common::{
     IDENTITY, call_error, max_difference, palette, rest, skinned, with_envelope, with_skin,
@@ -27,7 +28,7 @@ fn global_motion_passes_through() {
         let mut pose = vec![IDENTITY; envelope.joint_len()];
         model_space_pose(&envelope, &local, &mut pose).unwrap();
         let still = palette(&envelope, &pose);
-        // Turn the root's frame half a turn about z, then shift it.
+        // Rotate the root's frame by half a turn about z, then shift it.
         let [x, y, z, w] = local[envelope.root()].rotation;
         local[envelope.root()].rotation = [-y, x, w, -z];
         let [tx, ty, tz] = local[envelope.root()].translation;
@@ -46,7 +47,7 @@ fn global_motion_passes_through() {
             expected.as_flattened().as_flattened(),
         );
         assert!(difference < 5e-6, "{difference}");
-        // The comparator sees what it should.
+        // Control: the comparator reports a difference.
         assert!(max_difference(moved[0].as_flattened(), still[0].as_flattened()) > 1.0);
     });
 }

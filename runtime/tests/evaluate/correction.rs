@@ -1,4 +1,4 @@
-//! The kernel maps' correction against an evaluation in f64 that shares nothing with it.
+//! The kernel maps' correction against an independent evaluation in f64.
 
 use crate::common::{
     IDENTITY, apart, bits, confident_palette, max_difference, random_pose, stage_error,
@@ -15,7 +15,7 @@ fn wide(m: &Matrix3x4) -> Wide {
     m.map(|row| row.map(f64::from))
 }
 
-/// Parents and origins of the sample's joints, written anew.
+/// Parents and origins of the sample's joints, repeated here.
 fn skeleton(joints: usize) -> (Vec<Option<usize>>, Vec<[f64; 3]>) {
     let order = [1, 2, 0].into_iter().chain(3..joints).collect::<Vec<_>>();
     let mut parents = vec![None; joints];
@@ -27,8 +27,8 @@ fn skeleton(joints: usize) -> (Vec<Option<usize>>, Vec<[f64; 3]>) {
     (parents, origins)
 }
 
-/// S - I of the rows of a rotation R, as its trace and its odd part tell: S turns half as far about the same axis, and
-/// its odd part fades as the quaternion's w does.
+/// S - I for the rows of a rotation R, from its trace and its odd part. S rotates by half the angle
+/// about the same axis; its odd part fades like the quaternion's w.
 fn reference_half(r: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let odd = [(2, 1), (0, 2), (1, 0)].map(|(a, b)| r[a][b] - r[b][a]);
     let length = odd.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -44,7 +44,8 @@ fn reference_half(r: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     })
 }
 
-/// Features by moving points: the axes and the origin of a joint, seen from its parent; then half of the turn.
+/// Features from the motion of points: a joint's axes and origin in its parent's frame, then half
+/// of the rotation.
 fn reference_features(pose: &[Matrix3x4]) -> Vec<f64> {
     let (parents, origins) = skeleton(pose.len());
     let mut out = Vec::new();
@@ -84,7 +85,8 @@ fn reference_kernel(kernel: GroupKernel, s: f64) -> f64 {
     }
 }
 
-/// Returns K of a group's helpers, multiplied by w, and the explained and unexplained error.
+/// K of a group's proxies, already multiplied by w, and the known and uncertain parts of the
+/// confidence.
 fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let x = group.inputs.iter().map(|&(f, w)| f64::from(w) * phi[f as usize]);
     let x = x.collect::<Vec<_>>();
@@ -120,12 +122,12 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     (maps.collect(), error)
 }
 
-/// Returns the confidence of the explained and unexplained error.
-fn confidence_of([explained, unexplained]: [f64; 2]) -> f64 {
-    1.0 / (1.0 + unexplained / (1.0 + explained))
+/// The confidence, from the known and the uncertain part.
+fn sure([known, doubted]: [f64; 2]) -> f64 {
+    1.0 / (1.0 + doubted / (1.0 + known))
 }
 
-/// The palette after the correction of a base, and the pose's confidence.
+/// The palette after the correction of a base palette, and the pose's confidence.
 fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) -> (Vec<Wide>, f64) {
     let phi = reference_features(pose);
     let mut out = base.iter().map(wide).collect::<Vec<_>>();
@@ -146,7 +148,8 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
     (out, confidence_of(known))
 }
 
-/// The palette before the correction: the joints and, for each helper, its dominant joint.
+/// The palette before the correction: the joints, and the dominant joint's transform for each
+/// helper.
 fn base(groups: &[GroupContent], pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     let of_group = |g: &GroupContent| vec![pose[g.joint]; g.proxies];
     pose.iter().copied().chain(groups.iter().flat_map(of_group)).collect()
@@ -190,7 +193,7 @@ fn features_agree_with_f64() {
             let expected = reference_features(&pose);
             let expected = expected.iter().map(|&x| x as f32).collect::<Vec<_>>();
             let difference = max_difference(flat(&found), &expected);
-            // Some ten roundings of displacements up to 10.
+            // About ten roundings of displacements up to 10.
             assert!(difference < 1e-5, "{difference}");
             assert_eq!(found[envelope.root()], [[0.0; 4]; 3]);
         }
@@ -221,7 +224,7 @@ fn corrections_agree_with_f64() {
                 let expected = narrow(&expected);
                 let largest = expected.iter().fold(1.0f32, |a, x| a.max(x.abs()));
                 let difference = max_difference(flat(&found), &expected);
-                // Some 50 roundings of terms about as large as the largest.
+                // About 50 roundings of terms close to the largest.
                 assert!(difference < 4e-6 * largest, "{difference} of {largest}");
                 let difference = (f64::from(confidence) - expected_confidence).abs();
                 assert!(difference < 2e-6, "{confidence} {expected_confidence}");
@@ -287,12 +290,12 @@ fn the_rest_pose_is_exact_bit_for_bit() {
         assert_eq!(flat_bits(&palette), flat_bits(&identity));
         assert!(confidence > 0.0, "the maps have run");
     });
-    // A value at rest that is off by a last place shows, but for a gaussian, which needs none there.
+    // A value at rest that is off by a last place must matter. A Gaussian has no values at rest.
     let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
     let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
     groups[0].kernel = GroupKernel::Matern52;
     pieces.set_groups(&groups);
-    // Features and weights 8 each, centres 2 blocks of 5 columns, then the values at rest.
+    // 8 features and 8 weights, 2 blocks of 5 columns of centres, then the values at rest.
     let at = 8 + 8 + 8 * 2 * 5;
     let section = SectionKind::Corrections;
     let words = pieces.section(section).as_chunks::<4>().0;
@@ -323,7 +326,7 @@ fn far_poses_have_no_confidence_and_keep_their_base() {
             assert!(confidence < 1e-29, "{confidence}");
         };
         kept(&far);
-        // So far that distances overflow: nothing but the base is left of it either.
+        // So far that distances overflow: only the base is left.
         let mut lost = far.clone();
         lost[3][0] = [1e30, 0.0, 0.0, 1e30];
         lost[0][1] = [0.0, 3e38, 0.0, -3e38];
@@ -332,7 +335,7 @@ fn far_poses_have_no_confidence_and_keep_their_base() {
 }
 
 #[test]
-fn features_that_are_not_numbers_add_nothing() {
+fn features_that_are_nan_add_nothing() {
     with_predictor(Predictor::Kernel, SMALL, |envelope| {
         let pose = vec![IDENTITY; 4];
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
@@ -359,7 +362,7 @@ fn joints_are_copied_bit_for_bit() {
         stages::joints(&envelope, &pose, &mut joints_only).unwrap();
         assert_eq!(flat_bits(&joints_only), flat_bits(&base(&groups, &pose)));
     });
-    // Without helpers it is linear blend skinning, of which nothing is uncertain.
+    // Without helpers the envelope is linear blend skinning, with confidence 1.
     with_predictor(Predictor::Kernel, Shape { proxies: 0, ..SMALL }, |envelope| {
         let pose = random_pose(&envelope, &mut Rng(2), 1.0);
         assert_eq!(confident_palette(&envelope, &pose), (pose, 1.0));
@@ -367,7 +370,7 @@ fn joints_are_copied_bit_for_bit() {
 }
 
 #[test]
-fn groups_without_centres_add_nothing_and_vouch_for_nothing() {
+fn groups_without_centres_add_nothing_and_have_no_confidence() {
     let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
     groups[1].centres.clear();
     groups[1].coefficients.iter_mut().for_each(|row| row.truncate(9));
@@ -401,7 +404,7 @@ fn whole_palettes_are_their_stages() {
         let base = if Predictor::Kernel == Predictor::Kernel {
             base(&groups, &pose)
         } else {
-            // The same reconstruction in a rotational model.
+            // A rotational model with equal reconstruction.
             let model =
                 Model::from_bytes(Pieces::sample(Predictor::Rotational, SMALL).bytes()).unwrap();
             let rotational = model.envelope().unwrap();
@@ -414,7 +417,7 @@ fn whole_palettes_are_their_stages() {
 }
 
 #[test]
-fn the_palette_without_kernel_maps_is_that_of_rotational_models_alone() {
+fn only_rotational_models_have_a_palette_without_kernel_maps() {
     for predictor in Predictor::ALL {
         with_predictor(predictor, SMALL, |envelope| {
             let pose = random_pose(&envelope, &mut Rng(6), 2.0);
@@ -434,7 +437,7 @@ fn the_palette_without_kernel_maps_is_that_of_rotational_models_alone() {
 
 #[test]
 fn a_rotational_model_is_confident_within_its_ranges() {
-    // The sample's ranges are 1.5, so that confidence ends at 1.5 + 0.85.
+    // The sample's ranges are 1.5, so the confidence reaches 0 at 1.5 + 0.85.
     with_predictor(Predictor::Rotational, SMALL, |envelope| {
         let turned = |angle: f32| {
             let (s, c) = angle.sin_cos();
@@ -443,7 +446,7 @@ fn a_rotational_model_is_confident_within_its_ranges() {
             confident_palette(&envelope, &pose).1
         };
         assert_eq!([0.0, 1.0, 1.499, 2.351, 3.0].map(turned), [1.0, 1.0, 1.0, 0.0, 0.0]);
-        // Half of the way, and a quarter: 1 - (10/64 - 15/256 + 6/1024).
+        // Half of the way, and a quarter of the way: 1 - (10/64 - 15/256 + 6/1024).
         for (angle, expected) in [(1.925, 0.5), (1.7125, 1.0 - 0.103_515_625)] {
             assert!((turned(angle) - expected).abs() < 1e-5, "{angle} {}", turned(angle));
         }

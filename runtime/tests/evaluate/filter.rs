@@ -6,7 +6,7 @@ use sinew_runtime::filter::Samples;
 use sinew_runtime::format::MAGNITUDE_MAX;
 use sinew_runtime::{Argument, CallErrorKind, Model};
 
-/// Makes samples finer as FORMAT.md has it, number by number.
+/// Filters samples by FORMAT.md, number by number.
 fn expected(content: &FilterContent, shape: Samples, samples: &[f32]) -> Vec<f32> {
     let (f, n) = (content.factor as usize, content.tap_len as usize);
     let Samples { signal_len, sample_len, lane_len } = shape;
@@ -54,7 +54,8 @@ fn every_shape_has_the_bits_of_a_sum_written_out() {
 
 #[test]
 fn an_image_is_two_calls() {
-    // Taps that repeat a sample: an image of 6 x 5 pixels of 3 channels, each pixel four times.
+    // Taps that repeat a sample. On an image of 6 x 5 pixels with 3 channels they give each pixel
+    // four times.
     let mut content = FilterContent::sample(2, 3);
     content.taps = (0..3)
         .flat_map(|place| (0..2).flat_map(move |_| (0..3).map(move |tap| f32::from(tap == place))))
@@ -100,7 +101,7 @@ fn wrong_calls_are_refused_and_nothing_is_written() {
         let error = call_error(CallErrorKind::NonFinite, Argument::Samples);
         assert_eq!(refused(six, &samples, 12), sinew_runtime::CallError { index: 4, ..error });
     }
-    // Of nothing there is nothing to make.
+    // An empty input gives an empty output.
     let none = Samples { signal_len: 0, ..six };
     filter.apply(none, &[], &mut []).unwrap();
     filter.apply(Samples { lane_len: 0, ..six }, &[], &mut []).unwrap();

@@ -1,6 +1,6 @@
-//! The golden files stay loadable, and their evaluation has the same bits on every CPU.
+//! The golden files stay loadable, and their evaluation has equal bits on every CPU.
 
-// A hash takes all its poses, which is hours under Miri; the other tests walk the same code there.
+// A hash over all poses takes hours under Miri. The other tests cover the code there.
 #![cfg(not(miri))]
 
 #[path = "../../../tests/golden/bits.rs"]
@@ -114,11 +114,11 @@ fn the_hash_of_pins_sees_one_last_place() {
     assert_ne!(prior_hash(1.2e-7), priors::BITS);
 }
 
-/// Set to write what the maker of models makes instead of comparing it.
+/// Environment variable: write the golden files instead of comparing them.
 const WRITE: &str = "SINEW_WRITE_GOLDEN";
 
 #[test]
-fn the_golden_parts_are_made_as_they_were() {
+fn the_golden_parts_are_reproduced() {
     let kernels =
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
     let names = ["kernel-8.snw", "kernel-8-servo.snw"].into_iter().chain(TURNED_NAMES);

@@ -1,4 +1,4 @@
-//! What an evaluation gives, and which calls are refused.
+//! Results of evaluations, and refused calls.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod closed_forms;

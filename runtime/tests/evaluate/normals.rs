@@ -1,4 +1,5 @@
-//! Normals and tangents by tangent coefficients, against their definition in f64 and where they are known without one.
+//! Normals and tangents from tangent coefficients, against their definition in f64 and against
+//! known results.
 
 use crate::common::{
     IDENTITY, apart, bits, job, max_difference, output, palette, random_pose, rest, run, skinned,
@@ -14,7 +15,7 @@ use std::ops::Range;
 type V = [f64; 3];
 type M = [V; 3];
 
-/// With tangents and without, of few and of many influences.
+/// With and without tangents, with few and with many influences.
 fn shapes() -> impl Iterator<Item = Shape> {
     let all = [2, 3, 4, 7].into_iter().flat_map(|k| [(k, true), (k, false)]);
     all.map(|(influences, tangents)| Shape { vertices: 21, influences, tangents, ..SMALL })
@@ -60,7 +61,7 @@ fn moved(m: &Matrix3x4, x: V) -> V {
     add(apply(linear(m), x), m.map(|row| f64::from(row[3])))
 }
 
-/// M T: a transform after a motion of everything.
+/// M T: a transform followed by a motion of everything.
 fn after(m: M, shift: V, transform: &Matrix3x4) -> Matrix3x4 {
     [0, 1, 2].map(|r| {
         let column = |c: usize| (0..3).map(|k| m[r][k] * f64::from(transform[k][c])).sum::<f64>();
@@ -72,7 +73,7 @@ fn determinant([x, y, z]: M) -> f64 {
     dot(x, cross(y, z))
 }
 
-/// What the definition gives of a vertex, and how far f32 may be from it.
+/// Result of the definition for a vertex, and the allowed error of f32.
 struct Expected {
     normal: V,
     normal_error: f64,
@@ -80,7 +81,7 @@ struct Expected {
     tangent_error: f64,
 }
 
-/// The two directions of a vertex's frame: of a tangent, or as Duff et al. print them.
+/// The two directions of a vertex's frame: from a tangent, or by the formula of Duff et al.
 fn frame(n: V, tangent: Option<V>) -> [V; 2] {
     if let Some(tangent) = tangent {
         let v = cross(n, tangent);
@@ -93,8 +94,8 @@ fn frame(n: V, tangent: Option<V>) -> [V; 2] {
     [[1.0 + side * x * x * a, side * b, -side * x], [b, side + y * y * a, -y]]
 }
 
-/// The definition: a surface whose weights change by g and h along the frame's directions. It is quadratic, so that
-/// differences over any step are exact.
+/// The definition: a surface whose weights change by g and h along the frame's directions. The
+/// surface is quadratic, so differences over any step are exact.
 fn expected(skin: &Skin<'_>, palette: &[Matrix3x4], vertex: usize) -> Expected {
     let position = wide(skin.rest_position(vertex).unwrap());
     let normal = wide(skin.rest_normal(vertex).unwrap());
@@ -120,7 +121,8 @@ fn expected(skin: &Skin<'_>, palette: &[Matrix3x4], vertex: usize) -> Expected {
     let [u, v] = [slope([1.0, 0.0], directions[0]), slope([0.0, 1.0], directions[1])];
     let side = determinant(linear(&palette[0])).signum();
     let turned = cross(u, v);
-    // The largest terms of the two sums; some thirty roundings of each, and what a cross product makes of them.
+    // The largest terms of the two sums. Each has about thirty roundings, which a cross product
+    // enlarges.
     let most = |of: usize| {
         let parts = influences.iter().zip(&changes).map(|((index, weight), change)| {
             let m = palette[*index].map(|row| wide(row).map(f64::abs));
@@ -212,7 +214,7 @@ fn a_motion_of_everything_turns_normals_by_its_cofactors() {
             for m in motions {
                 let motion = |transform| after(m, [4.0, -2.0, 1.0], transform);
                 let after = skinned(skin, &still.iter().map(motion).collect::<Vec<_>>());
-                // What is outward stays outward: cofactors times the sign of the motion.
+                // Normals stay outward: cofactors times the sign of the motion's determinant.
                 let [x, y, z] = m;
                 let cofactors = [cross(y, z), cross(z, x), cross(x, y)];
                 for vertex in 0..v {
@@ -228,7 +230,7 @@ fn a_motion_of_everything_turns_normals_by_its_cofactors() {
 }
 
 #[test]
-fn a_mirror_keeps_outward_what_was() {
+fn a_mirror_keeps_normals_outward() {
     let mirror: Matrix3x4 = [[-1.0, 0.0, 0.0, 0.5], IDENTITY[1], IDENTITY[2]];
     let turn: Matrix3x4 = [[-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], IDENTITY[2]];
     for coefficients in [true, false] {
@@ -246,7 +248,7 @@ fn a_mirror_keeps_outward_what_was() {
     }
 }
 
-/// Skins one vertex without coefficients that matter, of weights 3/4 and 1/4, by two transforms.
+/// Skins one vertex with two transforms and weights 3/4 and 1/4; the coefficients have no effect.
 fn normal_of_two(transforms: [Matrix3x4; 2]) -> ([f32; 3], [f32; 3]) {
     let shape = Shape { vertices: 1, ..SMALL };
     let mut pieces = Pieces::sample(Predictor::Rotational, shape);
@@ -261,18 +263,18 @@ fn normal_of_two(transforms: [Matrix3x4; 2]) -> ([f32; 3], [f32; 3]) {
 }
 
 #[test]
-fn where_no_direction_is_left_the_strongest_influence_has_one() {
+fn a_normal_without_direction_takes_the_strongest_influence() {
     let scaled = |by: f32| IDENTITY.map(|row| row.map(|x| by * x));
     let turned = |by: f32| {
         let turn: Matrix3x4 = [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], IDENTITY[2]];
         turn.map(|row| row.map(|x| by * x))
     };
-    // 3/4 of one and 1/4 of minus three times the same: nothing is left of the sum.
+    // 3/4 of one transform and 1/4 of minus three times the other cancel.
     let (found, [x, y, z]) = normal_of_two([turned(1.0), turned(-3.0)]);
     assert!(max_difference(&found, &[-y, x, z]) < 2e-7);
     let (found, rest) = normal_of_two([scaled(2.0), scaled(-6.0)]);
     assert!(max_difference(&found, &rest) < 2e-7);
-    // Nothing is left of the strongest either; or it overflows.
+    // The strongest transform vanishes too, or overflows.
     for by in [0.0, 1e25] {
         let (found, rest) = normal_of_two([scaled(by), scaled(-3.0 * by)]);
         assert_eq!(found, rest, "{by}");
@@ -293,7 +295,7 @@ fn a_vertex_without_a_normal_stays_without() {
 }
 
 #[test]
-fn the_frame_of_a_caller_s_normal_does_not_turn_over_where_the_file_s_does_not() {
+fn the_frame_of_a_caller_normal_flips_only_with_the_files_frame() {
     let shape = Shape { tangents: false, influences: 4, ..SMALL };
     let mut pieces = Pieces::sample(Predictor::Rotational, shape);
     let mut rng = Rng(3);
@@ -316,13 +318,13 @@ fn the_frame_of_a_caller_s_normal_does_not_turn_over_where_the_file_s_does_not()
 }
 
 #[test]
-fn tangents_of_the_callers_leave_the_frame_of_a_skin_without_alone() {
+fn caller_tangents_keep_the_frame_of_a_skin_without_tangents() {
     let shape = Shape { tangents: false, ..SMALL };
     with_skin(shape, |envelope, skin| {
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
         let v = skin.vertex_len();
         let own = skinned(skin, &palette);
-        // Those of the frame: what they become is across the normals.
+        // Tangents of the frame stay orthogonal to the normals.
         let given = (0..v).map(|vertex| {
             let [[x, y, z], _] = frame(wide(skin.rest_normal(vertex).unwrap()), None);
             [x as f32, y as f32, z as f32, 1.0]
@@ -340,7 +342,7 @@ fn tangents_of_the_callers_leave_the_frame_of_a_skin_without_alone() {
 }
 
 #[test]
-fn an_attribute_alone_has_the_bits_that_it_has_beside_others() {
+fn an_attribute_alone_keeps_its_bits() {
     for shape in shapes() {
         with_skin(shape, |envelope, skin| {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
@@ -366,7 +368,8 @@ fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
         with_skin(shape, |envelope, skin| {
             let posed = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
             let mirrored = |m: &Matrix3x4| [m[0].map(|x| -x), m[1], m[2]];
-            // Transforms that leave a normal no direction: all of a vertex's, and here and there one.
+            // Transforms that leave a normal without direction: for some vertices all of their
+            // transforms.
             let nothing = |l: usize, m: &Matrix3x4| if l < 5 { Matrix3x4::default() } else { *m };
             let palettes = [
                 posed.clone(),
@@ -398,7 +401,7 @@ fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
 }
 
 #[test]
-fn tangents_of_the_callers_turn_normals_side_by_side_as_one_by_one() {
+fn caller_tangents_give_equal_normals_in_blocks_and_one_at_a_time() {
     for shape in shapes().filter(|shape| shape.influences == 4 && shape.tangents) {
         with_skin(shape, |envelope, skin| {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));

@@ -1,4 +1,5 @@
-//! Where a skin is written: ranges, strides, buffers, single attributes, remaps. The bits are the same.
+//! Where a skin is written: ranges, strides, buffers, single attributes, remaps. The bits never
+//! change.
 
 use crate::common::{IDENTITY, bits, job, output, palette, random_pose, run, skinned, with_skin};
 use models::{Rng, SMALL, Shape};
@@ -16,8 +17,8 @@ fn ranges_strides_and_buffers(envelope: Envelope<'_>, skin: Skin<'_>) {
     let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
     let v = skin.vertex_len();
     let whole = skinned(skin, &palette);
-    // Interleaved in one buffer: a gap, position, a gap, normal; tangents in another. Two jobs, as a
-    // job system would.
+    // Interleaved in one buffer: a gap, position, a gap, normal. Tangents are in another buffer.
+    // Two jobs, as in a job system.
     let (mut a, mut b) = (vec![-7.0; 1 + 8 * v], vec![-7.0; 4 * v]);
     for vertices in [0..3, 3..v] {
         let a = cells(&mut a[8 * vertices.start..][..1 + 8 * vertices.len()]);
@@ -46,7 +47,7 @@ fn ranges_strides_and_buffers(envelope: Envelope<'_>, skin: Skin<'_>) {
 }
 
 #[test]
-fn a_whole_vertex_stands_in_one_buffer_and_the_later_attribute_wins() {
+fn a_vertex_fits_in_one_buffer_and_the_later_attribute_wins() {
     with_skin(SMALL, |envelope, skin| {
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
         let v = skin.vertex_len();
@@ -66,7 +67,8 @@ fn a_whole_vertex_stands_in_one_buffer_and_the_later_attribute_wins() {
             let expected = [of(3 * i, 3), &[-7.0], normal, &[-7.0], tangent].concat();
             assert_eq!(vertex, expected);
         }
-        // Positions at 0, normals at 2, tangents at 4: of each the later ones' floats are lost.
+        // Positions at 0, normals at 2, tangents at 4: each later attribute overwrites floats of
+        // the one before.
         let mut out = vec![-7.0; 8 * v];
         let vertex = cells(&mut out);
         let overlapping = SkinJob {
@@ -134,7 +136,7 @@ fn a_remap_gives_the_bits_of_the_vertices_that_it_names() {
     for influences in [2, 4] {
         with_skin(Shape { influences, ..SMALL }, |envelope, skin| {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
-            // Twice, backwards, not at all, and more vertices than the mesh has.
+            // Repeated, reversed and missing vertices, and more entries than the mesh has vertices.
             let remap = [6, 0, 0, 5, 4, 6, 1, 1, 3, 0, 6];
             let remapped =
                 SkinJob { vertices: 0..remap.len(), remap: Some(&remap), ..job(skin, &palette) };
@@ -146,15 +148,15 @@ fn a_remap_gives_the_bits_of_the_vertices_that_it_names() {
                     let expected = &whole[of_whole + len * vertex..][..len];
                     assert_eq!(bits(found), bits(expected), "{vertex}");
                 }
-                // Alone, by a range of the mesh.
+                // Single vertices, by a range of the mesh.
                 let alone = run(&SkinJob { vertices: vertex..vertex + 1, ..job(skin, &palette) });
                 assert_eq!(bits(&alone[..3]), bits(&found[3 * i..][..3]));
                 assert_eq!(bits(&alone[3..6]), bits(&found[3 * (n + i)..][..3]));
             }
-            // A range is one of the remap.
+            // The range counts entries of the remap.
             let part = run(&SkinJob { vertices: 3..5, ..remapped.clone() });
             assert_eq!(part[..6], found[9..15]);
-            // Positions alone, which have a loop of their own.
+            // Positions without normals have a separate loop.
             let mut positions = vec![f32::NAN; 3 * n];
             let out = output(cells(&mut positions), 3);
             SkinJob { positions: out, ..remapped }.run().unwrap();

@@ -10,11 +10,12 @@ const SIDE: usize = 8;
 /// Points of a board, two rows of three.
 const PLACES: [[f32; 2]; 6] =
     [[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [0.0, 8.0], [4.0, 8.0], [8.0, 8.0]];
-/// An element over all of it, and one over the left half.
+/// An element over the full board, and an element over the left half.
 const WHOLE: [u16; 4] = [0, 2, 5, 3];
 const LEFT: [u16; 4] = [0, 1, 4, 3];
 
-/// A board of layers, each of one element, in three key views; of each layer its texture in each.
+/// A board of layers with one element each, in three key views; each layer lists its texture in
+/// every view.
 fn board(layers: &[([u16; 4], [u32; 3])], textures: Vec<TextureContent>) -> ViewsContent {
     let view = |view: usize| ViewContent {
         name: format!("view {view}"),
@@ -40,7 +41,7 @@ fn board(layers: &[([u16; 4], [u32; 3])], textures: Vec<TextureContent>) -> View
     out
 }
 
-/// Textures of random texels, of any alpha.
+/// Random texels with any alpha.
 fn noise(len: usize) -> Vec<TextureContent> {
     let mut rng = Rng(7);
     let mut byte = || (rng.next_u64() >> 56) as u8;
@@ -59,7 +60,7 @@ fn plain(colours: &[[u8; 3]]) -> Vec<TextureContent> {
     colours.iter().map(texture).collect()
 }
 
-/// A file of a board, with a map that gives as many numbers.
+/// A file of a board, with a map of matching outputs.
 fn loaded(content: &ViewsContent) -> Model<Vec<u8>> {
     let mut map = KernelContent::map("walk", 51);
     let numbers = content.point_len + content.views.len() + 2 * content.layers.len();
@@ -69,7 +70,7 @@ fn loaded(content: &ViewsContent) -> Model<Vec<u8>> {
     file(content, &map)
 }
 
-/// What a board is asked for.
+/// Arguments of a frame of the board.
 #[derive(Clone)]
 struct Asked {
     points: [[f32; 3]; 6],
@@ -97,7 +98,7 @@ impl Asked {
     }
 }
 
-/// Runs a job with scratch of these lengths: vertices, numbers, depths, pixels and clips.
+/// Runs a job with scratch of these lengths: vertices, order, depths, pixels and clips.
 fn run(job: &RenderJob<'_>, lens: [usize; 5], out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
     let [vertices, order, depths, group, clips] = lens;
     let scratch = RenderScratch {
@@ -147,7 +148,7 @@ fn a_key_view_is_its_texture_and_between_them_all_count() {
 #[test]
 fn pictures_are_continuous() {
     let mut content = board(&[(WHOLE, [0, 1, 2])], noise(3));
-    // One view hides a point that comes and goes on the way.
+    // One view hides a point that appears and disappears on the way.
     content.views[1].visible[0] = false;
     let model = loaded(&content);
     let changes = |steps: usize| {
@@ -164,7 +165,7 @@ fn pictures_are_continuous() {
                     .push(apart.map(|(a, b): (&u8, &u8)| u32::from(a.abs_diff(*b))).sum::<u32>());
             }
         }
-        // Of steps at which it changes at all.
+        // Only steps with a change.
         changes.retain(|change| *change > 0);
         changes.sort_unstable();
         (changes[changes.len() / 2], changes[changes.len() - 1])
@@ -174,12 +175,13 @@ fn pictures_are_continuous() {
 }
 
 #[test]
-fn what_a_view_hides_has_its_colours_from_others() {
+fn colours_hidden_in_a_view_come_from_other_views() {
     let textures = noise(3);
     let mut content = board(&[(WHOLE, [0, 1, 2])], textures.clone());
     content.views[0].visible[5] = false;
     let model = loaded(&content);
-    // Point 5 is to be seen: not view 0, but the next one. It is hidden: view 0 alone shows the element so.
+    // A visible point 5 rules out view 0, and the next view draws the element. A hidden point 5
+    // leaves only view 0, which shows the element with the point hidden.
     for (visibility, expected) in [(1.0, [0.0, 1.0, 0.0]), (0.0, [1.0, 0.0, 0.0])] {
         let mut asked = Asked::new([0.7, 0.2, 0.0], &[[1.0, 0.0]]);
         asked.visibility[5] = visibility;
@@ -225,7 +227,7 @@ fn a_group_is_blended_once_where_it_lies_on_itself() {
         let (_, pixels) = asked.painted(&loaded(&content));
         assert_eq!(pixels, [expected; SIDE * SIDE], "{flags}");
     }
-    // Likewise where its texture is translucent.
+    // The layer's translucent texture gives the same result.
     content.textures[0].texels[0][3] = 128;
     let asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]]);
     for (flags, expected) in [(Layer::GROUP, [100, 50, 0, 128]), (0, [150, 75, 0, 192])] {
@@ -259,7 +261,7 @@ fn a_layer_shows_itself_where_its_clips_are_opaque() {
     let colours = [[200, 0, 0], [0, 200, 0], [0, 0, 200]];
     let layers = [(LEFT, [0; 3]), (WHOLE, [1; 3]), (WHOLE, [2; 3])];
     let mut content = board(&layers, plain(&colours));
-    // The second by the first, the third by both.
+    // The first layer clips the second, and both clip the third.
     (content.layers[1].clip, content.layers[2].clip) = (0, 1);
     let model = loaded(&content);
     for opacities in [[1.0, 1.0, 1.0], [0.5, 0.75, 1.0], [1.0, 0.25, 0.5], [0.0, 1.0, 1.0]] {
@@ -274,7 +276,7 @@ fn a_layer_shows_itself_where_its_clips_are_opaque() {
             }
         }
         for (at, pixel) in pixels.iter().enumerate() {
-            // The border of the left half is on one of pixels.
+            // The border of the left half is on a border of pixels.
             let expected = if at % SIDE < 4 { expected } else { [0.0; 4] };
             let apart = pixel.iter().zip(expected).map(|(a, b)| (f64::from(*a) - b).abs());
             assert!(apart.fold(0.0, f64::max) <= 2.0, "{at}: {pixel:?} {expected:?}");
@@ -286,7 +288,7 @@ fn a_layer_shows_itself_where_its_clips_are_opaque() {
 fn with_depth_the_near_hides_the_far() {
     let mut content = board(&[(WHOLE, [0; 3])], noise(1));
     content.textures[0].texels.iter_mut().for_each(|texel| texel[3] = 255);
-    // One over the other, turned by the points of either.
+    // One above the other; the points of each element can flip it.
     content.layers[0].elements = vec![[0, 1, 4, 3], [1, 2, 5, 4]];
     content.layers[0].flags = Layer::DEPTH;
     content.meet();
@@ -317,7 +319,8 @@ fn a_fold_is_soft_in_a_layer_with_depth_unless_it_is_thin() {
         content.layers[0].flags = flags;
         content.meet();
         let mut asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]]);
-        // The fold, a quarter of a pixel before the centre of one, and the right half, which lies behind.
+        // The fold lies a quarter of a pixel before a pixel's centre, as does the edge of the right
+        // half behind.
         asked.points[1][0] = 4.25;
         asked.points[4][0] = 4.25;
         (asked.points[2], asked.points[5]) = ([folded, 0.0, 1.0], [folded, 8.0, 1.0]);
@@ -326,7 +329,7 @@ fn a_fold_is_soft_in_a_layer_with_depth_unless_it_is_thin() {
     assert_eq!(alpha(0, 0.0), 0, "without depth");
     // Each covers a quarter of the pixel.
     assert_eq!(alpha(Layer::DEPTH, 0.0), (255.0f64 * (1.0 - 0.75 * 0.75)).round() as u8);
-    // 0.4 pixels wide: it is soft, and the half that it folds back over is not.
+    // The fold is 0.4 pixels wide: its edge is soft, and the edge of the half below is not.
     assert_eq!(alpha(Layer::DEPTH, 3.85), (255.0f64 * 0.25).round() as u8);
 }
 
@@ -340,7 +343,7 @@ fn refused_pictures_have_written_nothing() {
     let job = asked.job(model.views().unwrap());
     let mut unsound = asked.points;
     unsound[4][2] = f32::INFINITY;
-    // Numbers that are sorted: of two elements and two layers.
+    // Length of the order: two elements and two layers.
     let lens = [6, 4, 16, 16, 16];
     for (job, lens, pixel_len, expected) in [
         (

@@ -1,4 +1,4 @@
-//! Poses of an engine: from rest frames, from a larger skeleton, checked, scaled, at levels.
+//! Poses of an engine: from rest frames, from a larger skeleton, checked, scaled, with levels.
 
 use crate::common::{call_error, length_error};
 use models::{GOLDEN, Pieces, SMALL, Shape};
@@ -13,7 +13,7 @@ use sinew_runtime::{
     model_space_pose, model_space_pose_under, scale_palette, take_scale,
 };
 
-/// Runs a test on the envelopes of the goldens and of a sample.
+/// Runs a test on the envelopes of the golden files and of a sample.
 fn each(test: impl Fn(&Envelope<'_>)) {
     let sample = Pieces::sample(Predictor::Kernel, SMALL).bytes();
     for file in GOLDEN.into_iter().chain([&*sample]) {
@@ -21,7 +21,7 @@ fn each(test: impl Fn(&Envelope<'_>)) {
     }
 }
 
-/// A pose in which each joint is turned against its rest frame, about an axis of its own.
+/// A pose with each joint rotated against its rest frame, about its own axis.
 fn turned(envelope: &Envelope<'_>, angle: f32) -> Vec<LocalTransform> {
     let turn = |(joint, local): (usize, LocalTransform)| {
         let (sine, cosine) = (0.5 * angle * (1.0 + joint as f32)).sin_cos();
@@ -99,7 +99,8 @@ fn a_larger_skeleton_is_gathered_by_names() {
         let len = envelope.joint_len();
         let pose = posed(envelope, &turned(envelope, 0.5));
         let frame = |joint: usize| after(&pose[joint], &envelope.rest_frame(joint).unwrap());
-        // The joints backwards, each after a twist of the engine's own; its world is elsewhere.
+        // The joints in reverse order, each after an extra twist joint of the engine, in a shifted
+        // world.
         let names: Vec<String> = (0..len)
             .rev()
             .flat_map(|joint| {
@@ -115,11 +116,11 @@ fn a_larger_skeleton_is_gathered_by_names() {
         gather_pose(envelope, &map, &world, None, &mut out).unwrap();
         let expected: Vec<_> = pose.iter().map(|m| after(&ACTOR, m)).collect();
         assert!(apart(&out, &expected) < 1e-5);
-        // The inverse of the actor's matrix brings it back.
+        // The inverse of the actor's matrix undoes the shift.
         let back = [[0.0, 1.0, 0.0, 0.25], [-1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, -3.5]];
         gather_pose(envelope, &map, &world, Some(&back), &mut out).unwrap();
         assert!(apart(&out, &pose) < 1e-5);
-        // A joint that the skeleton lacks moves as its parent.
+        // A joint that the skeleton lacks follows its parent.
         let lacking = (0..len).find(|joint| *joint != envelope.root());
         if let Some(joint) = lacking {
             let own = |name: &&String| Some(name.as_str()) != envelope.joint_name(joint);
@@ -135,7 +136,8 @@ fn a_larger_skeleton_is_gathered_by_names() {
     });
 }
 
-/// A file of five named joints: 1 is the root, 2 its child, 0 that one's, and then a chain of 3 and 4.
+/// A file of five named joints: 1 is the root, 2 is its child, 0 is a child of 2, and then 3 and 4
+/// form a chain.
 fn named(names: [&str; 5]) -> Vec<u8> {
     let shape = Shape { joints: 5, ..SMALL };
     let mut pieces = Pieces::sample(Predictor::Kernel, shape);
@@ -160,7 +162,7 @@ fn joints_under_other_names_are_refused_and_counted() {
     let own = ["Head", "Hips", "Chest", "Hand.L", "Hand.R"];
     let all = BoundJoints { found_len: 5, missing_parent: None };
     assert_eq!(bind(&own), Ok((all, vec![0, 1, 2, 3, 4])));
-    // By a prefix, by case and by separators: each is named, with its place.
+    // A difference in prefix, case or separators: each is named, with its place.
     let other = |index, found| {
         Err(CallError { index, found, ..call_error(CallErrorKind::OtherName, Argument::Names) })
     };
@@ -174,7 +176,7 @@ fn joints_under_other_names_are_refused_and_counted() {
     assert_eq!(bind(&["Head", "hips", "Chest"]), other(1, 1));
     let said = bind(&["Head", "hips", "Chest"]).unwrap_err().to_string();
     assert!(said.starts_with("names: name 1 is joint 1 with another prefix, case"), "{said}");
-    // The root alone, or not even that.
+    // Only the root, or not even the root.
     let none =
         CallError { expected: 5, found: 1, ..call_error(CallErrorKind::NoJoints, Argument::Names) };
     assert_eq!(bind(&["Hips", "weapon"]), Err(none));
@@ -182,7 +184,7 @@ fn joints_under_other_names_are_refused_and_counted() {
     let no_root = CallError { index: 1, ..call_error(CallErrorKind::NoRoot, Argument::Names) };
     assert_eq!(bind(&["Head", "Chest", "Hand.L", "Hand.R"]), Err(no_root));
     assert_eq!(bind(&[]), Err(no_root));
-    // A reduced skeleton is bound; a joint that lacks its parent alone is told.
+    // A reduced skeleton is bound. Only a joint that lacks its parent is reported.
     let reduced = BoundJoints { found_len: 2, missing_parent: None };
     assert_eq!(bind(&["Hips", "Chest"]), Ok((reduced, vec![FOLDED, 0, 1, FOLDED, FOLDED])));
     let gap = BoundJoints { found_len: 2, missing_parent: Some(2) };
@@ -190,7 +192,7 @@ fn joints_under_other_names_are_refused_and_counted() {
 }
 
 #[test]
-fn what_cannot_be_bound_or_gathered_is_refused() {
+fn invalid_bindings_and_gathers_are_refused() {
     each(|envelope| {
         let (len, root) = (envelope.joint_len(), envelope.root());
         let mut map = vec![7; len];
@@ -256,7 +258,7 @@ fn poses_are_taken_and_faults_named() {
         let mut nearly = pose.clone();
         nearly[last] =
             nearly[last].map(|[x, y, z, t]| [slightly * x, slightly * y, slightly * z, t]);
-        // The joint's origin, which it scales, is near.
+        // The scale also moves the joint's origin, by too little to show.
         assert!(!matches!(envelope.check_pose(&nearly), Err(PoseFault { kind: Kind::Scaled, .. })));
         if pose.len() > 1 {
             let fault = changed(&|m| m[0][3] += 50.0);
@@ -309,7 +311,7 @@ fn matrices_of_another_space_are_named() {
         assert_eq!(fault(&gathered(&local)), Err(Kind::Local));
         let unset = vec![matrix::IDENTITY; pose.len()];
         assert_eq!((fault(&unset), fault(&gathered(&unset))), (Ok(()), Err(Kind::Unset)));
-        // Elsewhere in the world each is the same mistake.
+        // In another place of the world each mistake is the same.
         let there: Vec<_> = frames.iter().map(|frame| after(&ACTOR, frame)).collect();
         assert_eq!(fault(&there), Err(Kind::Frames));
     });
@@ -374,7 +376,7 @@ fn a_scaled_actor_is_the_scaled_skin() {
 }
 
 #[test]
-fn joints_whose_maps_doubt_are_those_whose_groups_do() {
+fn joint_confidences_follow_the_groups_of_their_maps() {
     each(|envelope| {
         let pose = posed(envelope, &turned(envelope, 0.25));
         let mut scratch = vec![0.0; envelope.scratch_len()];
@@ -391,7 +393,7 @@ fn joints_whose_maps_doubt_are_those_whose_groups_do() {
         for (joint, &confidence) in found.iter().enumerate() {
             assert!(confidence == 1.0 || moved(joint) && (0.0..1.0).contains(&confidence));
         }
-        // Doubts add up.
+        // Uncertainties add up.
         let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
         let all = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
         assert_eq!(all < 1.0, found.iter().any(|confidence| *confidence < 1.0));
@@ -401,9 +403,10 @@ fn joints_whose_maps_doubt_are_those_whose_groups_do() {
 }
 
 #[test]
-fn a_joint_beyond_its_trained_range_is_doubted_whether_maps_hear_it_or_not() {
+fn a_joint_outside_its_trained_range_lowers_the_confidence_with_or_without_maps() {
     let mut pieces = Pieces::small(Predictor::Kernel);
-    // The confidence in a pose that turns one joint, which has this range, those in its joints, and the palette.
+    // The confidence of a pose that rotates one joint with this range, the joints' confidences, and
+    // the palette.
     let mut turned_by = |angle: f32, joint: usize, range: f32| {
         pieces.set_float(SectionKind::PoseRanges, joint, range);
         let bytes = pieces.bytes();

@@ -24,7 +24,7 @@ fn cross_matrix([x, y, z]: [f64; 3]) -> M {
     [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
 }
 
-/// The exponential by its series, halved twelve times first: nothing in common with the runtime's.
+/// The exponential by its series, with twelve halvings; independent of the runtime's method.
 fn exp(v: [f64; 3]) -> M {
     let small = cross_matrix(v.map(|x| x / 4096.0));
     let mut out = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -36,14 +36,14 @@ fn exp(v: [f64; 3]) -> M {
     (0..12).fold(out, |out, _| mul(out, out))
 }
 
-/// The logarithm by the trace and the skew part, for angles well below pi.
+/// The logarithm from the trace and the skew part, for angles well below pi.
 fn log(m: M) -> [f64; 3] {
     let angle = ((m[0][0] + m[1][1] + m[2][2] - 1.0) / 2.0).clamp(-1.0, 1.0).acos();
     let factor = if angle < 1e-9 { 0.5 } else { angle / (2.0 * angle.sin()) };
     [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]].map(|x| x * factor)
 }
 
-/// METHOD §1.8 from the accessors alone, in f64.
+/// METHOD §1.8 in f64, from the accessors only.
 fn reference_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<[[f64; 4]; 3]> {
     let pose = pose.iter().map(|m| m.map(|row| row.map(f64::from))).collect::<Vec<_>>();
     let linear = |m: &[[f64; 4]; 3]| m.map(|[x, y, z, _]| [x, y, z]);
@@ -119,7 +119,7 @@ fn palette_agrees_with_f64() {
                 let narrow = expected.iter().map(|&x| x as f32).collect::<Vec<_>>();
                 let largest = narrow.iter().fold(1.0f32, |a, x| a.max(x.abs()));
                 let difference = max_difference(found.as_flattened().as_flattened(), &narrow);
-                // Some 50 roundings of terms as large as the largest.
+                // About 50 roundings of terms as large as the largest.
                 assert!(difference < 5e-6 * largest, "{difference} of {largest}");
             }
         });
@@ -145,7 +145,7 @@ fn skin_agrees_with_f64() {
                 let wide = |x: [f32; 3]| x.map(f64::from);
                 let position = apply(linear, wide(skin.rest_position(vertex).unwrap()));
                 let position = [0, 1, 2].map(|r| position[r] + m[r][3]);
-                // Cofactors by the adjugate's definition, minor by minor.
+                // Cofactors from the adjugate's definition, one minor at a time.
                 let minor = |r: usize, c: usize| {
                     let ([a, b], [d, e]) = ([(r + 1) % 3, (r + 2) % 3], [(c + 1) % 3, (c + 2) % 3]);
                     linear[a][d] * linear[b][e] - linear[a][e] * linear[b][d]

@@ -1,4 +1,4 @@
-//! What a caller does wrong is refused, and nothing is written.
+//! Mistakes of a caller are refused, and nothing is written.
 
 use crate::common::{
     IDENTITY, call_error, job, length_error, output, short_error, stage_error, with_envelope,
@@ -80,7 +80,7 @@ fn a_refused_batch_writes_nothing() {
             assert_eq!(refused(&poses, least, 2 * p, 3), length_error(palette, 3 * p, 2 * p));
             let short = short_error(Argument::Scratch, least, least - 1);
             assert_eq!(refused(&poses, least - 1, 3 * p, 3), short);
-            // The last pose alone is unsound: the others are not evaluated either.
+            // Only the last pose is invalid, and none is evaluated.
             let mut unsound = poses.clone();
             unsound[3 * j - 1][1][3] = f32::NAN;
             assert_eq!(refused(&unsound, least, 3 * p, 3), not_finite(3 * j - 1));
@@ -169,7 +169,7 @@ fn stages_of_another_predictor_are_refused() {
     assert_eq!(error.to_string(), "the stage is not part of the envelope's predictor, number 2");
 }
 
-/// Runs a job of the sample that `edit` has changed, which must write nothing if it is refused.
+/// Runs a job of the sample after `edit`. A refused job must write nothing.
 fn refuse(
     shape: Shape,
     edit: impl for<'a> Fn(&mut SkinJob<'a>, &'a Lent<'a>),
@@ -195,7 +195,7 @@ fn refuse(
     error
 }
 
-/// Floats of a refused job: six a vertex, and four.
+/// Floats of a refused job: six per vertex, and four.
 struct Lent<'a> {
     a: &'a [Cell<f32>],
     b: &'a [Cell<f32>],
@@ -267,11 +267,11 @@ fn a_refused_remap_or_rest_mesh_writes_nothing() {
         let error = call_error(Kind::OutOfRange, Argument::Remap);
         Some(CallError { index, expected: V - 1, found, ..error })
     };
-    // Only what the range takes of the remap is looked at.
+    // Only the part of the remap inside the range is checked.
     assert_eq!((beyond(0..2), beyond(3..4), beyond(5..6)), (None, None, None));
     assert_eq!((beyond(0..3), beyond(2..5)), (error(2, 7), error(2, 7)));
     assert_eq!(beyond(3..6), error(4, u32::MAX as usize));
-    // The range is one of the remap, which may be shorter or longer than the mesh.
+    // The range counts entries of the remap, which may be shorter or longer than the mesh.
     let range = call_error(Kind::OutOfRange, Argument::Vertices);
     assert_eq!(beyond(0..7), Some(CallError { expected: 6, found: 7, ..range }));
 
@@ -289,7 +289,7 @@ fn a_refused_remap_or_rest_mesh_writes_nothing() {
     }
     let tangents = Rest { tangents: Some(&TANGENTS[1..]), ..Rest::default() };
     assert_eq!(rest(tangents), Some(length_error(Argument::RestTangents, V, V - 1)));
-    // Tangents of the caller's stand for those that the skin lacks.
+    // The caller's tangents replace missing tangents of the skin.
     let none = Shape { tangents: false, ..SMALL };
     let given = refuse(none, |job, lent| {
         job.tangents = output(lent.b, 4);

@@ -1,4 +1,4 @@
-//! Rest meshes of the caller's, and the box that a posed skin stays within.
+//! The caller's rest meshes, and the bounding box of a posed skin.
 
 use crate::common::{
     IDENTITY, apart, bits, job, output, palette, random_pose, rest, run, skinned, with_skin,
@@ -18,7 +18,7 @@ const CROWD: Shape = Shape {
     coefficients: true,
 };
 
-/// Another mesh of as many vertices.
+/// Another mesh with an equal number of vertices.
 struct Mesh {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -46,7 +46,7 @@ impl Mesh {
         }
     }
 
-    /// Makes it the mesh of a file.
+    /// Stores the mesh in a file.
     fn write(&self, pieces: &mut Pieces) {
         *pieces.section(SectionKind::RestPositions) = floats(self.positions.as_flattened());
         *pieces.section(SectionKind::RestNormals) = floats(self.normals.as_flattened());
@@ -75,7 +75,8 @@ fn a_mesh_of_the_callers_has_the_bits_of_a_file_with_that_mesh() {
         let given = SkinJob { rest: mesh.rest(), ..job(skin, &palette) };
         assert_eq!(bits(&run(&given)), bits(&expected), "{predictor:?}");
         assert_ne!(run(&given), skinned(skin, &palette), "the file's own mesh is another");
-        // Each attribute of it alone; the others are the file's. By coefficients they depend on each other.
+        // Each attribute of the mesh separately, the others from the file. With coefficients the
+        // attributes depend on each other.
         let v = skin.vertex_len();
         let own = skinned(skin, &palette);
         let alone = [(0, 0..3 * v), (1, 3 * v..6 * v), (2, 6 * v..10 * v)];
@@ -90,7 +91,7 @@ fn a_mesh_of_the_callers_has_the_bits_of_a_file_with_that_mesh() {
             mixed[range.clone()].copy_from_slice(&expected[range]);
             assert_eq!(bits(&run(&SkinJob { rest, ..given.clone() })), bits(&mixed));
         }
-        // Positions alone; and a remap, which counts through the same vertices.
+        // Positions without other attributes; and a remap over the vertices.
         let mut positions = vec![f32::NAN; 3 * v];
         let out = output(cells(&mut positions), 3);
         SkinJob { positions: out, ..given.clone() }.run().unwrap();
@@ -115,7 +116,7 @@ fn a_skin_without_an_envelope_stays_at_rest() {
         assert!(crate::common::max_difference(found, rest) < 2e-7);
     };
     still(&skinned(skin, &[]), &rest(skin));
-    // With a mesh of the caller's it is that one, as if the file had it.
+    // A job with the caller's mesh equals a job with a file of this mesh.
     let mesh = Mesh::new(SMALL.vertices, 31);
     let given = run(&SkinJob { rest: mesh.rest(), ..job(skin, &[]) });
     mesh.write(&mut pieces);
@@ -125,7 +126,7 @@ fn a_skin_without_an_envelope_stays_at_rest() {
     let mut out = vec![[f32::NAN; 3]; SMALL.vertices];
     skin.skin_positions(&[], &mut out).unwrap();
     assert_eq!(out.as_flattened(), &rest(skin)[..3 * SMALL.vertices]);
-    // Its box is that of its vertices, and of its copies' if it is widened.
+    // The box bounds its vertices, and a widened box bounds the vertices of copies.
     let own = skin.bounds(&[], 0.0).unwrap().unwrap();
     assert!(out.iter().all(|&x| own.contains(x)));
     for axis in 0..3 {
@@ -148,11 +149,11 @@ fn bounds_hold_every_vertex() {
             skin.skin_positions(&palette, &mut out).unwrap();
             let bounds = skin.bounds(&palette, 0.0).unwrap().unwrap();
             assert!(out.iter().all(|&x| bounds.contains(x)));
-            // The check can fail.
+            // Control: the check can fail.
             let top = bounds.max.map(|x| x + 1e-3);
             assert!(!bounds.contains(top) && !bounds.contains([f32::NAN; 3]));
         }
-        // Tight where the transform is the identity: the mesh's own box, up to the slack.
+        // Tight for the identity: the box of the mesh itself, up to the slack.
         let identity = vec![IDENTITY; envelope.palette_len()];
         let bounds = skin.bounds(&identity, 0.0).unwrap().unwrap();
         let x = (0..skin.vertex_len()).map(|v| skin.rest_position(v).unwrap()[0]);
@@ -161,7 +162,7 @@ fn bounds_hold_every_vertex() {
     });
 }
 
-/// Whether the box for an offset holds every vertex of a posed mesh of the caller's.
+/// Whether the box for an offset holds every vertex of the caller's posed mesh.
 fn holds(skin: Skin<'_>, palette: &[Matrix3x4], mesh: &[[f32; 3]], offset: f32) -> bool {
     let rest = Rest { positions: Some(mesh), ..Rest::default() };
     let mut out = vec![f32::NAN; 3 * mesh.len()];
@@ -171,7 +172,7 @@ fn holds(skin: Skin<'_>, palette: &[Matrix3x4], mesh: &[[f32; 3]], offset: f32) 
     out.as_chunks::<3>().0.iter().all(|&x| bounds.contains(x))
 }
 
-/// How far a mesh is from the skin's along any axis, rounded up.
+/// Largest distance between a mesh and the skin's along any axis, rounded up.
 fn offset(skin: Skin<'_>, mesh: &[[f32; 3]]) -> f32 {
     let own = (0..skin.vertex_len()).flat_map(|vertex| skin.rest_position(vertex).unwrap());
     let apart = own.zip(mesh.as_flattened()).map(|(a, b)| (f64::from(a) - f64::from(*b)).abs());
@@ -191,7 +192,7 @@ fn bounds_hold_every_vertex_of_an_offset_mesh() {
             let turn = [0.0, 0.3, 2.0][i % 3];
             let palette = palette(&envelope, &random_pose(&envelope, &mut rng, turn));
             let moved = |x: f32, rng: &mut Rng| {
-                // Often by all of it: the corners of the box of offsets.
+                // Often the full offset: the corners of the box of offsets.
                 let by = rng.unit();
                 x + scale * if by.abs() > 0.5 { by.signum() } else { by }
             };
@@ -204,7 +205,7 @@ fn bounds_hold_every_vertex_of_an_offset_mesh() {
                 beyond += usize::from(!holds(skin, palette, &mesh, 0.0));
             }
         }
-        // The offset is what holds them: without it vertices lie outside.
+        // Control: without the offset some vertices lie outside.
         assert!(cfg!(miri) || beyond > 400, "{beyond}");
     });
 }

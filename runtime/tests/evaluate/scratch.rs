@@ -1,4 +1,4 @@
-//! Batches and workspaces: whatever the scratch, the bits are the same.
+//! Batches and workspaces: the bits do not depend on the scratch.
 
 use crate::common::{
     IDENTITY, bits, confident_palette, random_pose, with_envelope, with_predictor,
@@ -8,7 +8,7 @@ use sinew_runtime::envelope::{Predictor, scratch_len};
 use sinew_runtime::{Matrix3x4, Workspace};
 
 #[test]
-fn a_batch_has_the_bits_of_its_poses_one_by_one() {
+fn a_batch_has_the_bits_of_single_poses() {
     for predictor in Predictor::ALL {
         with_predictor(predictor, SMALL, |envelope| {
             let mut rng = Rng(17);
@@ -24,7 +24,7 @@ fn a_batch_has_the_bits_of_its_poses_one_by_one() {
             let flat = |palettes: &[Matrix3x4]| bits(palettes.as_flattened().as_flattened());
             assert_eq!(flat(&out), flat(&expected));
             assert_eq!(bits(&confidences), bits(&alone.each_ref().map(|(_, found)| *found)));
-            // The poses tell each other apart.
+            // The poses differ from each other.
             let first = envelope.palette_len();
             assert_ne!(out[..first], out[first..2 * first]);
             assert_eq!(envelope.palettes(&[], &mut scratch, &mut [], &mut []), Ok(()));
@@ -45,7 +45,7 @@ fn a_workspace_on_the_stack_serves() {
 
 #[test]
 fn base_and_correction_share_scratch() {
-    // The greater of 12 J + 3 J + 9 P and of 12 J and the scratch.
+    // The greater of 12 J + 3 J + 9 P and of 12 J and the correction's scratch.
     assert_eq!(scratch_len(4, 3, 0), 87);
     assert_eq!(scratch_len(4, 3, 39), 87);
     assert_eq!(scratch_len(4, 3, 40), 88);
@@ -54,7 +54,7 @@ fn base_and_correction_share_scratch() {
             let correction = if predictor.corrects() { 56 } else { 0 };
             assert_eq!(envelope.correction_len(), correction);
             assert_eq!(envelope.scratch_len(), scratch_len(4, 3, correction));
-            // What it holds before does not matter.
+            // The previous content does not matter.
             let pose = random_pose(&envelope, &mut Rng(9), 0.2);
             let palettes = [0.0, f32::NAN, -3.0].map(|content| {
                 let mut scratch = vec![content; envelope.scratch_len()];

@@ -1,4 +1,4 @@
-//! The stage `shapes`: sums, normals, tangents, bounds, and which calls are refused.
+//! The stage `shapes`: sums, normals, tangents, bounds, and refused calls.
 
 use super::common::{IDENTITY, bits, call_error, length_error, output, short_error};
 use models::{Pieces, Rng, Shape, ShapeContent, direction};
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 const ELEMENTS: [Element; 3] = [Element::F32, Element::F16, Element::I8];
 
-/// More than two blocks, the last not whole.
+/// More than two blocks, the last one incomplete.
 const VERTICES: usize = 2 * BLOCK + 9;
 const SHAPES: usize = 8;
 
@@ -23,7 +23,7 @@ const SHAPE: Shape = Shape {
     coefficients: false,
 };
 
-/// A skin with shapes, and what they are.
+/// A skin with shapes, and the content of its shapes.
 fn shaped(element: Element, shape: Shape) -> (Model<Vec<u8>>, ShapeContent) {
     let content = ShapeContent::sample(element, SHAPES, shape.vertices);
     let mut pieces = Pieces::sample(Predictor::Rotational, shape);
@@ -31,12 +31,12 @@ fn shaped(element: Element, shape: Shape) -> (Model<Vec<u8>>, ShapeContent) {
     (Model::from_bytes(pieces.bytes()).unwrap(), content)
 }
 
-/// Weights of which every third is 0.
+/// Weights, with every third 0.
 fn weights(rng: &mut Rng) -> Vec<f32> {
     (0..SHAPES).map(|s| if s % 3 == 2 { 0.0 } else { rng.unit() * 1.5 + 0.5 }).collect()
 }
 
-/// Positions, normals and tangents of a range, one vertex after the other.
+/// Positions, normals and tangents of a range, vertex by vertex.
 fn run(skin: Skin<'_>, weights: &[f32], vertices: Range<usize>) -> Vec<[f32; 10]> {
     let mut out = vec![[0.0; 10]; vertices.len()];
     let lent = cells(out.as_flattened_mut());
@@ -100,7 +100,7 @@ fn positions_are_the_sums_of_their_definition() {
                         exact += x;
                         magnitude += x.abs();
                     });
-                    // A product of two steps, and a sum, a shape.
+                    // Per shape a product of two steps, and a sum.
                     let bound = (SHAPES as f64 + 4.0) * f64::from(f32::EPSILON) * magnitude;
                     assert!((f64::from(*found) - exact).abs() <= bound, "{vertex} {found} {exact}");
                 }
@@ -141,7 +141,7 @@ fn normals_and_tangents_are_tilted_by_the_sums_of_slopes() {
     }
 }
 
-/// A direction square to a normal, by Duff et al.'s formula.
+/// A direction orthogonal to a normal, by the formula of Duff et al.
 fn tangent_of([x, y, z]: [f64; 3]) -> [f64; 3] {
     let sign = 1.0_f64.copysign(z);
     let a = -1.0 / (sign + z);
@@ -220,7 +220,7 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
         let skin = model.skin().unwrap();
         let mut on_its_face = false;
         for turn in 0..40 {
-            // The ends of what weights are used for, and between.
+            // The ends of the usual range of weights, and values between.
             let weights: Vec<f32> = (0..SHAPES)
                 .map(|_| [-1.0, 2.0, 0.0, rng.unit() * 1.5 + 0.5][rng.next_u64() as usize % 4])
                 .collect();
@@ -263,7 +263,7 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
 }
 
 #[test]
-fn normals_of_no_length_stay_so() {
+fn normals_of_length_zero_stay_zero() {
     let mut pieces = Pieces::sample(Predictor::Rotational, SHAPE);
     pieces.section(SectionKind::RestNormals)[..12].fill(0);
     pieces.set_shapes(&ShapeContent::sample(Element::F32, SHAPES, VERTICES));

@@ -4,7 +4,7 @@ use models::{KernelContent, Pieces, ViewsContent};
 use sinew_runtime::views::Found;
 use sinew_runtime::{Argument, CallError, CallErrorKind as Kind, Frame, FrameJob, Model};
 
-/// A frame of the sample.
+/// A frame of the sample, as written.
 #[derive(Clone, Debug, PartialEq)]
 struct Written {
     points: [[f32; 3]; 9],
@@ -41,7 +41,7 @@ fn frame(model: &Model<Vec<u8>>, parameters: &[f32]) -> (Result<Found, CallError
     (found, out)
 }
 
-/// What the map itself gives.
+/// The outputs of the map itself.
 fn outputs(model: &Model<Vec<u8>>, parameters: &[f32]) -> Vec<f32> {
     let map = model.kernel().unwrap();
     let mut out = vec![0.0; map.result_len()];
@@ -49,7 +49,7 @@ fn outputs(model: &Model<Vec<u8>>, parameters: &[f32]) -> Vec<f32> {
     out
 }
 
-/// Shares of up to eight key views that fit alike, by FORMAT.md.
+/// Shares of up to eight equally fitting key views, by FORMAT.md.
 pub(crate) fn shares(scores: &[f64]) -> Vec<f64> {
     let highest = scores.iter().copied().fold(f64::MIN, f64::max);
     let count = |score: &f64| score.max(0.0) + 1e-3 / (1.0 + highest - score);
@@ -81,7 +81,7 @@ fn a_frame_is_what_its_map_gives() {
 }
 
 #[test]
-fn what_is_transferred_moves_as_the_formula_says() {
+fn a_transferred_object_moves_by_the_formula() {
     let content = ViewsContent::sample(vec![0], true);
     let model = sample(true);
     let mut between = 0;
@@ -112,7 +112,7 @@ fn what_is_transferred_moves_as_the_formula_says() {
 }
 
 #[test]
-fn what_is_transferred_onto_itself_keeps_its_bits() {
+fn an_object_transferred_onto_itself_keeps_its_bits() {
     let mut content = ViewsContent::sample(vec![0], true);
     for view in &mut content.views {
         view.deformation = Some((1.0, vec![[0.0; 2]; 9]));

@@ -1,4 +1,4 @@
-//! Bytes that change beneath a loaded model never make a panic.
+//! Bytes that change under a loaded model never cause a panic.
 
 use crate::common::{IDENTITY, apart, confident_palette, job, output};
 use crate::ownership::version;
@@ -15,7 +15,7 @@ use sinew_runtime::{
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Bytes that are sound while they are loaded, and others from the second reading on.
+/// Bytes that are valid during loading, and others from the second read on.
 struct Changing {
     first: Vec<u8>,
     then: Vec<u8>,
@@ -37,10 +37,11 @@ impl AsRef<[u8]> for Changing {
     }
 }
 
-/// More than this a test does not allocate, whatever a changed file says.
+/// Largest allocation of a test, for any content of a changed file.
 const MOST: usize = 1 << 12;
 
-/// Evaluates everything of a model whose bytes change, and returns whether its indices would have led out of its arrays.
+/// Evaluates everything in a model whose bytes change. Returns which indices would have left their
+/// arrays.
 fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     let model = Model::from_bytes(Changing::new(first, then.clone())).unwrap();
     assert_eq!(model.as_bytes(), then, "the second reading gives other bytes");
@@ -48,7 +49,7 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     let _ = model.sections().map(|section| section.bytes.len()).sum::<usize>();
     let _ = format!("{model:?}");
     let mut astray = Astray::default();
-    // Layouts are those of loading; lists are read of the changed bytes.
+    // Layouts come from loading; lists are read from the changed bytes.
     let first_envelope: Option<Envelope<'_>> = model.envelope();
     for envelope in first_envelope.into_iter().chain(model.envelopes()) {
         astray.joined(read_envelope(&envelope));
@@ -69,7 +70,7 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     astray
 }
 
-/// Kinds of indices that changed bytes have been seen to lead astray.
+/// Kinds of indices that changed bytes sent out of range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Astray {
     influence: bool,
@@ -144,7 +145,7 @@ fn read_views(views: &Views<'_>) -> Astray {
     let mut astray = Astray::default();
     for layer in some(l) {
         let _ = (views.layer_name(layer), views.view_texture(0, layer));
-        // A chain of clips may come round, once bytes have changed.
+        // A chain of clips may become a circle after a change.
         astray.clip |= views.clips(layer).any(|clip| clip == layer);
     }
     for view in some(n) {
@@ -273,7 +274,7 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     astray
 }
 
-/// A sample of each predictor, one of several parts, small, one of kernels, and one of key views.
+/// A sample of each predictor, one of several small parts, one of kernels, and one of key views.
 fn sound() -> Vec<Vec<u8>> {
     let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, TINY));
     let several = samples.each_ref().map(Pieces::clone).into_iter();
@@ -301,7 +302,7 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
             seen.joined(evaluate_changed(&first, first[..len].to_vec()));
         }
         seen.joined(evaluate_changed(&first, [first.as_slice(), &[0xff; 99]].concat()));
-        // Every byte, a bit of it or all.
+        // Every byte, with one bit or all bits changed.
         for at in (0..first.len()).step_by(apart(1_999)) {
             for flip in [1, 0x10, 0x80, 0xff] {
                 let mut then = first.clone();
@@ -318,12 +319,13 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
             let noise = (0..first.len()).map(|_| rng.next_u64() as u8).collect::<Vec<_>>();
             seen.joined(evaluate_changed(&first, noise));
         }
-        // Another sound file.
+        // Another valid file.
         for then in sound() {
             seen.joined(evaluate_changed(&first, then));
         }
     }
-    // The damage has led every kind of index astray, so that an unchecked one would have panicked.
+    // Control: the damage sent every kind of index out of range, so an unchecked index would have
+    // panicked.
     let every = Astray {
         influence: true,
         key: true,
@@ -340,7 +342,7 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
 }
 
 #[test]
-fn views_of_a_layout_never_panic_of_changed_bytes() {
+fn views_from_a_layout_never_panic_on_changed_bytes() {
     let first = version(0);
     let model = Model::from_bytes(first.as_slice()).unwrap();
     let layouts: (EnvelopeLayout, SkinLayout) =
@@ -350,13 +352,13 @@ fn views_of_a_layout_never_panic_of_changed_bytes() {
         for flip in [1, 0x80, 0xff] {
             let mut then = first.clone();
             then[at] ^= flip;
-            // The bytes state the checksum of the old file, and open.
+            // The bytes state the old file's checksum, and open.
             if let (Some(envelope), Some(skin)) = (layouts.0.open(&then), layouts.1.open(&then)) {
                 opened += 1;
                 read_envelope(&envelope);
                 read_skin(skin);
             }
-            // With their own they do not.
+            // With their own checksum they do not open.
             seal(&mut then);
             let other = layouts.0.open(&then).is_none() && layouts.1.open(&then).is_none();
             assert!(other || then == first, "{at}");
@@ -366,7 +368,7 @@ fn views_of_a_layout_never_panic_of_changed_bytes() {
 }
 
 #[test]
-fn an_evaluation_that_checked_no_index_would_panic_of_changed_bytes() {
+fn without_index_checks_changed_bytes_would_panic() {
     fn unchecked(skin: Skin<'_>, palette: &[Matrix3x4]) -> f32 {
         let vertices = 0..skin.vertex_len();
         let influences = vertices.flat_map(|vertex| skin.influences(vertex));

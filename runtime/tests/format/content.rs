@@ -1,4 +1,4 @@
-//! What stands in the sections: floats, indices, trees, frames, directions, names.
+//! The content of sections: floats, indices, trees, frames, directions, names.
 
 use crate::common::{envelope_error, exercise, skin_error};
 use crate::{edited, error};
@@ -54,11 +54,11 @@ fn each_tangent_coefficient_is_zero_or_normal() {
     let section = SectionKind::TangentCoefficients;
     let set = |bits| edited(|b| b.set_half(section, 5, bits));
     let wrong = Err(FileError { index: 5, ..skin_error(Kind::Float, section) });
-    // Zeros, the least and the most of normal numbers, of both signs.
+    // Zeros, and the smallest and largest normal numbers, of both signs.
     for bits in [0, 0x8000, 0x0400, 0x8400, 0x3c00, 0x7bff, 0xfbff] {
         assert_eq!(set(bits), Ok(()), "{bits:#x}");
     }
-    // Subnormal, infinite, not a number.
+    // Subnormal, infinite, and NaN.
     for bits in [0x0001, 0x8001, 0x03ff, 0x83ff, 0x7c00, 0xfc00, 0x7c01, 0x7e00, 0xffff] {
         assert_eq!(set(bits), wrong, "{bits:#x}");
     }
@@ -112,19 +112,19 @@ fn a_skin_follows_an_envelope_or_nothing() {
     let section = SectionKind::SkinCounts;
     let follow = |found| edited(|b| b.set_word(section, 2, found));
     assert_eq!(follow(0), Ok(()));
-    // Itself, no part, beyond what a row can name.
+    // Itself, no part, and a number too large for a row.
     for found in [1, 2, 65_535, 65_536, u32::MAX - 1] {
         let refused =
             FileError { index: 2, expected: 2, found, ..skin_error(Kind::Index, section) };
         assert_eq!(follow(found), Err(refused));
     }
-    // A part that a reader skips, even if its sections are an envelope's.
+    // A part of an unknown kind, even if its sections are an envelope's.
     let skipped = edited(|b| {
         b.parts[0] = PartRow { kind: 9, flags: 0 };
     });
     let error = FileError { index: 2, expected: 2, ..skin_error(Kind::Index, section) };
     assert_eq!(skipped, Err(error));
-    // Nothing, but with influences; and with sections that only influences have.
+    // No vertices but influences; and sections that only influences have.
     let refused = FileError { index: 1, found: 2, ..skin_error(Kind::Limit, section) };
     assert_eq!(follow(NO_ENVELOPE), Err(refused));
     let mut loose = Pieces::loose(SMALL);
@@ -135,7 +135,7 @@ fn a_skin_follows_an_envelope_or_nothing() {
         (found.kind, found.section),
         (Kind::Unexpected, Some(SectionKind::InfluenceWeights))
     );
-    // An envelope that stands after its skin.
+    // An envelope after its skin.
     let mut late = Pieces::several();
     late.parts.swap(0, 1);
     for content in &mut late.sections {
@@ -143,7 +143,7 @@ fn a_skin_follows_an_envelope_or_nothing() {
     }
     late.set_word(section, 2, 1);
     exercise(&late.bytes()).unwrap();
-    // The palette of the other one is longer: its skin's boxes and indices tell them apart.
+    // The other envelope has a longer palette, which its skin's boxes and indices show.
     let mut other = Pieces::several();
     other.set_word(section, 2, 2);
     let found = error_of(&other);
@@ -178,7 +178,7 @@ fn inverse_binds_are_rigid() {
     let section = SectionKind::InverseBinds;
     let entry = |at: usize, value| edited(|b| b.set_float(section, 12 + at, value));
     let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, section) });
-    // Diagonal entries squared, then a product of two rows.
+    // Squares of diagonal entries, then a product of two rows.
     for (at, near, far) in
         [(0, 1.014, 1.016), (5, 0.986, 0.983), (10, 1.014, 1e9), (1, 0.029, 0.031)]
     {

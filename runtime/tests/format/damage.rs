@@ -1,4 +1,4 @@
-//! Files cut short, lengthened, flipped and damaged: refused, or harmless.
+//! Files cut short, lengthened, flipped and damaged: refused or harmless.
 
 use crate::common::{apart, exercise, file_error};
 use crate::error;
@@ -7,14 +7,15 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, SectionRow};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
-/// Refusal of a file that is cut after `len` bytes, by its own tables. A length of 128 or more takes two bytes.
+/// Error of a file cut after `len` bytes, by its own tables. A length of 128 or more takes two
+/// bytes.
 fn cut(file: &[u8], len: usize) -> FileError {
     let model = Model::from_bytes(file).unwrap();
     let sections: Vec<_> = model.sections().map(|section| section.row).collect();
     let (parts, rows, blob) = (4 * model.parts().len(), 16 * sections.len(), model.blob().len());
     assert!(parts < 128 && rows >= 128 && blob >= 128);
     let whole = FileError { found: len as u32, ..file_error(Kind::Truncated) };
-    // Where the content of each string starts, and where it ends; the last is the blob.
+    // Start and end of each string's content; the last string is the blob.
     let (padding, blob_bytes) = (file.len() - blob, if blob < 1 << 14 { 2 } else { 3 });
     let parts = (head::BYTES + 1, head::BYTES + 1 + parts);
     let rows = (parts.1 + 2, parts.1 + 2 + rows);
@@ -76,7 +77,7 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
         seal(&mut flipped);
         loaded += usize::from(exercise(&flipped).is_some());
     }
-    // Low bits of floats, mostly: the second half of the test has evaluated something.
+    // Mostly low bits of floats. Control: the second half of the test has evaluated files.
     assert!(loaded > bytes.len() / apart(499), "{loaded}");
 }
 
@@ -87,7 +88,7 @@ fn random_damage_is_harmless() {
     let bytes = Pieces::small(Predictor::Rotational).bytes();
     for _ in (0..20_000).step_by(apart(1999)) {
         let mut damaged = bytes.clone();
-        // Half of the damage goes to the head and the tables, where it says most.
+        // Half of the damage goes to the head and the tables, where each byte matters most.
         for _ in 0..1 + below(4) {
             let span = if below(2) == 0 { 320 } else { bytes.len() };
             let at = below(span);

@@ -1,4 +1,4 @@
-//! Files of filters that must load, and those that must not.
+//! Valid and invalid files of filters.
 
 use crate::common::{exercise, file_error};
 use models::{FilterContent, Pieces};
@@ -6,7 +6,7 @@ use sinew_runtime::filter::FILTER_SECTIONS;
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
-/// Loads a filter with bytes that `edit` has changed.
+/// Loads a filter after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::filter(&FilterContent::sample(2, 5));
     edit(&mut pieces);

@@ -1,4 +1,4 @@
-//! Files of kernel models that must load, and those that must not.
+//! Valid and invalid files of kernel models.
 
 use crate::common::{apart, envelope_error, exercise};
 use crate::error;
@@ -7,7 +7,7 @@ use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, Predictor}
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
-/// Loads a kernel sample that `edit` has changed.
+/// Loads a kernel sample after `edit`.
 fn edited(edit: impl Fn(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::small(Predictor::Kernel);
     edit(&mut pieces);
@@ -115,7 +115,7 @@ fn every_truncation_and_every_changed_byte_is_harmless() {
             loaded += usize::from(exercise(&changed).is_some());
         }
     }
-    // Low bits of floats, mostly: the second half of the test has evaluated something.
+    // Mostly low bits of floats. Control: the second half of the test has evaluated files.
     assert!(loaded > bytes.len() / apart(299), "{loaded}");
 }
 
@@ -147,7 +147,7 @@ fn each_field_of_a_group_is_checked() {
     let proxies = |expected| Err(FileError { expected, found: 3, ..counts(Kind::Mismatch, 2) });
     assert_eq!(row(|r| r.proxy_len = 3), proxies(4));
     assert_eq!(row(|r| r.proxy_len = 1), proxies(2));
-    // Another size makes another length.
+    // Another size needs another length.
     for edit in [
         (|r| r.input_len += 8) as fn(&mut GroupRow),
         |r| r.centre_len += 8,
@@ -176,7 +176,7 @@ fn a_rotational_model_has_no_groups_and_no_scratch() {
     };
     assert_eq!(refused(4), FileError { found: 1, ..counts(Kind::Limit, 4) });
     assert_eq!(refused(5), FileError { found: 1, ..counts(Kind::Mismatch, 5) });
-    // More groups than the format can hold proxies for are refused before they cost anything.
+    // More groups than the format has proxies for are refused before they cost anything.
     let mut pieces = Pieces::small(Predictor::Kernel);
     pieces.set_word(SectionKind::EnvelopeCounts, 2, u32::MAX);
     pieces.set_word(SectionKind::EnvelopeCounts, 4, u32::MAX);
@@ -187,7 +187,7 @@ fn a_rotational_model_has_no_groups_and_no_scratch() {
 }
 
 #[test]
-fn trust_is_in_numbers_that_are_none_below_nothing() {
+fn confidence_numbers_are_finite_and_not_negative() {
     let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, SectionKind::Groups) });
     let confidence = |reach, linear, signal, noise| {
         row(|r| r.confidence = GroupConfidence { reach, linear, signal, noise })
@@ -202,7 +202,7 @@ fn trust_is_in_numbers_that_are_none_below_nothing() {
             assert_eq!(confidence(a, b, c, d), wrong, "{bad} at {place}");
         }
     }
-    // Without centres nothing is trusted, but numbers must be numbers.
+    // Without centres the confidence is 0, but the numbers must still be valid.
     let without = |reach, noise| {
         edited(|b| {
             let mut groups = sample_groups(4, 3);
@@ -224,7 +224,7 @@ fn each_number_of_a_correction_is_checked() {
     let len = Pieces::small(Predictor::Kernel).section(section).len() / 4;
     let groups = sample_groups(4, 3);
     let first = groups[0].words().len() / 4;
-    // Features stand first in each group, 5 and then 9 of them in whole blocks.
+    // Features come first in each group, 5 and then 9 in whole blocks.
     let feature = |at: usize| at < 8 || (first..first + 16).contains(&at);
     for index in (0..len).step_by(apart(97)) {
         if feature(index) {

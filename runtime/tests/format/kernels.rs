@@ -1,4 +1,4 @@
-//! Files of kernels that must load, and those that must not.
+//! Valid and invalid files of kernels.
 
 use crate::common::{apart, exercise, file_error};
 use models::{Content, KernelContent, Pieces, seal};
@@ -10,14 +10,14 @@ fn sample() -> KernelContent {
     KernelContent::every(Kernel::Wendland { l: 3 })
 }
 
-/// Loads the sample with plain lists that `edit` has changed.
+/// Loads the sample after `edit` has changed its plain lists.
 fn with(edit: impl FnOnce(&mut KernelContent)) -> Result<(), FileError> {
     let mut content = sample();
     edit(&mut content);
     Model::from_bytes(Pieces::kernels(&[content]).bytes()).map(|_| ())
 }
 
-/// Loads the sample with bytes that `edit` has changed.
+/// Loads the sample after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::kernels(&[sample()]);
     edit(&mut pieces);
@@ -65,7 +65,7 @@ fn each_count_is_checked() {
         };
         assert_eq!(count(at as usize, 0), Err(nothing), "{at}");
     }
-    // As large as counts may be, no product overflows: the lengths are wrong.
+    // With the largest counts no product overflows: the lengths are wrong.
     let all = edited(|pieces| (0..8).for_each(|at| pieces.set_word(section, at, 65_535)));
     assert_eq!(all.unwrap_err().kind, Kind::Length);
 }
@@ -88,7 +88,7 @@ fn each_section_is_required_and_has_its_length() {
             assert_eq!(refused, Err(length));
         }
     }
-    // Without a metric or a variance their sections are none of the part's.
+    // Without a metric or a variance their sections are not allowed.
     let bare = KernelContent::plain(Kernel::Cubic, [2, 3, 1]);
     for section in [SectionKind::Metric, SectionKind::Variance] {
         let mut pieces = Pieces::kernels(std::slice::from_ref(&bare));
@@ -97,7 +97,7 @@ fn each_section_is_required_and_has_its_length() {
         let refused = Model::from_bytes(pieces.bytes()).unwrap_err();
         assert_eq!(refused, error(Kind::Unexpected, section, 0));
     }
-    // A section of another kind of part, that must be known.
+    // A required section of another kind of part.
     let joints =
         edited(|pieces| pieces.sections.push(Content::new(SectionKind::Keys, 0, vec![0; 4])));
     assert_eq!(joints.unwrap_err().kind, Kind::Unsupported);
@@ -109,7 +109,7 @@ fn sample_bytes(section: SectionKind) -> usize {
 
 #[test]
 fn each_float_is_checked() {
-    // The words before the floats of an element, and words of an element.
+    // The words before the floats of an element, and the words of an element.
     let floats = [
         (SectionKind::KernelRule, 1, 3),
         (SectionKind::Inputs, 1, 4),
@@ -134,7 +134,7 @@ fn each_float_is_checked() {
             }
         }
     }
-    // As large as floats are: what overflows is a call's affair.
+    // The largest floats are allowed: an overflow is an error of the call.
     let large = edited(|pieces| pieces.set_float(SectionKind::KernelCoefficients, 5, f32::MIN));
     assert_eq!(large, Ok(()));
 }
@@ -200,7 +200,7 @@ fn inputs_are_checked() {
         assert_eq!(axis(-1.000_004), if has_axis { Ok(()) } else { wrong });
         assert_eq!((axis(1.000_01), axis(0.5)), (wrong, wrong));
     }
-    // A kind of other features: what they make together is no longer what is counted.
+    // A kind with other features: the sum no longer agrees with the count.
     let counts = SectionKind::KernelCounts;
     let mismatch = FileError { expected: 27, found: 25, ..error(Kind::Mismatch, counts, 2) };
     assert_eq!(byte(section, 0, 2), Err(mismatch));
@@ -266,7 +266,7 @@ fn features_and_terms_are_checked() {
 
 #[test]
 fn a_reader_may_skip_a_kernel_that_need_not_be_known() {
-    // To a reader of before a kernel is of an unknown kind: as this one is to us.
+    // An older reader does not know kernels, as this reader does not know this kind.
     let mut pieces = Pieces::kernels(&[sample()]);
     pieces.parts[0] = PartRow { kind: 99, flags: 0 };
     let model = Model::from_bytes(pieces.bytes()).unwrap();
@@ -310,10 +310,10 @@ fn errors_say_what_is_wrong_in_a_phrase() {
     );
     assert_eq!(
         phrase(with(|content| content.inputs[5].1.axis = [0.0; 3])),
-        "part 0: the axis of input 5 has a length other than it must have"
+        "part 0: the axis of input 5 has a wrong length"
     );
     assert_eq!(
         phrase(with(|content| content.outputs[4].1.neutral = [0.0; 4])),
-        "part 0: the range or the neutral of output 4 is not one of its kind"
+        "part 0: the range or the neutral of output 4 does not fit its kind"
     );
 }

@@ -1,4 +1,4 @@
-//! The caller's limits, and those of the format.
+//! The caller's limits, and the limits of the format.
 
 use crate::common::{envelope_error, file_error, skin_error};
 use crate::edited;
@@ -49,13 +49,13 @@ fn limits_are_honoured() {
     let section = SectionKind::SkinCounts;
     let empty = FileError { index: 1, expected: 1, ..skin_error(Kind::Empty, section) };
     assert_eq!(edited(|b| b.set_word(section, 1, 0)), Err(empty));
-    // Limits do not lift what the format cannot hold.
+    // A caller's limits cannot exceed the format's.
     let mut pieces = Pieces::small(Predictor::Rotational);
     pieces.set_word(SectionKind::EnvelopeCounts, 1, 65_536);
     let unlimited = Limits { joints: u32::MAX, ..Limits::DEFAULT };
     let found = Model::from_bytes_with(pieces.bytes(), &unlimited).unwrap_err();
     assert_eq!(found, FileError { expected: 65_535, found: 65_536, ..envelope(1) });
-    // Without vertices, influences cost no bytes.
+    // Without vertices, influences take no bytes.
     let mut pieces =
         Pieces::sample(Predictor::Rotational, Shape { vertices: 0, tangents: false, ..SMALL });
     let unlimited = Limits { influences: u32::MAX, ..Limits::DEFAULT };
@@ -89,7 +89,7 @@ fn as_many_parts_and_sections_load_as_the_limits_allow() {
         ..file_error(Kind::Limit)
     };
     assert_eq!(with(parts + 1, 40), Err(beyond(1, parts)));
-    // Each row is compared with every other.
+    // Each row is compared with every other row.
     if !cfg!(miri) {
         assert_eq!(with(parts, sections), Ok(()));
     }

@@ -1,4 +1,4 @@
-//! Which files load, which are refused and why; who may keep a file's bytes.
+//! Valid and refused files, and ownership of a file's bytes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod changing;
@@ -28,7 +28,7 @@ fn error(bytes: &[u8]) -> FileError {
     Model::from_bytes(bytes).unwrap_err()
 }
 
-/// Loads a sample that `edit` has changed.
+/// Loads a sample after `edit`.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::small(Predictor::Rotational);
     edit(&mut pieces);

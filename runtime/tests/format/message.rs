@@ -1,4 +1,4 @@
-//! The message: its head, its padding, its space; and how a refusal reads.
+//! The message: head, padding, space; and the text of a refusal.
 
 use crate::common::{exercise, file_error};
 use crate::{edited, error};
@@ -113,7 +113,7 @@ fn errors_say_what_is_wrong_in_a_phrase() {
         "part 1: the file ends early: section normal_errors: expected 8 bytes, found 7"
     );
     let space = phrase(&|b| b.head[head::SPACE.start] = 9);
-    assert_eq!(space, "byte 0 of the space: 9 is not one");
+    assert_eq!(space, "byte 0 of the space: 9 is not valid");
     let longer = Pieces::small(Predictor::Rotational).bytes_with(|file| {
         file.parts.remove(0);
         file.padding.push(0);

@@ -1,4 +1,4 @@
-//! A model owns its bytes, in whatever they are kept: it can be stored, shared and replaced.
+//! A model owns its bytes in any storage: it can be stored, shared and replaced.
 
 use crate::common::{bits, palette, random_pose, skinned};
 use models::{Pieces, Rng};
@@ -8,7 +8,7 @@ use sinew_runtime::format::{CHECKSUM_OFFSET, FileId, SectionKind};
 use std::sync::{Arc, Barrier, RwLock};
 use std::thread;
 
-/// A sample whose names and numbers differ from others'.
+/// A sample with names and numbers of its version.
 pub(crate) fn version(number: u8) -> Vec<u8> {
     let mut pieces = Pieces::small(Predictor::Kernel);
     pieces.section(SectionKind::Names)[4 * 5] = b'a' + number;
@@ -30,7 +30,7 @@ fn a_model_is_kept_in_any_bytes() {
     assert_eq!(evaluated(bytes.clone().into_boxed_slice()), expected);
     assert_eq!(evaluated(Arc::<[u8]>::from(bytes.as_slice())), expected);
     assert_eq!(evaluated(std::borrow::Cow::Borrowed(bytes.as_slice())), expected);
-    // A model of shared bytes is copied as they are: without the file.
+    // A copy of a model over shared bytes shares the bytes.
     let model = Model::from_bytes(Arc::<[u8]>::from(bytes)).unwrap();
     let copy = model.clone();
     assert!(Arc::ptr_eq(&model.into_bytes(), &copy.into_bytes()));
@@ -52,7 +52,7 @@ fn a_model_is_replaced_while_another_thread_uses_it() {
             for number in 0..VERSIONS {
                 let held = stored.read().unwrap().clone();
                 let before = evaluate(&held);
-                // The other thread replaces the model now, and drops what it had of the old one.
+                // Now the other thread replaces the model, and drops the old one.
                 turn.wait();
                 turn.wait();
                 assert_eq!(evaluate(&held), before);
@@ -72,7 +72,7 @@ fn a_model_is_replaced_while_another_thread_uses_it() {
 }
 
 #[test]
-fn a_layout_opens_the_file_that_it_is_of_and_no_other() {
+fn a_layout_opens_only_its_own_file() {
     let (bytes, other) = (version(0), version(1));
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
@@ -86,7 +86,7 @@ fn a_layout_opens_the_file_that_it_is_of_and_no_other() {
         assert_eq!(envelope.is_some(), skin.is_some());
         Some(skinned(skin?, &palette(&envelope?, &pose)))
     };
-    // The same bytes elsewhere, as after a file is loaded anew, are the same file.
+    // Equal bytes in another place, as after reloading a file, are the same file.
     assert_eq!(opened(&bytes.clone()).as_ref(), Some(&expected));
     assert_eq!(bytes.len(), other.len());
     assert_eq!(opened(&other), None, "as long, but with other bytes");

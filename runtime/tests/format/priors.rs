@@ -1,4 +1,4 @@
-//! Files of priors that must load, and those that must not.
+//! Valid and invalid files of priors.
 
 use crate::common::{exercise, file_error};
 use models::{Pieces, PriorContent};
@@ -6,7 +6,7 @@ use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::prior::PRIOR_SECTIONS;
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
-/// Loads a face whose prior `edit` has changed in plain lists.
+/// Loads a face after `edit` has changed its prior in plain lists.
 fn with(edit: impl FnOnce(&mut PriorContent)) -> Result<(), FileError> {
     let mut content = PriorContent::sample(0, 8);
     edit(&mut content);
@@ -15,7 +15,7 @@ fn with(edit: impl FnOnce(&mut PriorContent)) -> Result<(), FileError> {
     Model::from_bytes(pieces.bytes()).map(|_| ())
 }
 
-/// Loads a face with bytes that `edit` has changed.
+/// Loads a face after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::face();
     edit(&mut pieces);
@@ -124,14 +124,14 @@ fn the_factor_is_checked() {
     let section = SectionKind::PriorFactor;
     for value in [0.0, -0.0, -1.0, 1e-30] {
         let found = with(|prior| prior.factor[0][0] = value);
-        // A small diagonal alone in its column is a small precision.
+        // A small diagonal without other entries in its column is only a small precision.
         let expected = if value > 0.0 { Ok(()) } else { Err(error(Kind::Invalid, section, 0)) };
         assert_eq!(found, expected);
-        // The fourth row starts behind 8 + 7 + 6 numbers.
+        // The fourth row starts after 8 + 7 + 6 numbers.
         let found = with(|prior| prior.factor[3][0] = value);
         assert_eq!(found, Err(error(Kind::Invalid, section, 21)), "{value}");
     }
-    // Of a column of 1 and x, 1e-10 of the squares' sum is left from x = 1e-5 on.
+    // In a column of 1 and x, the share 1e-10 of the sum of squares is reached at x = 1e-5.
     for (x, is_sound) in [(1.001e-5, true), (0.999e-5, false)] {
         let found = with(|prior| {
             prior.factor[0][1] = 1.0;

@@ -1,4 +1,4 @@
-//! Files of records that must load, and those that must not.
+//! Valid and invalid files of records.
 
 use crate::common::{exercise, file_error};
 use models::{Pieces, RecordContent};
@@ -7,7 +7,7 @@ use sinew_runtime::format::SectionKind;
 use sinew_runtime::record::RECORD_SECTIONS;
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
-/// Loads a record with bytes that `edit` has changed.
+/// Loads a record after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = Pieces::record(&RecordContent::sample());
     edit(&mut pieces);

@@ -1,4 +1,4 @@
-//! What a skin's shapes are refused for.
+//! Refusals of a skin's shapes.
 
 use crate::common::skin_error;
 use models::{Pieces, SMALL, Shape, ShapeContent};
@@ -15,7 +15,7 @@ fn pieces(element: Element) -> Pieces {
     pieces
 }
 
-/// Loads a skin with shapes that are changed.
+/// Loads a skin with changed shapes.
 fn edited(element: Element, edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let mut pieces = pieces(element);
     edit(&mut pieces);
@@ -28,7 +28,7 @@ fn word(kind: SectionKind, index: usize, value: u32) -> Result<(), FileError> {
 
 /// Entries of the sample: shapes 0, 2 and 3 in block 0, then 0, 2, 3 and 4 in block 1.
 #[test]
-fn entries_are_as_the_tests_take_them() {
+fn entries_are_those_the_tests_assume() {
     let mut pieces = pieces(Element::F32);
     let words = |bytes: &[u8]| -> Vec<u32> {
         bytes.as_chunks().0.iter().map(|le| u32::from_le_bytes(*le)).collect()
@@ -57,7 +57,7 @@ fn blocks_follow_each_other() {
     for (index, value) in [(0, 1), (1, 8), (2, 2), (2, u32::MAX)] {
         assert_eq!(word(SectionKind::ShapeBlocks, index, value), Err(error(index as u32)));
     }
-    // Entries that no block has.
+    // Entries outside every block.
     let counts = skin_error(Kind::Mismatch, SectionKind::SkinCounts);
     let rest = FileError { index: 5, expected: 6, found: 7, ..counts };
     assert_eq!(word(SectionKind::ShapeBlocks, 2, 6), Err(rest));
@@ -65,7 +65,7 @@ fn blocks_follow_each_other() {
 }
 
 #[test]
-fn entries_name_shapes_in_their_order_and_vertices_that_there_are() {
+fn entries_list_shapes_in_order_and_existing_vertices() {
     let section = SectionKind::ShapeEntries;
     let invalid = |index| FileError { index, ..skin_error(Kind::Invalid, section) };
     let index = FileError { index: 1, expected: 5, found: 5, ..skin_error(Kind::Index, section) };
@@ -75,7 +75,7 @@ fn entries_name_shapes_in_their_order_and_vertices_that_there_are() {
         pieces.section(section)[16..24].fill(0);
     });
     assert_eq!(none, Err(invalid(1)), "no vertex");
-    // Vertex 70 is none.
+    // Vertex 70 does not exist.
     assert_eq!(word(section, 12, 127), Err(invalid(3)));
     assert_eq!(word(section, 13, 1 << 31), Err(invalid(3)));
     let start =
@@ -143,7 +143,7 @@ fn boxes_hold_every_delta_and_0() {
         assert_eq!(found, Err(error(1, 0)));
     }
     for element in [Element::F32, Element::F16, Element::I8] {
-        // The first delta of all is the first shape's.
+        // The first delta belongs to the first shape.
         let content = ShapeContent::sample(element, 5, VERTICES);
         let [x, ..] = content.delta(0, 0);
         let place = if x < 0.0 { 2 } else { 5 };
@@ -174,7 +174,7 @@ fn deltas_and_slopes_are_of_one_element() {
         values.to_string(),
         "part 1: section shape_slopes: expected the deltas' element type 1, found 4"
     );
-    // Both of another, whose numbers then take other bytes.
+    // Both have another element type, with another number of bytes.
     let both = edited(Element::F32, |pieces| {
         set(pieces, SectionKind::ShapeDeltas, f16);
         set(pieces, SectionKind::ShapeSlopes, f16);

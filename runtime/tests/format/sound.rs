@@ -1,4 +1,4 @@
-//! Files that must load, and what they give back.
+//! Valid files, and their content after loading.
 
 use crate::common::{apart, exercise, skinned};
 use models::{Content, Pieces, SMALL, floats};
@@ -9,7 +9,7 @@ use sinew_runtime::skin::NormalErrors;
 
 #[test]
 fn a_sound_file_loads_at_any_address() {
-    // Further rows shift the blob's start through many residues.
+    // Additional rows shift the blob's start through many residues.
     for further in (0..=19).step_by(apart(19)) {
         let mut pieces = Pieces::small(Predictor::Rotational);
         pieces.sections.extend((900..900 + further).map(|kind| Content::unknown(kind, 0, 0)));
@@ -29,7 +29,7 @@ fn accessors_give_what_was_written() {
     }
     let mut pieces = Pieces::small(Predictor::Rotational);
     pieces.set_float(SectionKind::C1, 8 * 4 + 5, 0.625);
-    // Block 1, column 2, row 3 of it.
+    // Block 1, column 2, its row 3.
     pieces.set_float(SectionKind::C2, 8 * (16 + 2) + 3, 0.375);
     let bytes = pieces.bytes();
     let model = shared(Model::from_bytes(bytes.as_slice()).unwrap());
@@ -66,7 +66,7 @@ fn accessors_give_what_was_written() {
     assert_eq!((skin.rest_box(3), skin.rest_box(usize::MAX)), (None, None));
     assert!(skin.rest_box(1).unwrap().contains(skin.rest_position(0).unwrap()));
     assert!(skin.has_coefficients());
-    // In half precision: 1, -2.5; the least of normal numbers, the most.
+    // Half precision: 1, -2.5, the smallest and the largest normal number.
     for (at, (half, exact)) in
         [(0x3c00, 1.0), (0xc100, -2.5), (0x0400, 6.103_515_6e-5), (0x7bff, 65_504.0)]
             .into_iter()
@@ -110,7 +110,7 @@ fn several_envelopes_and_skins_stand_in_one_file() {
     assert_eq!((model.envelope().unwrap().part(), model.skin().unwrap().part()), (0, 1));
     let eye = model.skin_named("eye").unwrap();
     assert_eq!((eye.part(), eye.influence_len(), eye.influences(0).len()), (4, 0, 0));
-    // A mesh alone, and an envelope alone.
+    // A mesh without an envelope, and an envelope without a mesh.
     let loose = Model::from_bytes(Pieces::loose(SMALL).bytes()).unwrap();
     assert!(loose.envelope().is_none() && loose.skin().is_some());
     let mut alone = Pieces::small(Predictor::Kernel);

@@ -25,7 +25,7 @@ fn each_row_of_the_part_table_is_checked() {
         let refused = FileError { found: flags.into(), ..third };
         assert_eq!(edited(|b| b.parts.push(unknown(9, flags))), Err(refused));
     }
-    // A reader knows this kind, so that the flag says nothing.
+    // This reader knows the kind, so the flag has no effect.
     assert_eq!(edited(|b| b.parts[1].flags = 0), Ok(()));
     let pieces = Pieces::small(Predictor::Rotational);
     let odd = pieces.bytes_with(|file| {
@@ -48,7 +48,7 @@ fn each_row_of_the_section_table_is_checked() {
         assert_eq!(edited(|b| b.sections.push(extra(999, part, 2))), unknown(part, 2));
         let reserved = Content { reserved: 7, ..extra(999, part, 0) };
         assert_eq!(edited(|b| b.sections.push(reserved)), unknown(part, 7));
-        // The type of what is skipped is nobody's affair.
+        // The element type of a skipped section does not matter.
         let element = Content { element: 200, ..extra(999, part, 0) };
         assert_eq!(edited(|b| b.sections.push(element)), Ok(()));
     }
@@ -171,7 +171,7 @@ fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
     };
     let own = own.contains(&section);
     if !own || has == Some(false) {
-        // One of another kind of part is left alone, unless a reader must know it.
+        // A section of another kind of part is ignored, unless it is required.
         let row = Pieces::small(predictor).sections.len() as u32;
         let unknown = FileError {
             part: Some(part),
@@ -200,7 +200,7 @@ fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
             content.resize(content.len().wrapping_add_signed(change), 0);
         });
         if section == SectionKind::Names {
-            // The last name is to end with the text.
+            // The last name must end with the text.
             let last = if part == 0 { envelope.joint_len } else { skin.range_len };
             let expected = FileError { index: last, ..error(Kind::Invalid) };
             assert_eq!(refused, Err(expected));

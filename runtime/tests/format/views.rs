@@ -1,4 +1,4 @@
-//! Files of objects of key views that must load, and those that must not.
+//! Valid and invalid files of objects of key views.
 
 use crate::common::{exercise, file_error};
 use models::{KernelContent, LayerContent, Pieces, ViewsContent};
@@ -10,7 +10,7 @@ use sinew_runtime::views::{
 };
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
-/// Loads an object that `edit` has changed in plain lists, after two maps.
+/// Loads an object after two maps and after `edit` has changed its plain lists.
 fn with(edit: impl FnOnce(&mut ViewsContent)) -> Result<(), FileError> {
     let mut content = ViewsContent::sample(vec![0, 1], true);
     edit(&mut content);
@@ -20,7 +20,7 @@ fn with(edit: impl FnOnce(&mut ViewsContent)) -> Result<(), FileError> {
     Model::from_bytes(pieces.bytes()).map(|_| ())
 }
 
-/// Loads a transferred object, part 1, with bytes that `edit` has changed.
+/// Loads a transferred object, part 1, after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
     let [_, mut pieces] = Pieces::viewed();
     edit(&mut pieces);
@@ -156,7 +156,7 @@ fn each_count_is_checked() {
         (1, SectionKind::Vertices, [132, 120]),
         (2, SectionKind::VertexWeights, [156, 144]),
         (3, SectionKind::Elements, [64, 56]),
-        // Longer by a name, the names are long enough.
+        // Longer by one name, the section of names is long enough.
         (4, SectionKind::Layers, [36, 24]),
         (5, SectionKind::ViewTextures, [32, 24]),
         (6, SectionKind::Maps, [8, 4]),
@@ -167,7 +167,7 @@ fn each_count_is_checked() {
         assert_eq!(refused, FileError { expected, found, ..error(Kind::Length, section, 0) });
     }
     assert_eq!((count(9, 65_535), count(10, 1)), (Ok(()), Ok(())));
-    // Names of the part, of key views and of layers; one of them needs its end alone.
+    // Names of the part, of key views and of layers. One name more needs only its end.
     let least = ViewsCounts::from_words(counts).section_bytes(SectionKind::Names);
     assert_eq!(least, Some(24));
     // More than any file holds.
@@ -208,7 +208,7 @@ fn each_float_is_checked() {
             assert_eq!(refused, Err(error(Kind::Float, section, 2)), "{section:?} {value}");
         }
     }
-    // Places, beside numbers that are none.
+    // Places, beside words that are not floats.
     for at in [13, 14] {
         let section = SectionKind::Vertices;
         let refused = edited(|pieces| pieces.set_float(section, at, f32::NAN));
@@ -216,7 +216,7 @@ fn each_float_is_checked() {
         let refused = edited(|pieces| pieces.set_float(section, at, -2.0e9));
         assert_eq!(refused, Err(error(Kind::Float, section, at as u32)));
     }
-    // Weights likewise; their index is that among the floats.
+    // Weights; the index counts the floats.
     for (at, index) in [(1, 0), (4, 2), (35, 23)] {
         let section = SectionKind::VertexWeights;
         for value in [f32::NAN, f32::NEG_INFINITY, 2.0e9] {
@@ -274,7 +274,7 @@ fn maps_are_kernels_that_give_what_the_object_takes() {
 fn layers_have_the_elements_that_follow_each_other() {
     let section = SectionKind::Layers;
     let end = |at: usize, value: u32| edited(|pieces| pieces.set_word(section, 3 * at, value));
-    // One may have none.
+    // A layer may be empty.
     assert_eq!((end(0, 7), end(0, 0)), (Ok(()), Ok(())));
     assert_eq!(end(0, 8), Err(error(Kind::Invalid, section, 1)));
     for found in [6, 8, u32::MAX] {
@@ -303,7 +303,7 @@ fn no_layer_clips_itself() {
     assert_eq!(with(|content| content.layers[1].clip = 1), at(1));
     assert_eq!(with(|content| content.layers[0].clip = 1), at(0));
     assert_eq!(with(|content| content.layers[1].clip = NOTHING), Ok(()));
-    // A chain that is clipped by the layer before, each.
+    // A chain in which each layer is clipped by the layer before.
     let chain = |len: usize| clipped(6, &(1..len as u32 - 1).collect::<Vec<_>>());
     assert_eq!(chain(CLIPS_MAX + 1), Ok(()));
     let longer = error(Kind::Invalid, section, CLIPS_MAX as u32 + 1);
@@ -311,8 +311,8 @@ fn no_layer_clips_itself() {
 }
 
 #[test]
-fn elements_that_clip_are_not_beyond_number() {
-    // The second layer, too, is clipped by the first.
+fn clipping_elements_are_limited() {
+    // The first layer clips the second too.
     let most = CLIP_ELEMENTS_MAX / 32;
     assert_eq!(clipped(most, &[0; 31]), Ok(()));
     let longer = error(Kind::Invalid, SectionKind::Layers, 32);
@@ -320,7 +320,7 @@ fn elements_that_clip_are_not_beyond_number() {
 }
 
 #[test]
-fn elements_and_key_views_are_not_beyond_number() {
+fn elements_times_key_views_are_limited() {
     let loaded = |element_len: usize, view_len: usize| {
         with(|content| {
             let layer = &mut content.layers[0];
@@ -336,7 +336,7 @@ fn elements_and_key_views_are_not_beyond_number() {
         .map(|layer| layer.elements.len())
         .sum();
     let most = FITS_MAX / 1024;
-    // Its maps have no scores for so many.
+    // The file's maps have fewer scores than views.
     assert_eq!(loaded(1024 - others, most).unwrap_err().kind, Kind::Mismatch);
     let values = [most as u32, most as u32 + 1];
     let refused = FileError {
@@ -348,7 +348,8 @@ fn elements_and_key_views_are_not_beyond_number() {
     assert_eq!(loaded(1024 - others, most + 1), Err(refused));
 }
 
-/// Loads the sample with so many elements in the first layer, and with layers more that each of a list clips.
+/// Loads the sample with `element_len` elements in the first layer, and with a further layer for
+/// each entry of `clips`, its clipping layer.
 fn clipped(element_len: usize, clips: &[u32]) -> Result<(), FileError> {
     let (mut content, mut map) =
         (ViewsContent::sample(vec![0], false), KernelContent::map("walk", 51));
@@ -373,7 +374,7 @@ fn clipped(element_len: usize, clips: &[u32]) -> Result<(), FileError> {
 fn vertices_stand_by_points() {
     let section = SectionKind::Vertices;
     let end = |at: usize, value: u32| edited(|pieces| pieces.set_word(section, 3 * at, value));
-    // One may have none.
+    // A vertex may have no weights.
     assert_eq!((end(0, 2), end(0, 0)), (Ok(()), Ok(())));
     assert_eq!(end(0, 3), Err(error(Kind::Invalid, section, 1)));
     for found in [11, 13, u32::MAX] {
@@ -464,7 +465,7 @@ fn textures_have_texels_of_their_own() {
 
 #[test]
 fn a_reader_that_does_not_know_the_kind_leaves_it_alone() {
-    // As a reader without the feature sees it: a part of a kind that it does not know, which need not be known.
+    // A reader without the feature sees a part of an unknown kind that is not required.
     let [_, mut pieces] = Pieces::viewed();
     pieces.parts[1] = PartRow { kind: 9, flags: 0 };
     let bytes = pieces.bytes();

@@ -11,19 +11,19 @@ fn corners<const N: usize>(places: [[f32; 2]; N], depth: f32) -> [Corner; N] {
     core::array::from_fn(corner)
 }
 
-/// The same, all of whose edges are borders.
+/// Corners of an element whose edges are all borders.
 fn bordered<const N: usize>(places: [[f32; 2]; N]) -> [Corner; N] {
     corners(places, 0.0).map(|corner| Corner { soft: 1.0, ..corner })
 }
 
-/// The whole of a texture, in which corners lie at these places.
+/// A full texture, with the corners at these places.
 fn source<'a, const N: usize>(texture: Texture<'a>, places: [[f32; 2]; N]) -> [Source<'a>; 1] {
     let mut texels = [[0.0; 2]; 4];
     texels[..N].copy_from_slice(&places);
     [Source { texture, texels, share: 1.0 }]
 }
 
-/// One colour, in which corners lie as on the screen.
+/// One colour, with the corners' texture places equal to their screen places.
 fn plain<const N: usize>(texel: &[[u8; 4]; 1], places: [[f32; 2]; N]) -> [Source<'_>; 1] {
     source(Texture { width: 1, height: 1, texels: texel }, places)
 }
@@ -38,7 +38,7 @@ fn random(seed: &mut u64) -> f32 {
 }
 
 #[test]
-fn where_it_is_in_its_texture_an_element_shows_it() {
+fn an_element_in_place_shows_its_texture() {
     let (n, mut seed) = (128usize, 5);
     let texels: Vec<[u8; 4]> = (0..n * n)
         .map(|_| [0; 3].map(|_| 255 * u8::from(random(&mut seed) < 0.5)))
@@ -94,7 +94,7 @@ fn inverted(ring: [[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn quads_are_inverted_as_in_double_precision() {
-    // Texels of a slope in each direction.
+    // Texels with a slope in each direction.
     let n = 256;
     let texels: Vec<_> = (0..n * n).map(|i| [(i % n) as u8, (i / n) as u8, 7, 255]).collect();
     let texture = Texture { width: n, height: n, texels: &texels };
@@ -126,7 +126,7 @@ fn quads_are_inverted_as_in_double_precision() {
 }
 
 #[test]
-fn a_quad_that_is_not_convex_is_covered_once_and_told() {
+fn a_concave_quad_is_covered_once_and_reported() {
     let half = [[0, 0, 0, 128]];
     for first in 0..4 {
         // The corner at 24, 24 points inwards.
@@ -142,7 +142,7 @@ fn a_quad_that_is_not_convex_is_covered_once_and_told() {
 }
 
 #[test]
-fn what_turns_against_its_texture_is_told_and_drawn() {
+fn an_element_flipped_against_its_texture_is_reported_and_drawn() {
     let ring = [[1.0, 1.0], [7.0, 1.0], [1.0, 7.0]];
     let [a, b, c] = ring;
     let red = [[255, 0, 0, 255]];
@@ -151,7 +151,7 @@ fn what_turns_against_its_texture_is_told_and_drawn() {
         let mut screen = blended(8, &mut pixels);
         let own = plain(&red, texels);
         assert_eq!(triangle(&mut screen, corners(ring, 0.0), &own), expected);
-        // The first source is the one that counts most.
+        // The first source decides.
         let both = [own, plain(&red, [a, c, b])].concat();
         assert_eq!(triangle(&mut screen, corners(ring, 0.0), &both), expected);
         assert_eq!(pixels.iter().filter(|pixel| pixel[0] == 255).count(), 15);
@@ -171,13 +171,13 @@ fn without_depths_elements_are_blended() {
     let mut pixels = vec![[100, 200, 40, 255]; 16];
     let own = plain(&[[200, 100, 0, 51]], SQUARE);
     quad(&mut blended(4, &mut pixels), corners(SQUARE, 0.0), &own);
-    // A fifth of the one and four of the other.
+    // A fifth of the drawn colour and four fifths of the picture.
     assert_eq!(pixels, [[120, 180, 32, 255]; 16]);
 }
 
 #[test]
 fn sources_are_mixed_by_their_shares() {
-    // Alike in triangles and quads; times their alpha: of the second a half.
+    // Equal in triangles and quads. Colours count by their alpha, so the second counts half.
     let [[first], [second]] = [&[[200, 100, 0, 255]], &[[40, 200, 80, 102]]]
         .map(|texel: &[[u8; 4]; 1]| plain(texel, SQUARE));
     for (shares, expected) in [
@@ -199,14 +199,14 @@ fn sources_are_mixed_by_their_shares() {
 
 #[test]
 fn each_source_has_its_own_corners() {
-    // Of a slope each, across and down.
+    // One slope across and one down.
     let n = 16;
     let texels: Vec<_> =
         (0..n * n).map(|i| [16 * (i % n) as u8, 16 * (i / n) as u8, 0, 255]).collect();
     let texture = Texture { width: n, height: n, texels: &texels };
     let size = n as f32;
     let ring = [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]];
-    // The second one lies in it a quarter turned.
+    // The second source is rotated by a quarter turn.
     let turned = [ring[1], ring[2], ring[3], ring[0]];
     let [[first], [second]] = [ring, turned].map(|places| source(texture, places));
     let sources = [Source { share: 0.75, ..first }, Source { share: 0.25, ..second }];
@@ -223,12 +223,12 @@ fn each_source_has_its_own_corners() {
 
 #[test]
 fn borders_are_soft_and_edges_within_are_not() {
-    // A square from 2.25 to 9.25, cut along either diagonal or whole; of either direction.
+    // A square from 2.25 to 9.25, cut along either diagonal or whole, in either direction.
     let (low, high) = (2.25, 9.25);
     let mut ring = [[low, low], [high, low], [high, high], [low, high]];
     let covered = |i: usize| match i {
         0 | 1 | 10.. => 0.0,
-        // A quarter of its width is outside, or inside: from the border to the centre.
+        // A quarter of the width lies outside, or inside: from the border to the centre.
         2 => 0.75,
         9 => 0.25,
         _ => 1.0,
@@ -249,7 +249,7 @@ fn borders_are_soft_and_edges_within_are_not() {
         quad(&mut blended(12, &mut whole), [a, b, c, d], &own);
         for (at, (cut, whole)) in cut.iter().zip(&whole).enumerate() {
             let expected = 255.0 * covered(at % 12) * covered(at / 12);
-            // At either end of the cut a pixel has the border of one triangle alone.
+            // At the ends of the cut, a pixel has the border of only one triangle.
             let is_corner = [at % 12, at / 12].iter().all(|i| matches!(i, 2 | 9));
             let most = if is_corner { 64.0 } else { 0.51 };
             for (found, most) in [(cut, most), (whole, 0.51)] {
@@ -258,7 +258,7 @@ fn borders_are_soft_and_edges_within_are_not() {
             }
             assert!(cut.iter().all(|x| *x == cut[3]) && whole.iter().all(|x| *x == whole[3]));
         }
-        // Of an edge within that were soft, too, a slit would be seen.
+        // A soft inner edge would leave a visible slit.
         let mut slit = vec![[0; 4]; 144];
         let screen = &mut blended(12, &mut slit);
         triangle(screen, [a, b, c], &own);
@@ -273,7 +273,7 @@ fn borders_are_soft_and_edges_within_are_not() {
 
 #[test]
 fn a_soft_border_has_the_colours_of_its_edge() {
-    // Of texels beyond the quad nothing is seen: red grows by 60 a texel from the fourth on.
+    // Texels outside the quad stay invisible: red grows by 60 per texel from the fourth texel on.
     let n = 16;
     let red = |i: usize| 60 * i.saturating_sub(3).min(4) as u8;
     let texels: Vec<_> = (0..n * n).map(|i| [red((i % n).min(i / n)), 0, 0, 255]).collect();
@@ -283,7 +283,8 @@ fn a_soft_border_has_the_colours_of_its_edge() {
     quad(&mut blended(n, &mut pixels), bordered(ring), &source(texture, ring));
     for at in [8 * n + 4, 4 * n + 8] {
         let [red, _, _, alpha] = pixels[at].map(f32::from);
-        // The edge is at 4.7, 1.2 texels from the centre of the third; the pixel's centre is at 4.5.
+        // The edge is at 4.7, 1.2 texels from the centre of the third; the pixel's centre is at
+        // 4.5.
         let (found, expected) = (255.0 * red / alpha, 60.0 * 1.2);
         assert!(alpha > 60.0 && (found - expected).abs() < 3.0, "{found} {alpha}");
     }
@@ -306,7 +307,7 @@ fn a_quad_that_is_cut_in_two_has_no_border_within() {
 
 #[test]
 fn with_depths_the_nearer_wins_then_the_first() {
-    // The last is nearest, and so thin that it hides nothing.
+    // The last colour is nearest, and too translucent to hide the others.
     let colours = [[10, 0, 0, 255], [20, 0, 0, 255], [30, 0, 0, 255], [40, 0, 0, 127]];
     for (order, expected) in [([0, 1, 2, 3], 25), ([1, 0, 3, 2], 30), ([2, 3, 1, 0], 20)] {
         let depths = [5.0, 5.0, 6.0, 1.0];
@@ -360,4 +361,32 @@ fn depths_lie_on_the_plane_of_their_corners() {
         seen += 1;
     }
     assert!(seen >= 28, "{seen}");
+}
+
+#[test]
+fn opacity_and_clip_scale_what_is_drawn() {
+    let layer = [[200, 100, 0, 255]; 3];
+    // Nothing, a fifth, and all.
+    let clip = [0, 51, 255];
+    for (clip, opacity) in [(None, 1.0), (None, 0.5), (Some(clip), 1.0), (Some(clip), 0.5)] {
+        let mut pixels = [[100, 200, 40, 255]; 3];
+        blend_group(&layer, clip.as_ref().map(|clip| &clip[..]), opacity, &mut pixels);
+        for (at, pixel) in pixels.iter().enumerate() {
+            let share = opacity * clip.map_or(1.0, |clip| f32::from(clip[at]) / 255.0);
+            for (found, [above, below]) in pixel.iter().zip([[200, 100], [100, 200], [0, 40]]) {
+                let expected = below as f32 + share * (above - below) as f32;
+                assert!((f32::from(*found) - expected).abs() <= 0.51, "{at} {share}");
+            }
+        }
+    }
+}
+
+#[test]
+fn masks_multiply() {
+    let layer = [[9, 9, 9, 102], [0; 4], [255; 4]];
+    let mut clip = [255, 255, 100];
+    multiply_mask(&layer, 1.0, &mut clip);
+    assert_eq!(clip, [102, 0, 100]);
+    multiply_mask(&layer, 0.5, &mut clip);
+    assert_eq!(clip, [20, 0, 50]);
 }

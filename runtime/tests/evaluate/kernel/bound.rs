@@ -1,4 +1,4 @@
-//! How far single precision may be off: METHOD §2.7's E.
+//! Error bound of single precision: METHOD §2.7's E.
 
 use super::exact::{Exact, kernel, steepness};
 use models::KernelContent;
@@ -6,10 +6,10 @@ use sinew_runtime::kernel::Kernel;
 
 /// Half of a unit in the last place of 1.
 pub(crate) const U: f64 = 1.0 / 16_777_216.0;
-/// ULPs of the exponential and the logarithm, which `numeric.rs` promises.
+/// Error of the exponential and the logarithm in ULPs, from `numeric.rs`.
 const A: f64 = 1.0;
 
-/// Roundings of a kernel beside those of the distance, METHOD's ρ.
+/// Roundings of a kernel except the distance's: METHOD's ρ.
 fn roundings(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Linear => 1.0,
@@ -20,17 +20,18 @@ fn roundings(kernel: Kernel) -> f64 {
         Kernel::Matern32 => 2.0 * A + 2.0,
         Kernel::Matern52 => 2.0 * A + 5.0,
         Kernel::Wendland { l } => 2.0 * f64::from(l) + 4.0,
-        // 1 less what has fallen, of at most 3 roundings.
+        // 1 minus the fallen part, with at most 3 roundings.
         Kernel::Hat { .. } => 4.0,
     }
 }
 
-/// E of each value at a query: of the features what divisions and sums leave, then through the metric, the
-/// kernels, the monomials and the sum.
+/// E of each value at a query: the features' error from divisions and sums, carried through the
+/// metric, the kernels, the monomials and the sum.
 pub(crate) fn of_values(content: &KernelContent, exact: &Exact) -> Vec<f64> {
     let (k, d, n) = (content.rule.kernel, exact.u.len() as f64, exact.s.len() as f64);
     let has_rotations = content.inputs.iter().any(|(_, input)| input.kind.is_rotation());
-    // Twelve roundings of numbers below 2 in a matrix' entry, a swing or a twist; none in a number as it is.
+    // Twelve roundings of numbers below 2 in a matrix entry, a swing or a twist; none for a scalar
+    // or a vector.
     let feature = |u: f64, [shift, scale, ..]: [f32; 4]| {
         let x = u / f64::from(scale) + f64::from(shift);
         let own = if has_rotations { 12.0 * U * (1.0 + x.abs()) } else { 0.0 };

@@ -10,7 +10,7 @@ fn double(query: &[f32]) -> Vec<f64> {
     query.iter().map(|x| f64::from(*x)).collect()
 }
 
-/// Compares the Jacobian with central differences of f64 values; returns how many were 0.
+/// Compares the Jacobian with central differences of f64 values; returns the number of zeros.
 fn compare(content: &KernelContent, query: &[f32]) -> usize {
     let found = with(content, |map| jacobian(&map, query).unwrap());
     let row = query.len();
@@ -39,7 +39,7 @@ fn derivatives_are_those_of_the_values() {
     let mut rng = Rng(5);
     for kernel in Kernel::ALL.into_iter().step_by(apart(5)) {
         let mut content = KernelContent::every(kernel);
-        // Rotations of about length 1, so that derivatives are about 1.
+        // Rotations of length about 1, for derivatives of about 1.
         let mut query = content.query(&mut rng, 0.6);
         query[4..].chunks_mut(4).for_each(|q| q[3] += 0.8);
         assert!(compare(&content, &query) < 100);
@@ -59,7 +59,7 @@ fn a_feature_at_the_end_of_its_range_does_not_change() {
     content.rule.query = QueryRule::Clamp;
     let mut query = content.query(&mut Rng(8), 0.6);
     query[4..].chunks_mut(4).for_each(|q| q[3] += 0.8);
-    // The scalar beyond its range: a column of nothing.
+    // The scalar is out of range, so its column is 0.
     query[0] = 0.9;
     let zeros = compare(&content, &query);
     assert!(zeros >= 9, "{zeros}");

@@ -1,17 +1,17 @@
-//! METHOD §2 in f64, from the plain lists alone: nothing in common with the runtime.
+//! METHOD §2 in f64, from the plain lists: independent of the runtime.
 
 use models::KernelContent;
 use sinew_runtime::kernel::{
     InputKind, InputRow, Kernel, NO_TERM, Normalise, OutputKind, QueryRule,
 };
 
-/// A query as f64 has it.
+/// A query in f64.
 pub(crate) struct Exact {
     /// Features shifted and scaled.
     pub(crate) u: Vec<f64>,
-    /// Where distances are measured.
+    /// Coordinates for distances.
     pub(crate) z: Vec<f64>,
-    /// Squared distances of the centres.
+    /// Squared distances to the centres.
     pub(crate) s: Vec<f64>,
     /// Monomials.
     pub(crate) terms: Vec<f64>,
@@ -48,13 +48,13 @@ pub(crate) fn kernel(kernel: Kernel, s: f64) -> f64 {
     }
 }
 
-/// s dG/ds, by differences of twelve places.
+/// s dG/ds, from differences of twelve places.
 pub(crate) fn steepness(k: Kernel, s: f64) -> f64 {
     let h = 1e-4;
     (kernel(k, s * (1.0 + h)) - kernel(k, s * (1.0 - h))) / (2.0 * h)
 }
 
-/// The vector of a rotation of v by q / |q|: q v q*.
+/// The vector part of q v q* / |q|², the rotation of v.
 fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let length = (x * x + y * y + z * z + w * w).sqrt();
     let (q, w) = ([x, y, z].map(|x| x / length), w / length);
@@ -73,7 +73,7 @@ fn features(input: &InputRow, numbers: &[f64]) -> Vec<f64> {
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|v| rotated(q(), v));
         columns.map(|column| column[r])
     };
-    // The angle between swing and the whole: from the quaternion's part along the axis.
+    // The angle of the twist, from the quaternion's part along the axis.
     let half = || {
         let [x, y, z, w] = q();
         let about = x * axis[0] + y * axis[1] + z * axis[2];
@@ -85,7 +85,7 @@ fn features(input: &InputRow, numbers: &[f64]) -> Vec<f64> {
         InputKind::TwoRows => [row(0), row(1)].concat(),
         InputKind::Swing => rotated(q(), axis).to_vec(),
         InputKind::Twist => {
-            // cos²(swing / 2) (cos τ, sin τ): the swing from where it turns the axis.
+            // cos²(swing / 2) (cos τ, sin τ), with the swing from the rotated axis.
             let turned = rotated(q(), axis);
             let cosine = (0..3).map(|i| turned[i] * axis[i]).sum::<f64>();
             let near = (1.0 + cosine) / 2.0;
@@ -96,7 +96,7 @@ fn features(input: &InputRow, numbers: &[f64]) -> Vec<f64> {
 }
 
 impl Exact {
-    /// Computes the values of a query, features kept in their ranges if that is the rule.
+    /// Computes the values of a query, with features clamped if that is the rule.
     pub(crate) fn new(content: &KernelContent, query: &[f64]) -> Self {
         let mut left = query;
         let mut raw = Vec::new();
@@ -145,7 +145,7 @@ impl Exact {
         1.0 - self.s.iter().map(|s| 1.0 - near(s)).product::<f64>()
     }
 
-    /// The outputs' numbers, and for each how far it moves with the errors of its values.
+    /// The outputs' numbers, and the sensitivity of each to errors of its values.
     pub(crate) fn outputs(&self, content: &KernelContent) -> Vec<f64> {
         let w = match content.rule.query {
             QueryRule::Fade => self.confidence(content),
@@ -187,7 +187,7 @@ impl Exact {
     }
 }
 
-/// The quaternion of a vector of length 4 tan(angle / 4), by its angle.
+/// The quaternion of a vector of length 4 tan(angle / 4), from its angle.
 fn turn(v: [f64; 3]) -> [f64; 4] {
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let half = 2.0 * (length / 4.0).atan();

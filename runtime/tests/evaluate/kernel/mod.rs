@@ -1,9 +1,8 @@
-//! What a kernel gives, and which calls it refuses.
+//! Results of a kernel, and refused calls.
 
 mod bound;
 mod derivatives;
 mod exact;
-mod extremes;
 mod outputs;
 mod refusals;
 mod values;
@@ -11,7 +10,7 @@ mod values;
 use models::{KernelContent, Pieces};
 use sinew_runtime::{CallError, KernelMap, Model};
 
-/// Runs a test on a kernel in a file of its own.
+/// Runs a test on a kernel in its own file.
 fn with<T>(content: &KernelContent, test: impl FnOnce(KernelMap<'_>) -> T) -> T {
     let model = Model::from_bytes(Pieces::kernels(std::slice::from_ref(content)).bytes()).unwrap();
     test(model.kernel().unwrap())
@@ -27,7 +26,7 @@ fn evaluate(map: &KernelMap<'_>, query: &[f32]) -> Result<(Vec<f32>, f32), CallE
     confidence.map(|confidence| (out, confidence))
 }
 
-/// Computes the Jacobian likewise, row by row.
+/// Computes the Jacobian in scratch of exactly the stated length, row by row.
 fn jacobian(map: &KernelMap<'_>, query: &[f32]) -> Result<Vec<f32>, CallError> {
     let counts = map.counts();
     let mut scratch = vec![f32::NAN; counts.jacobian_scratch_len()];
@@ -37,7 +36,7 @@ fn jacobian(map: &KernelMap<'_>, query: &[f32]) -> Result<Vec<f32>, CallError> {
     done.map(|()| out)
 }
 
-/// Computes the variance likewise.
+/// Computes the variance in scratch of exactly the stated length.
 fn variance(map: &KernelMap<'_>, query: &[f32]) -> Result<Vec<f32>, CallError> {
     let counts = map.counts();
     let mut scratch = vec![f32::NAN; counts.variance_scratch_len()];

@@ -1,4 +1,4 @@
-//! From values to outputs: fades, ranges, sums, rotations.
+//! From values to outputs: fades, ranges, normalisation, rotations.
 
 use super::bound::of_values;
 use super::exact::Exact;
@@ -26,8 +26,8 @@ fn outputs_are_those_of_their_closed_forms() {
                     let (found, confidence) = evaluate(&map, &query).unwrap();
                     let expected = exact.outputs(&content);
                     let largest = of_values(&content, &exact).into_iter().fold(0.0, f64::max);
-                    // A rotation moves by half of what its vector does, a confidence by its own error times
-                    // the values'; a sum near 0 magnifies.
+                    // A rotation moves by half of its vector's error. A confidence adds its own
+                    // error times the values. A sum near 0 magnifies errors.
                     let sum = [1, 2].map(|at| expected[at]).iter().sum::<f64>().abs();
                     let values = exact.values.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
                     let tolerance = 4.0 * largest + 1e-5 * values;
@@ -59,7 +59,7 @@ fn a_fade_ends_at_the_neutral_and_starts_at_the_values() {
         with(&content, |map| evaluate(&map, &query).unwrap())
     };
     assert_eq!(far, (vec![0.25, 0.0, 0.5, 0.5, -1.0, 2.0, 0.48, -0.6, 0.0, 0.64], 0.0));
-    // A fade so far out that every centre vouches for the query: the bits of none.
+    // With a distant fade every centre has nearness 1: the bits of a kernel without fade.
     query[0] = 0.3;
     content.rule.fade = (1e6, 2e6);
     let near = with(&content, |map| evaluate(&map, &query).unwrap());
@@ -70,7 +70,7 @@ fn a_fade_ends_at_the_neutral_and_starts_at_the_values() {
 
 #[test]
 fn sums_are_brought_to_one_where_the_rule_says() {
-    // Three scalars with the values that their constants say.
+    // Three scalars with constant values.
     let content = |normalise, values: [f32; 3], marked: [bool; 3]| {
         let mut content = KernelContent::plain(Kernel::Gaussian, [1, 0, 3]);
         content.rule.normalise = normalise;

@@ -1,10 +1,13 @@
-//! Calls that are refused, with nothing written.
+//! Refused calls, with nothing written, and queries too far out for single precision.
 
 use super::{evaluate, jacobian, variance, with};
-use crate::common::{call_error, length_error, short_error};
+use crate::common::{apart, call_error, length_error, short_error};
 use models::KernelContent;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
 use sinew_runtime::{Argument, CallError, CallErrorKind};
+
+/// Numbers too large or too small for the kernels.
+const FAR: [f32; 8] = [1e4, 1e10, 1e19, -1e25, 3e38, f32::MAX, f32::MIN, 1e-40];
 
 #[test]
 fn lengths_are_checked() {
@@ -65,7 +68,7 @@ fn queries_are_checked() {
                 assert_eq!(refused(&query), CallError { index: number, ..error });
             }
         }
-        // Inputs 2 to 6 are rotations, four numbers each from the fifth on.
+        // Inputs 2 to 6 are rotations, with four numbers each, starting at the fifth.
         for input in 2..7 {
             for q in [[0.0; 4], [-0.0; 4], [1e-30; 4], [1e30; 4]] {
                 let mut query = vec![0.5; 24];
@@ -94,4 +97,68 @@ fn a_kernel_may_have_no_variance() {
     });
     assert_eq!(found, call_error(CallErrorKind::NoAttribute, Argument::Variances));
     assert_eq!(found.to_string(), "variances: the part has none");
+}
+
+#[test]
+fn far_queries_give_finite_numbers_or_an_error() {
+    let (mut refused, mut given) = (0, 0);
+    for kernel in Kernel::ALL.into_iter().step_by(apart(7)) {
+        for query_rule in QueryRule::ALL.into_iter().step_by(apart(2)) {
+            let mut content = KernelContent::every(kernel);
+            content.rule.query = query_rule;
+            with(&content, |map| {
+                let each = (0..24).flat_map(|i| FAR.map(|x| (i, x)));
+                for (i, x) in each.step_by(apart(29)) {
+                    let mut query = vec![0.5; 24];
+                    query[i] = x;
+                    // The square of so long a rotation overflows.
+                    let evaluated = evaluate(&map, &query).map(|(out, w)| [out, vec![w]].concat());
+                    let slopes = jacobian(&map, &query);
+                    for (argument, found) in [
+                        (Argument::Outputs, evaluated),
+                        (Argument::Jacobian, slopes),
+                        (Argument::Variances, variance(&map, &query)),
+                    ] {
+                        match found {
+                            Ok(out) => {
+                                assert!(out.iter().all(|x| x.is_finite()), "{kernel:?} {i} {x}");
+                                given += 1;
+                            }
+                            Err(error) if error.kind == CallErrorKind::ZeroRotation => {
+                                assert_eq!((error.argument, i >= 4), (Argument::Query, true));
+                            }
+                            Err(error) => {
+                                let kind = CallErrorKind::NonFinite;
+                                assert_eq!((error.kind, error.argument), (kind, argument));
+                                refused += 1;
+                            }
+                        }
+                    }
+                }
+            });
+        }
+    }
+    assert!(cfg!(miri) || refused > 100 && given > 1000, "{refused} {given}");
+}
+
+#[test]
+fn an_overflowing_sum_is_found_despite_a_range() {
+    // The range would clamp an infinite value.
+    let mut content = KernelContent::plain(Kernel::Cubic, [1, 1, 1]);
+    content.outputs[0].1.range = (-1.0, 1.0);
+    let error = with(&content, |map| evaluate(&map, &[1e30])).unwrap_err();
+    assert_eq!((error.kind, error.argument), (CallErrorKind::NonFinite, Argument::Outputs));
+    assert_eq!(error.to_string(), "outputs: number 0 is not finite");
+}
+
+#[test]
+fn outputs_with_an_overflowing_sum_are_not_zeroed() {
+    let mut content = KernelContent::plain(Kernel::Gaussian, [1, 0, 3]);
+    content.terms = vec![[u16::MAX; 2]];
+    content.coefficients = [1.0, 3e38, 3e38].map(|value| vec![value]).to_vec();
+    content.outputs[1..].iter_mut().for_each(|(_, output)| output.is_marked = true);
+    assert!(with(&content, |map| evaluate(&map, &[0.0])).is_ok());
+    content.rule.normalise = Normalise::Always;
+    let error = with(&content, |map| evaluate(&map, &[0.0])).unwrap_err();
+    assert_eq!((error.argument, error.index), (Argument::Outputs, 1));
 }

@@ -1,4 +1,4 @@
-//! Values against f64, of every kernel and every size.
+//! Values against f64, for every kernel and every size.
 
 use super::bound::of_values;
 use super::exact::Exact;
@@ -33,7 +33,7 @@ fn values_are_within_the_bound() {
                         for ((found, value), bound) in
                             found.iter().zip(&exact.values).zip(of_values(&content, &exact))
                         {
-                            // What the exponential stops at, and what is no number any more.
+                            // The lower end of the exponential, and subnormal numbers.
                             let least = 2e-38 * n as f64;
                             let error = (f64::from(*found) - value).abs() / (bound + least);
                             assert!(error <= 1.0, "{kernel:?} {d} {n} {query:?} {error}");
@@ -63,7 +63,7 @@ fn every_kind_of_input_is_within_the_bound() {
                     let (found, confidence) = evaluate(&map, &query).unwrap();
                     assert!((f64::from(confidence) - exact.confidence(&content)).abs() < 1e-4);
                     let bounds = of_values(&content, &exact);
-                    // The first output and the vector are values as they are.
+                    // The first output and the vector equal their values.
                     for (place, value) in [(0, 0), (3, 3), (4, 4), (5, 5)] {
                         let error = (f64::from(found[place]) - exact.values[value]).abs();
                         assert!(error <= bounds[value], "{kernel:?} {query:?} {place} {error}");
@@ -84,11 +84,11 @@ fn a_quaternion_and_its_opposite_are_one_query() {
         for _ in 0..50 {
             let query = content.query(&mut rng, 1.0);
             let mut opposite = query.clone();
-            // Scalar and vector stand first, then five rotations.
+            // Scalar and vector come first, then five rotations.
             opposite[4..].chunks_mut(4).step_by(2).flatten().for_each(|x| *x = -*x);
             let (a, b) = (evaluate(&map, &query).unwrap(), evaluate(&map, &opposite).unwrap());
             assert_eq!((bits(&a.0), a.1.to_bits()), (bits(&b.0), b.1.to_bits()));
-            // Of any length, to rounding.
+            // Quaternions of any length, up to rounding.
             let mut longer = query.clone();
             longer[4..].iter_mut().for_each(|x| *x *= 1.7);
             let longer = evaluate(&map, &longer).unwrap().0;
@@ -118,7 +118,7 @@ fn a_polynomial_alone_and_nothing_at_all() {
     let (x, y) = (0.75f32, -0.5f32);
     let found = with(&content, |map| evaluate(&map, &[x, y]).unwrap());
     assert_eq!(found, (vec![0.5 - 2.0 * x + 3.0 * x * y + 0.25 * x * y * y], 1.0));
-    // Neither centres nor terms: 0, and with a fade no confidence.
+    // Neither centres nor terms: 0, and confidence 0 with a fade.
     content.terms.clear();
     content.coefficients = vec![Vec::new()];
     assert_eq!(with(&content, |map| evaluate(&map, &[x, y]).unwrap()), (vec![0.0], 1.0));

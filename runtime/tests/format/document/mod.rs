@@ -1,4 +1,4 @@
-//! FORMAT.md against the code: its tables, read.
+//! Checks FORMAT.md against the code, from its tables.
 
 mod numbers;
 mod rows;
@@ -22,12 +22,12 @@ fn evaluate(formula: &str, factor: impl Fn(&str) -> Option<u64>) -> u64 {
     terms.map(|term| term.split_whitespace().map(factor).product::<u64>()).sum()
 }
 
-/// Little-endian.
+/// Decodes a little-endian number.
 fn number(field: &[u8]) -> u64 {
     field.iter().rev().fold(0, |sum, &byte| sum << 8 | u64::from(byte))
 }
 
-/// Checks that a table's rows follow each other without a gap; returns their length together.
+/// Checks that a table's rows follow each other without a gap; returns their total length.
 fn length(heading: &str) -> usize {
     table(FORMAT, heading).iter().fold(0, |end, row| {
         assert_eq!(row[0].parse::<usize>().unwrap(), end, "{heading}: {}", row[2]);
@@ -35,14 +35,14 @@ fn length(heading: &str) -> usize {
     })
 }
 
-/// Where a field stands, and its length.
+/// Offset and length of a field.
 fn field(heading: &str, name: &str) -> (usize, usize) {
     let rows = table(FORMAT, heading);
     let row = rows.iter().find(|row| row[2] == name).unwrap();
     (row[0].parse().unwrap(), row[1].parse().unwrap())
 }
 
-/// Checks that the fields of a table are these numbers of some bytes, all of them.
+/// Checks that the fields of a table, and no others, have these values in some bytes.
 fn assert_fields(heading: &str, bytes: &[u8], fields: &[(&str, u64)]) {
     assert_eq!(table(FORMAT, heading).len(), fields.len(), "{heading}");
     for (name, value) in fields {

@@ -1,4 +1,4 @@
-//! The message, its rows, and the numbers that stand for names.
+//! The message, its rows, and the numbers of names.
 
 use super::{FORMAT, assert_fields, field, length, number, table};
 use models::{Pieces, head};
@@ -15,7 +15,7 @@ use sinew_runtime::skin::NO_ENVELOPE;
 
 #[test]
 fn the_document_lays_rows_out_as_the_code() {
-    // Every byte of a row is its own offset, so that a field's value tells where it was read.
+    // Every byte of a row equals its offset, so a field's value shows its place.
     let bytes: [u8; 32] = std::array::from_fn(|i| i as u8);
     let row = PartRow::from_bytes(bytes.first_chunk().unwrap());
     assert_eq!(row.to_bytes(), bytes[..PartRow::BYTES]);
@@ -173,7 +173,7 @@ fn the_document_lays_the_message_out_as_the_code() {
         ("unit", 0.5f32.to_bits().into()),
     ];
     assert_fields("Space", &file[offset..offset + len], &fields);
-    // The first of the byte strings follows: its length, then the rows of the parts.
+    // The byte strings follow: a length, then the rows of the parts.
     let parts = length("Message");
     let rows = pieces.parts.iter().flat_map(PartRow::to_bytes).collect::<Vec<_>>();
     assert_eq!(usize::from(file[parts]), rows.len());

@@ -1,4 +1,4 @@
-//! Which sections there are, of which length, and when.
+//! Presence and length of sections.
 
 use super::{FORMAT, evaluate, table};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};

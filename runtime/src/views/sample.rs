@@ -1,39 +1,22 @@
-//! Textures, and their colours between texels.
+//! Sampling of textures between texels.
 
+use super::view::Texture;
 use crate::lanes::{Eight, Lanes, ROUND};
 use crate::numeric::{greater, lesser};
 use glam::Vec4;
 
-/// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Texture<'a> {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) texels: &'a [[u8; 4]],
-}
-
-/// A colour times its alpha, and that alpha times the most of it, in [0, [`ALPHA_MAX`]] and as sRGB encodes it: the numbers of
-/// a file are neither decoded nor encoded again.
+/// A premultiplied colour: each channel times its alpha, and alpha times 255, all in [0,
+/// [`ALPHA_MAX`]] and in sRGB encoding. Texels are neither decoded nor encoded.
 pub(super) type Colour = Vec4;
 
 /// 255²: a byte times the greatest alpha.
 pub(super) const ALPHA_MAX: f32 = 65_025.0;
 
-impl<'a> Texture<'a> {
-    /// Returns width and height in texels.
-    pub const fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
-    }
-
-    /// Returns its texels.
-    pub const fn texels(&self) -> &'a [[u8; 4]] {
-        self.texels
-    }
-
-    /// Adds a share of the colours at places in texels, whose centres are at 0.5, between the four nearest; beyond the
-    /// centres of the outermost, theirs.
+impl Texture<'_> {
+    /// Adds a share of the bilinearly sampled colours at places in texels. Texel centres are at
+    /// 0.5. Places outside the outermost centres take the outermost colours.
     ///
-    /// - `out`: as many as there are places, or fewer.
+    /// - `out`: one colour per place, or fewer.
     #[inline]
     pub(super) fn add<'o>(
         &self,
@@ -41,65 +24,69 @@ impl<'a> Texture<'a> {
         share: f32,
         out: impl Iterator<Item = &'o mut Colour>,
     ) {
-        let [columns, rows] = [between(x, self.width), between(y, self.height)];
+        let [columns, rows] = [locate(x, self.width), locate(y, self.height)];
         let places = columns.each().zip(rows.each());
         for (((column, across), (row, down)), out) in places.zip(out) {
             let at = row * self.width + column;
             let texel = |at: usize| self.texels.get(at).copied().unwrap_or_default();
             let below = at + self.width;
             let [a, b, c, d] = [texel(at), texel(at + 1), texel(below), texel(below + 1)];
-            // Much of a drawing is empty, or of one colour.
+            // Large parts of a drawing are empty, or of one colour.
             if a[3] | b[3] | c[3] | d[3] == 0 {
                 continue;
             }
             *out += share
                 * if a == b && c == d && a == c {
-                    weighed(a)
+                    premultiplied(a)
                 } else {
-                    let [a, b, c, d] = [a, b, c, d].map(weighed);
-                    mixed(mixed(a, b, across), mixed(c, d, across), down)
+                    let [a, b, c, d] = [a, b, c, d].map(premultiplied);
+                    lerp(lerp(a, b, across), lerp(c, d, across), down)
                 };
         }
     }
 }
 
-/// Multiplies a texel by its alpha.
+/// Premultiplies a texel by its alpha.
 #[inline(always)]
-fn weighed([r, g, b, a]: [u8; 4]) -> Colour {
+fn premultiplied([r, g, b, a]: [u8; 4]) -> Colour {
     Vec4::new(r.into(), g.into(), b.into(), 255.0) * f32::from(a)
 }
 
-/// The first of two texels beside places, and the way from it to the second.
-struct Between {
+/// The first of two neighbouring texels, and the fraction of the way to the second.
+struct Neighbours {
     first: Lanes,
-    way: Lanes,
+    fraction: Lanes,
 }
 
-impl Between {
+impl Neighbours {
     #[inline(always)]
     fn each(&self) -> impl Iterator<Item = (usize, f32)> {
-        // The last bits of 1.5 2^23 and a whole number are those of the number, and files have fewer than 2^16 texels.
+        // The last bits of 1.5 2^23 plus a whole number are the number. Files have fewer than 2^16
+        // texels per side.
         let number = |biased: &f32| usize::from(biased.to_bits() as u16);
-        Eight::floats(&self.first).iter().map(number).zip(Eight::floats(&self.way).iter().copied())
+        Eight::floats(&self.first)
+            .iter()
+            .map(number)
+            .zip(Eight::floats(&self.fraction).iter().copied())
     }
 }
 
-/// Finds coordinates between the centres of `len` texels.
+/// Locates coordinates between the centres of `len` texels.
 #[inline(always)]
-fn between(mut x: Lanes, len: usize) -> Between {
+fn locate(mut x: Lanes, len: usize) -> Neighbours {
     let last = len.saturating_sub(1) as f32;
-    let mut way = x;
-    for (x, way) in x.iter_mut().zip(&mut way) {
+    let mut fraction = x;
+    for (x, fraction) in x.iter_mut().zip(&mut fraction) {
         let kept = lesser(From::from(last), greater(From::from(0.0), *x - 0.5));
-        // Rounds to a whole number; where kept is one, it is that or the one before.
+        // Rounds to a whole number. For a whole `kept` the result is `kept` or the number before.
         let first = lesser(From::from(ROUND + greater(0.0, last - 1.0)), kept - 0.5 + ROUND);
-        (*x, *way) = (first, kept - (first - ROUND));
+        (*x, *fraction) = (first, kept - (first - ROUND));
     }
-    Between { first: x, way }
+    Neighbours { first: x, fraction }
 }
 
 #[inline(always)]
-fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
+fn lerp(a: Colour, b: Colour, share: f32) -> Colour {
     a + (b - a) * share
 }
 
@@ -135,14 +122,14 @@ mod tests {
         assert_eq!(colour([0.5, 0.5]), [255.0, 0.0, 0.0, 255.0]);
         assert_eq!(colour([1.5, 1.5]), [40.0, 50.0, 60.0, 255.0]);
         assert_eq!(colour([2.5, 1.5]), [40.0, 20.0, 10.0, 51.0]);
-        // Nothing is seen of a colour without alpha.
+        // A colour without alpha is invisible.
         assert_eq!(colour([2.5, 0.5]), [0.0; 4]);
     }
 
     #[test]
     fn between_centres_colours_are_weighed_and_beyond_them_kept() {
         assert_eq!(colour([1.25, 0.5]), [63.75, 191.25, 0.0, 255.0]);
-        // A quarter of each of the first four.
+        // A quarter of each of the first four texels.
         assert_eq!(colour([1.0, 1.0]), [76.25, 81.25, 22.5, 255.0]);
         assert_eq!(colour([-7.0, -1e30]), colour([0.5, 0.5]));
         assert_eq!(colour([1e30, 9.0]), colour([2.5, 1.5]));
