@@ -85,8 +85,7 @@ fn reference_kernel(kernel: GroupKernel, s: f64) -> f64 {
     }
 }
 
-/// K of a group's proxies, already multiplied by w, and the known and uncertain parts of the
-/// confidence.
+/// Returns K of a group's helpers, multiplied by w, and the explained and unexplained error.
 fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let x = group.inputs.iter().map(|&(f, w)| f64::from(w) * phi[f as usize]);
     let x = x.collect::<Vec<_>>();
@@ -122,9 +121,9 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     (maps.collect(), error)
 }
 
-/// The confidence, from the known and the uncertain part.
-fn sure([known, doubted]: [f64; 2]) -> f64 {
-    1.0 / (1.0 + doubted / (1.0 + known))
+/// Returns the confidence of the explained and unexplained error.
+fn confidence_of([explained, unexplained]: [f64; 2]) -> f64 {
+    1.0 / (1.0 + unexplained / (1.0 + explained))
 }
 
 /// The palette after the correction of a base palette, and the pose's confidence.
