@@ -1,9 +1,7 @@
 //! Loading and evaluating allocate nothing.
-#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
-
-mod common;
-
-use common::{job, output, random_pose};
+use crate::allocator::allocated;
+use crate::common;
+use crate::common::{job, output, random_pose};
 use models::{KernelContent, Pieces, Rng, SMALL, ViewsContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
@@ -13,36 +11,12 @@ use sinew_runtime::{
     Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, ShapesJob, SkinJob,
     model_space_pose,
 };
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator unchanged; counting only touches a plain cell.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
+/// Returns the number of allocations that `work` makes.
 fn allocations(work: impl FnOnce()) -> usize {
-    let before = ALLOCATIONS.with(Cell::get);
+    let [before, _] = allocated();
     work();
-    ALLOCATIONS.with(Cell::get) - before
+    allocated()[0] - before
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! The report, compared with the measurement that `sinew eval` prints.
 
-#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
-
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::lbs::training::Training;

@@ -1,36 +1,11 @@
 //! Recording allocates nothing on the host's heap.
 
+use crate::allocator::allocated;
 use crate::common::{GOLDEN, load, odd_batch, parts};
-use crate::opened;
+use crate::vulkan::opened;
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{DeviceLimits, Plan};
 use sinew_gpu::vulkan::headless::{Commands, Device};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.set(COUNT.get() + 1);
-        // SAFETY: as our own caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as our own caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[test]
 fn recording_allocates_nothing() {
@@ -46,7 +21,7 @@ fn recording_allocates_nothing() {
         assert!(plan.chunks().len() > 1);
         let commands = Commands::new(&device).unwrap();
         let frame = |instance_len| {
-            let before = COUNT.get();
+            let [before, _] = allocated();
             // SAFETY: the command buffer is ours and waited for; the batch is valid.
             unsafe {
                 commands.submit(|device, commands| {
@@ -54,17 +29,10 @@ fn recording_allocates_nothing() {
                 })
             }
             .unwrap();
-            COUNT.get() - before
+            allocated()[0] - before
         };
         frame(40);
         let counts: usize = (0..100).map(|n| frame(1 + n % 40)).sum();
         assert_eq!(counts, 0);
     }
-}
-
-#[test]
-fn the_allocator_counts() {
-    let before = COUNT.get();
-    drop(std::hint::black_box(vec![1_u8]));
-    assert_eq!(COUNT.get(), before + 1);
 }

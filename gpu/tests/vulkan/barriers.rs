@@ -1,7 +1,7 @@
 //! The validation layer confirms that the barriers are needed, and that they are enough.
 
 use crate::common::{GOLDEN, hosted_batch, load, parts};
-use crate::{assert_silent, lavapipe};
+use crate::vulkan::{assert_silent, lavapipe};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, Plan, Stage};
 use sinew_gpu::vulkan::barrier;

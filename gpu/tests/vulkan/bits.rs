@@ -3,7 +3,7 @@
 use crate::common::{
     self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, kernels, load, odd_batch, parts,
 };
-use crate::{assert_silent, lavapipe, swiftshader};
+use crate::vulkan::{assert_silent, lavapipe, swiftshader};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage};
 use sinew_gpu::vulkan::headless::Device;

@@ -1,7 +1,7 @@
 //! The host's allocation callbacks reach every call, and nothing is left behind.
 
-use crate::fake;
-use crate::{opened, swiftshader};
+use crate::vulkan::fake;
+use crate::vulkan::{opened, swiftshader};
 use ash::vk;
 use sinew_gpu::layout::Stage;
 use sinew_gpu::vulkan::headless::Device;

@@ -3,7 +3,7 @@
 use crate::common::{
     GOLDEN, filter_plan, hosted_batch, kernel_plan, load, parts, remapped_batch, shapes_plan,
 };
-use crate::fake;
+use crate::vulkan::fake;
 use ash::vk::{self, Handle};
 use sinew_gpu::headless::HeadlessError;
 use sinew_gpu::layout::{Batch, Chunk, DeviceLimits, LayoutError, Plan, Resource, Stage};

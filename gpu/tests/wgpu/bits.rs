@@ -1,7 +1,7 @@
 //! The stages on wgpu, end to end, compared with the CPU's bits.
 
 use crate::common::{self, Case, GOLDEN, TURNED, kernels, load, odd_batch, parts};
-use crate::lavapipe;
+use crate::wgpu::lavapipe;
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;

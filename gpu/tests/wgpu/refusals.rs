@@ -1,7 +1,7 @@
 //! The wgpu backend refuses each mistake before anything is recorded.
 
 use crate::common::{GOLDEN, load, parts};
-use crate::{COPIED, Scene, buffer, palettes, scene, scenes, whole};
+use crate::wgpu::{COPIED, Scene, buffer, palettes, scene, scenes, whole};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;

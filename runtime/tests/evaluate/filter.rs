@@ -1,6 +1,6 @@
 //! Filters on signals and images, against sums written out.
 
-use super::common::{bits, call_error, length_error, short_error};
+use crate::common::{bits, call_error, length_error, short_error};
 use models::{FilterContent, Pieces, Rng};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::MAGNITUDE_MAX;

@@ -1,6 +1,6 @@
 //! The stage `shapes`: sums, normals, tangents, bounds, and refused calls.
 
-use super::common::{IDENTITY, bits, call_error, length_error, output, short_error};
+use crate::common::{IDENTITY, bits, call_error, length_error, output, short_error};
 use models::{Pieces, Rng, Shape, ShapeContent, direction};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};

@@ -1,7 +1,7 @@
 //! Bytes that change under a loaded model never cause a panic.
 
 use crate::common::{IDENTITY, apart, confident_palette, job, output};
-use crate::ownership::version;
+use crate::format::ownership::version;
 use models::{KernelContent, Pieces, Rng, SMALL, TINY, seal};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::SectionKind;

@@ -1,7 +1,7 @@
 //! The content of sections: floats, indices, trees, frames, directions, names.
 
 use crate::common::{envelope_error, exercise, skin_error};
-use crate::{edited, error};
+use crate::format::{edited, error};
 use models::{Content, Pieces, SMALL, Shape, words};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartRow, SectionKind};

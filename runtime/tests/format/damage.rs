@@ -1,7 +1,7 @@
 //! Files cut short, lengthened, flipped and damaged: refused or harmless.
 
 use crate::common::{apart, exercise, file_error};
-use crate::error;
+use crate::format::error;
 use models::{Pieces, Rng, TINY, head, seal};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, SectionRow};

@@ -1,7 +1,7 @@
 //! Valid and invalid files of kernel models.
 
 use crate::common::{apart, envelope_error, exercise};
-use crate::error;
+use crate::format::error;
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups, seal};
 use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};

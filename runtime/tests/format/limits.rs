@@ -1,7 +1,7 @@
 //! The caller's limits, and the limits of the format.
 
 use crate::common::{envelope_error, file_error, skin_error};
-use crate::edited;
+use crate::format::edited;
 use models::{Content, Pieces, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, PartRow, SectionKind};

@@ -1,7 +1,7 @@
 //! The message: head, padding, space; and the text of a refusal.
 
 use crate::common::{exercise, file_error};
-use crate::{edited, error};
+use crate::format::{edited, error};
 use models::{Pieces, head};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{

@@ -1,7 +1,7 @@
 //! The tables of parts and of sections, row by row.
 
 use crate::common::file_error;
-use crate::{edited, error};
+use crate::format::{edited, error};
 use models::{Content, Pieces};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind, SectionRow};

@@ -1,9 +1,7 @@
 //! The present bake writes the bytes of the golden files.
 //!
-//! `SINEW_BLESS=1 cargo test -p conformance --test golden` rewrites the files. The golden files of
+//! `SINEW_BLESS=1 cargo test -p conformance golden::` rewrites the files. The golden files of
 //! a released version are never rewritten.
-#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
-
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;

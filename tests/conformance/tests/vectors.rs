@@ -1,8 +1,6 @@
 //! The vectors for other backends: equal bytes every time, equal to the runtime's outputs, and fit
 //! to check a foreign implementation.
 
-#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
-
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
 use sinew_runtime::filter::Samples;

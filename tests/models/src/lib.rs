@@ -19,6 +19,7 @@ mod records;
 mod rng;
 mod sample;
 mod shapes;
+mod shared;
 mod views;
 
 pub use bytes::{
@@ -36,6 +37,7 @@ pub use records::RecordContent;
 pub use rng::Rng;
 pub use sample::{SMALL, Shape, TINY, direction};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
+pub use shared::shared;
 pub use views::{
     LayerContent, TextureContent, VIEWED_NAMES, VertexContent, ViewContent, ViewsContent,
 };

@@ -1,14 +1,22 @@
 //! Compiles the GLSL in `shaders/` to the SPIR-V next to it.
+//!
+//! Building glslang takes minutes. So tests compare the files with [`sums`] that are kept beside the SPIR-V, and only
+//! `cargo xtask shaders` enables the feature `compile`.
 #![forbid(unsafe_code)]
 
-use anyhow::{Context, Result, anyhow};
-use glslang::include::{IncludeHandler, IncludeResult, IncludeType};
-use glslang::{
-    Compiler, CompilerOptions, ShaderInput, ShaderMessage, ShaderSource, ShaderStage,
-    SourceLanguage, SpirvVersion, Target, VulkanVersion,
-};
+#[cfg(feature = "compile")]
+mod compile;
+
+use anyhow::{Context, Result};
+#[cfg(feature = "compile")]
+pub use compile::compile;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Name of the file of [`sums`] in the folder of the shaders.
+pub const SUMS: &str = "spirv/SHA256SUMS";
 
 /// Returns the folder of the shaders.
 pub fn folder() -> PathBuf {
@@ -34,44 +42,29 @@ pub fn sources(folder: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     Ok(found)
 }
 
-/// Compiles a compute shader to SPIR-V 1.0 for Vulkan 1.0, as little-endian words.
+/// Returns a line `HASH  FILE` for each GLSL file of a folder and each SPIR-V made of it, as `sha256sum` prints them.
 ///
 /// # Errors
-/// If a file cannot be read, or is not valid GLSL; the message is glslang's.
-pub fn compile(source: &Path) -> Result<Vec<u8>> {
-    let name = || source.display().to_string();
-    let text = fs::read_to_string(source).with_context(name)?;
-    let text = ShaderSource::from(text);
-    let options = CompilerOptions {
-        source_language: SourceLanguage::GLSL,
-        target: Target::Vulkan {
-            version: VulkanVersion::Vulkan1_0,
-            spirv_version: SpirvVersion::SPIRV1_0,
-        },
-        version_profile: None,
-        messages: ShaderMessage::DEFAULT,
-    };
-    let compiler = Compiler::acquire().ok_or_else(|| anyhow!("glslang does not start"))?;
-    let mut beside = Beside(source.parent().unwrap_or(Path::new(".")));
-    let defines = None::<&[(&str, Option<&str>)]>;
-    let input = ShaderInput::new(&text, ShaderStage::Compute, &options, defines, Some(&mut beside))
-        .with_context(name)?;
-    let words = compiler.create_shader(input).and_then(|shader| shader.compile());
-    Ok(words.with_context(name)?.into_iter().flat_map(u32::to_le_bytes).collect())
-}
-
-/// Include handler that finds files in one folder.
-struct Beside<'a>(&'a Path);
-
-impl IncludeHandler for Beside<'_> {
-    fn include(
-        &mut self,
-        _: IncludeType,
-        header: &str,
-        _: &str,
-        _: usize,
-    ) -> Option<IncludeResult> {
-        let data = fs::read_to_string(self.0.join(header)).ok()?;
-        Some(IncludeResult { name: header.to_owned(), data })
+/// If a file cannot be read.
+pub fn sums(folder: &Path) -> Result<String> {
+    let mut files = Vec::new();
+    for within in ["", "spirv"] {
+        let path = folder.join(within);
+        for entry in fs::read_dir(&path).with_context(|| path.display().to_string())? {
+            let file = Path::new(within).join(entry?.file_name());
+            let extension = file.extension().unwrap_or_default();
+            if ["comp", "glsl", "spv"].iter().any(|own| extension == *own) {
+                files.push(file);
+            }
+        }
     }
+    files.sort();
+    let mut lines = String::new();
+    for file in files {
+        let path = folder.join(&file);
+        let hash = Sha256::digest(fs::read(&path).with_context(|| path.display().to_string())?);
+        hash.iter().try_for_each(|byte| write!(lines, "{byte:02x}"))?;
+        writeln!(lines, "  {}", file.display())?;
+    }
+    Ok(lines)
 }

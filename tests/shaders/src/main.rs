@@ -1,4 +1,4 @@
-//! Makes the SPIR-V of every GLSL shader, and prints which files changed.
+//! Makes the SPIR-V of every GLSL shader and the file of sums, and prints which files changed.
 #![forbid(unsafe_code)]
 
 use anyhow::{Context, Result};
@@ -20,5 +20,7 @@ fn main() -> Result<()> {
             if changed { "written" } else { "as before" }
         );
     }
+    let folder = shaders::folder();
+    fs::write(folder.join(shaders::SUMS), shaders::sums(&folder)?)?;
     Ok(())
 }

@@ -39,10 +39,7 @@ pub(super) fn prepare() -> Result<(), String> {
 
 /// Writes the C header generated from the sources.
 pub(super) fn header() -> Result<(), String> {
-    cargo(
-        "test --locked -p sinew-capi --test header the_header_is",
-        &[("SINEW_WRITE_HEADER", "1".into())],
-    )
+    cargo("test --locked -p native the_header_is", &[("SINEW_WRITE_HEADER", "1".into())])
 }
 
 #[cfg(test)]
@@ -50,10 +47,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn installed_components_are_found() {
-        let missing = components::missing(&COMPONENTS);
-        let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
-        assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
+    fn installed_programs_are_found() {
+        assert!(starts("rustc"));
         assert!(!starts("no-such-program"));
     }
 }

@@ -5,6 +5,7 @@ mod capi;
 mod components;
 mod deep;
 mod firmware;
+mod lines;
 mod modules;
 mod prepare;
 mod vulkan;
@@ -17,31 +18,40 @@ use std::thread;
 const HELP: &str = "\
 usage: cargo xtask COMMAND
 
-  test         prepare the machine, then see that modules import one way, format, lint, document, build
-               for every target and run every test; tests on real data read ../shared/data and must find
-               it when CI is set
-  shaders      make the SPIR-V in shaders/spirv of the GLSL
-  header       make the C header in runtime/capi/include of the sources
+  test         what every change needs: prepare the machine; check imports, format and lints; build for
+               bare targets; run the tests of runtime, C calls, trainer, command line and one software
+               GPU; tests on real data read ../shared/data and must find it when CI is set
+  test --full  also documentation, C and C++ programs, pages, browsers, Blender, validators, firmware
+               and every device
+  lines        count the lines of code of each crate
+  shaders      make the SPIR-V in shaders/spirv from the GLSL
+  header       make the C header in runtime/capi/include from the sources
   conformance  run every stage on every Vulkan device here and print how each compares with the CPU
                and the f64 oracle; [--json FILE] [--html FILE], more with --help
   vectors OUT  write inputs, outputs and tolerances of every stage into the folder OUT, for authors of
                backends
-  firmware     run the same poses on bare targets in QEMU, in Node and here, and compare their bits; see
-               that no allocator and no panic is linked; hold sizes, stack and instructions to
+  firmware     run the same poses on bare targets in QEMU, in Node and here, and compare their bits;
+               check that no allocator and no panic is linked; hold sizes, stack and instructions to
                tests/firmware/budget.txt
   deep [SECONDS]
                run the runtime's tests and the C ABI's calls under Miri, a million mutated files, and
                every fuzz target for SECONDS (300); needs nightly
 ";
 
+/// Packages that only `test --full` checks: the first part does not compile what they need.
+const FULL: &str =
+    "--exclude hostile --exclude native --exclude pages --exclude shaders --exclude tools";
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match arguments[..] {
         ["test"] => test(),
+        ["test", "--full"] => test().and_then(|()| full()),
+        ["lines"] => lines::print(),
         ["header"] => capi::header(),
         ["firmware"] => firmware::firmware(),
-        ["shaders"] => cargo("run --release --locked -p shaders", &[]),
+        ["shaders"] => cargo("run --locked -p shaders --features compile", &[]),
         ["conformance", ref own @ ..] => conformance("conformance", own),
         ["vectors", ref own @ ..] => conformance("vectors", own),
         ["deep"] => deep::deep(None),
@@ -60,24 +70,41 @@ fn main() -> ExitCode {
     }
 }
 
+/// Checks what every change needs.
 fn test() -> Result<(), String> {
-    prepare::programs()?;
+    prepare::targets(&TARGETS)?;
     vulkan::prepare()?;
-    capi::prepare()?;
     modules::check(Path::new("."))?;
     cargo("fmt --all --check", &[])?;
-    cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
-    cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])?;
+    cargo(&format!("clippy --workspace {FULL} --all-targets --locked -- -D warnings"), &[])?;
     for target in TARGETS {
-        // One package at a time: features would unify with crates that need std.
+        // One package at a time: otherwise its features would unify with those of crates that need std.
         cargo(&format!("build -p sinew-runtime --locked --target {target}"), &[])?;
     }
+    // `devices` takes every device; the tests of sinew-gpu take one.
+    cargo(&format!("test --workspace {FULL} --locked -- --skip devices::"), &[])
+}
+
+/// Checks the rest.
+fn full() -> Result<(), String> {
+    prepare::programs()?;
+    vulkan::prepare_all()?;
+    capi::prepare()?;
+    cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
     let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
     environment.extend(vulkan::drivers());
     cargo("test --workspace --locked --no-run", &environment)?;
     // Images are linked and run on one core each, beside tests that seldom need both.
     let images = thread::spawn(firmware::firmware);
-    let tests = cargo("test --workspace --locked", &environment);
+    environment.push(("SINEW_DEVICES", "all".into()));
+    let packages = "-p hostile -p native -p pages -p shaders -p tools";
+    let tests = cargo(&format!("test {packages} --locked"), &environment)
+        .and_then(|()| {
+            cargo("test -p conformance -p sinew-gpu --locked -- devices:: vulkan::", &environment)
+        })
+        .and_then(|()| {
+            cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])
+        });
     let images = images.join().unwrap_or_else(|_| Err("the firmware's run panicked".to_owned()));
     tests.and(images)
 }

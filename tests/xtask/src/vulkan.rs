@@ -28,21 +28,26 @@ const LOADER: [&str; 6] = [
     "/opt/homebrew/etc/vulkan",
 ];
 
-const COMPONENTS: [Component; 4] = [
+/// What the tests of one software device need.
+const ONE: [Component; 2] = [
     Component {
         what: "lavapipe, Mesa's Vulkan driver on the CPU",
         package: "mesa-vulkan-drivers",
         found: || described(&["VK_DRIVER_FILES", "VK_ICD_FILENAMES"], "icd.d", "lvp_icd"),
     },
     Component {
-        what: "SwiftShader, a second Vulkan driver on the CPU, which Chromium brings",
-        package: "chromium",
-        found: || swiftshader().is_some(),
-    },
-    Component {
         what: "the Khronos validation layers for Vulkan",
         package: "vulkan-validationlayers",
         found: || described(&["VK_LAYER_PATH"], "explicit_layer.d", "VkLayer_khronos_validation"),
+    },
+];
+
+/// What the tests of every device need besides.
+const MORE: [Component; 2] = [
+    Component {
+        what: "SwiftShader, a second Vulkan driver on the CPU, which Chromium brings",
+        package: "chromium",
+        found: || swiftshader().is_some(),
     },
     Component {
         what: "spirv-val of SPIRV-Tools",
@@ -51,9 +56,14 @@ const COMPONENTS: [Component; 4] = [
     },
 ];
 
-/// Installs missing components, or says how to install them.
+/// Installs the missing components of one device, or says how to install them.
 pub(super) fn prepare() -> Result<(), String> {
-    install(&COMPONENTS)
+    install(&ONE)
+}
+
+/// Installs the missing components of every device, or says how to install them.
+pub(super) fn prepare_all() -> Result<(), String> {
+    install(&MORE)
 }
 
 /// Finds SwiftShader in a browser's folder.
@@ -102,7 +112,7 @@ mod tests {
 
     #[test]
     fn installed_components_are_found() {
-        let missing = crate::components::missing(&COMPONENTS);
+        let missing = crate::components::missing(&ONE);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
         assert!(!described(&[], "icd.d", "no such driver"));

@@ -1,6 +1,6 @@
 //! Scenes, targets and importance on the command line.
 
-use crate::common::{Folder, write_arrays};
+use crate::cli::common::{Folder, write_arrays};
 use half::f16;
 use serde_json::json;
 use std::fs;

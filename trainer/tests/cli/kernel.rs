@@ -1,7 +1,7 @@
 //! `sinew kernel`: from samples to functions in a file, and evaluation.
 
 use super::common::Folder;
-use super::shared::shared;
+use models::shared;
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::fs;

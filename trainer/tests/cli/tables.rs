@@ -1,7 +1,7 @@
 //! Tables fit a terminal, whatever names and figures they contain.
 
 use super::common::{Folder, Run, Set};
-use crate::shared::shared;
+use models::shared;
 use serde_json::json;
 use std::fs;
 use unicode_width::UnicodeWidthStr;

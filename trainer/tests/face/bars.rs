@@ -1,7 +1,7 @@
 //! The head of ICT FaceKit, driven by a captured performance: the first half trains, the second
 //! half tests.
 
-use crate::{head, loaded, trained};
+use crate::face::{head, loaded, trained};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::prior::{Anchor, Pin, Temporal};

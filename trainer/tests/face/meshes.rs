@@ -1,8 +1,8 @@
 //! A face without blendshapes: its shapes are principal components of example meshes, here of a
 //! published model of planar landmarks.
 
-use crate::shared::shared;
-use crate::{loaded, options};
+use crate::face::{loaded, options};
+use models::shared;
 use serde_json::Value;
 use sinew_runtime::prior::{Anchor, Pin};
 use sinew_trainer::face::baked::{BakedFace, SolveOptions};

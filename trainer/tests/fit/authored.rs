@@ -1,6 +1,6 @@
 //! Real files with seams: authored attributes arrive in the model's file and in an exported file.
 
-use crate::shared::shared;
+use models::shared;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;

@@ -1,6 +1,6 @@
 //! Tests on real sets which poses a runtime accepts for a skeleton.
 
-use crate::shared::shared;
+use models::shared;
 use sinew_runtime::envelope::{Certificate, PoseFaultKind as Kind};
 use sinew_runtime::{Envelope, Matrix3x4, Model, gather_pose};
 use sinew_trainer::envelope::lbs::poses::Poses;

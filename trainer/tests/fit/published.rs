@@ -1,6 +1,6 @@
 //! S3 as published: content of its file, and its errors; and the envelope without reduction.
 
-use crate::full::Full;
+use crate::fit::full::Full;
 use nalgebra::Matrix3x4 as Transform;
 use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::model::EnvelopeModel;

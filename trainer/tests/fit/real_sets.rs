@@ -4,7 +4,7 @@
 //! bound is today's figure, so that no commit is chosen by held-out frames. A bound stays if a
 //! figure gets much better.
 
-use crate::shared::shared;
+use models::shared;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::choose::report::{CandidateReport, TrainingReport};

@@ -1,6 +1,6 @@
 //! Scenes from files give the same models as their examples in arrays.
 
-use crate::shared::shared;
+use models::shared;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};

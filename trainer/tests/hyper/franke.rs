@@ -1,7 +1,7 @@
 //! Franke's function from 300 draws, measured on 2,000 others: the promises of METHOD §3, and the
 //! two methods of S1, against the independent figures of `hbf_reference.json`.
 
-use crate::problem::{Problem, figures, median, options, reference};
+use crate::hyper::problem::{Problem, figures, median, options, reference};
 use sinew_trainer::scattered::hyper::{Entries, Learned, Method, Metric, Options, Start};
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! Limits of METHOD §3: interpolation, and a look-up table.
 
-use crate::problem::{Problem, options};
+use crate::hyper::problem::{Problem, options};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use sinew_runtime::kernel::Kernel;

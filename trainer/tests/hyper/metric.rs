@@ -1,6 +1,6 @@
 //! Relevance of inputs by a learned metric.
 
-use crate::problem::{Problem, options};
+use crate::hyper::problem::{Problem, options};
 use faer::Mat;
 use sinew_trainer::scattered::hyper::{Entries, Metric, Options};
 use sinew_trainer::scattered::sum::KernelSum;

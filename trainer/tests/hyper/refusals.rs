@@ -1,6 +1,6 @@
 //! Problems that cannot be learned, and their errors.
 
-use crate::problem::{Problem, options};
+use crate::hyper::problem::{Problem, options};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::scattered::hyper::{Entries, HyperError, Method, Metric, Options, learn};

@@ -1,6 +1,6 @@
 //! Samples on which centres start.
 
-use crate::problem::{Problem, options};
+use crate::hyper::problem::{Problem, options};
 use faer::Mat;
 use sinew_trainer::scattered::hyper::{Entries, Metric, Options, Start};
 use std::collections::BTreeSet;

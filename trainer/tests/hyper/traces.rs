@@ -1,6 +1,6 @@
 //! Traces of learning, which depend only on samples and options.
 
-use crate::problem::{Problem, options};
+use crate::hyper::problem::{Problem, options};
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::scattered::hyper::{Learned, Method, Options, Start, Stop, Trace};
 

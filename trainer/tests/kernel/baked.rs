@@ -1,6 +1,6 @@
 //! A function in its file: the runtime, compared with the fitted f64 function.
 
-use crate::common::random;
+use crate::kernel::common::random;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{EulerOrder, Normalise, QueryRule};

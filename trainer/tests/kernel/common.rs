@@ -1,7 +1,7 @@
 //! Points, functions and files that several of these tests use.
 
-use crate::shared::shared;
 use faer::Mat;
+use models::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;

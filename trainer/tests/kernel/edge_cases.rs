@@ -1,6 +1,6 @@
 //! Data without a function, or without an obvious function: results of other libraries, and ours.
 
-use crate::common::{apart, evaluate, franke_at, halton, json, matrix, numbers, samples};
+use crate::kernel::common::{apart, evaluate, franke_at, halton, json, matrix, numbers, samples};
 use faer::{Mat, Side};
 use serde_json::Value;
 use sinew_runtime::kernel::Kernel;

@@ -1,7 +1,7 @@
 //! Samples left out in closed form, against fits without them.
 
-use crate::common::{franke_at, halton, random, samples};
-use crate::reproduction::fitted;
+use crate::kernel::common::{franke_at, halton, random, samples};
+use crate::kernel::reproduction::fitted;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::scattered::solver::fewer::{Centres, FewerFit};

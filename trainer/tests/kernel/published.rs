@@ -1,7 +1,7 @@
 //! S2's solver as published, against its Python, and the same function as one of our kernels.
 //! Falloffs of other tools as our kernels, and the name of every kernel in a reference.
 
-use crate::common::{apart, evaluate, json, matrix, random, rows};
+use crate::kernel::common::{apart, evaluate, json, matrix, random, rows};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::regression::function::Exact;

@@ -1,7 +1,7 @@
 //! Samples and polynomials are reproduced; fewer centres, weights, widths and smoothing have their
 //! documented effects.
 
-use crate::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
+use crate::kernel::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
 use faer::Mat;
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;

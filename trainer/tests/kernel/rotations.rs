@@ -1,6 +1,6 @@
 //! Rotations as inputs and outputs of functions.
 
-use crate::common::{json, random, rows};
+use crate::kernel::common::{json, random, rows};
 use faer::{Mat, Side};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;

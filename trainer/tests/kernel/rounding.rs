@@ -1,6 +1,6 @@
 //! Error of f32 arithmetic: at most METHOD §2.7's E.
 
-use crate::common::{halton, json, random, rows};
+use crate::kernel::common::{halton, json, random, rows};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

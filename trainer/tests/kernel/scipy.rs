@@ -1,7 +1,7 @@
 //! The bounds of SciPy's own tests of `RBFInterpolator`, for all samples and for 20 neighbours,
 //! applied to our interpolator; and SciPy's results, computed by SciPy 1.17.1.
 
-use crate::common::{
+use crate::kernel::common::{
     apart, franke, franke_at, halton, json, matrix as read_matrix, random, rows, wahba_at,
 };
 use faer::Mat;

@@ -1,7 +1,7 @@
 //! A prior of a real take: ICT FaceKit driven by ARKit weights, by the protocol of METHOD §5.1.
 
 use super::common::*;
-use super::shared::shared;
+use models::shared;
 use sinew_runtime::prior::{Anchor, Pin};
 use sinew_trainer::envelope::model::{Shapes, SkinModel};
 use sinew_trainer::face::prior::{learned, pairs, slider};

@@ -2,7 +2,7 @@
 //! resamplers.
 
 use super::common::process;
-use super::shared::shared;
+use models::shared;
 use sinew_trainer::signal::choose::of_images;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::image::Image;

@@ -1,6 +1,6 @@
 //! Objects, cameras and sets of views for the tests.
 
-use super::shared::shared;
+use models::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::views::fit::{FitOptions, FittedMap, fit};

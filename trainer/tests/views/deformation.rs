@@ -1,7 +1,7 @@
 //! Lends the motion of one head to other heads, and compares the result with the true motion of those heads.
 
 use super::common::{apart, head, points, rms, turned};
-use super::shared::shared;
+use models::shared;
 use npyz::NpyFile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

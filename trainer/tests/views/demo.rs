@@ -1,7 +1,7 @@
 //! The sets of the demo, and hand drawings: reading and training.
 
 use super::common::{Folder, most, rms, squares};
-use super::shared::shared;
+use models::shared;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::set::JOINTS;

@@ -3,8 +3,8 @@
 use super::common::Folder;
 use super::flat::{SCREEN, Sheet, draw, drawn, in_layers, made, mean_and_worst, psnr};
 use super::puppets::posed;
-use super::shared::shared;
 use inochi2d_parser::prelude::Puppet;
+use models::shared;
 use sinew_runtime::Model;
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::export::{Grid, Side, puppet};

@@ -2,7 +2,7 @@
 
 use super::common::{hull, is_inside};
 use super::flat::{drawn, made_of, mean_and_worst, psnr};
-use super::shared::shared;
+use models::shared;
 use sinew_runtime::Model;
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::evaluate::PictureError;

@@ -1,7 +1,7 @@
 //! The negative control: networks over pixels, compared with points and warping.
 
 use super::common::{apart, cross, head, hull, is_inside, random, rms};
-use super::shared::shared;
+use models::shared;
 use sinew_trainer::views::control::{Control, NETWORKS, control, mixed, network_weights};
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::set::{Element, Image, LayerView, View, ViewSet, read, triangulated};

@@ -1,7 +1,7 @@
 //! Proposed points: positions in the pictures of layers.
 
 use super::common::Folder;
-use super::shared::shared;
+use models::shared;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_trainer::bake::bake;

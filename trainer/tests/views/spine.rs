@@ -3,7 +3,7 @@
 use super::common::Folder;
 use super::flat::{SCREEN, Sheet, draw, drawn, found, in_layers, made, mean_and_worst, psnr};
 use super::puppets::decoded;
-use super::shared::shared;
+use models::shared;
 use serde_json::Value;
 use sinew_runtime::Model;
 use sinew_trainer::views::demo::write;

@@ -1,7 +1,7 @@
 //! Paths of a cartoon tiger, with every second key left out.
 
 use super::common::{apart, examples, rms, view};
-use super::shared::shared;
+use models::shared;
 use serde_json::Value;
 use sinew_trainer::views::fit::{FitOptions, fit};
 use sinew_trainer::views::set::Parameter;

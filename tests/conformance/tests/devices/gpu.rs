@@ -1,7 +1,7 @@
 //! The backend for devices, tested on a simulated device: it returns every output and detects every
 //! fault.
 
-use crate::software::{Fault, Software};
+use crate::devices::software::{Fault, Software};
 use conformance::backend::Failure;
 use conformance::compare::Mismatch;
 use conformance::finding::{Finding, sound};

@@ -1,8 +1,8 @@
 //! Kernels on real devices: lavapipe has the CPU's bits, others are within the tolerances.
 
-use crate::gpu::fails;
-use crate::lavapipe::{same_bits, silent, sum, whole_and_cut, within_tolerances};
-use crate::software::{Fault, Software};
+use crate::devices::gpu::fails;
+use crate::devices::lavapipe::{same_bits, silent, sum, whole_and_cut, within_tolerances};
+use crate::devices::software::{Fault, Software};
 use conformance::backend::Failure;
 use conformance::gpu::Gpu;
 use conformance::kernels::{KernelSubject, QUERIES, files, kernels};

@@ -1,6 +1,6 @@
 //! The matrix reports every failure, in every format.
 
-use crate::software::{Fault, Software};
+use crate::devices::software::{Fault, Software};
 use ::models::{FilterContent, KernelContent, Pieces, ShapeContent};
 use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;

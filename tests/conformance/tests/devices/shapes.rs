@@ -1,7 +1,7 @@
 //! Shapes on real devices: lavapipe has the CPU's bits, others are within the tolerances.
 
-use crate::lavapipe::{same_bits, silent, sum, whole_and_cut, within_tolerances};
-use crate::software::{Fault, Software};
+use crate::devices::lavapipe::{same_bits, silent, sum, whole_and_cut, within_tolerances};
+use crate::devices::software::{Fault, Software};
 use conformance::backend::Failure;
 use conformance::finding::sound;
 use conformance::gpu::Gpu;

@@ -69,7 +69,7 @@ fn the_reduction_of_nothing_is_the_full_reconstruction() {
             let expected = poisson.reconstruct(&gradients, &known);
             let mut d = gradients;
             d.resize(reduction.proxy_len, Matrix3::zeros());
-            let transforms = crate::transforms(&reduced, &d, &q);
+            let transforms = crate::exact::transforms(&reduced, &d, &q);
             for vertex in (0..rest.len()).filter(|&v| !fixed[v]) {
                 let found = transforms[vertex] * homogeneous(&rest[vertex]);
                 let error = (found - expected[vertex]).norm();

@@ -1,7 +1,7 @@
 //! Negative controls: a backend with one value off by twice the tolerance is caught, and so is a
 //! backend that writes nothing.
 
-use crate::altered::{Step, altered, idle};
+use crate::stages::altered::{Step, altered, idle};
 use ::models::Pieces;
 use conformance::backend::{Backend, Failure, Loaded, part};
 use conformance::compare::Mismatch;

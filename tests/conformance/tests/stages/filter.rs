@@ -1,6 +1,6 @@
 //! Filters compared with their f64 oracle, and controls that catch a wrong filter.
 
-use crate::altered::{Step, altered, idle};
+use crate::stages::altered::{Step, altered, idle};
 use conformance::backend::Backend;
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;

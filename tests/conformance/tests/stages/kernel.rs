@@ -1,6 +1,6 @@
 //! Kernels compared with their f64 oracle, and controls that catch a wrong kernel.
 
-use crate::altered::{Step, altered, idle};
+use crate::stages::altered::{Step, altered, idle};
 use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;

@@ -1,6 +1,6 @@
 //! Shapes compared with their f64 oracle, and controls that catch wrong shapes.
 
-use crate::altered::{Step, altered, idle};
+use crate::stages::altered::{Step, altered, idle};
 use conformance::backend::{Backend, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;

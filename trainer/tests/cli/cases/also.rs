@@ -2,7 +2,7 @@
 
 use super::glb::Glb;
 use super::with_cases;
-use crate::common::{Folder, Run};
+use crate::cli::common::{Folder, Run};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;

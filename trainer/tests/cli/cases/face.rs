@@ -1,7 +1,7 @@
 //! Cases of the folder `face`.
 
 use super::with_cases;
-use crate::common::Folder;
+use crate::cli::common::Folder;
 use serde_json::{Value, json};
 use std::fs;
 

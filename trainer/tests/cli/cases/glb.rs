@@ -1,6 +1,6 @@
 //! Parses a GLB and plays it by the glTF 2.0 specification only.
 
-use crate::common::Folder;
+use crate::cli::common::Folder;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 

@@ -1,8 +1,8 @@
 //! Cases of the folders `kernel` and `signal`.
 
 use super::with_cases;
-use crate::common::Folder;
-use crate::kernel::numbers;
+use crate::cli::common::Folder;
+use crate::cli::kernel::numbers;
 use serde_json::{Value, json};
 use std::fs;
 

@@ -11,9 +11,9 @@ mod takes;
 mod views;
 mod words;
 
-use crate::common::{Folder, Run};
-use crate::shared::shared;
+use crate::cli::common::{Folder, Run};
 use glb::Glb;
+use models::shared;
 use nalgebra::Vector3;
 use serde_json::Value;
 

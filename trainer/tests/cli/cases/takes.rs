@@ -1,7 +1,7 @@
 //! Variants of the takes in folder `face`, as other programs write them.
 
 use super::with_cases;
-use crate::common::Folder;
+use crate::cli::common::Folder;
 use serde_json::{Value, json};
 use std::fs;
 

@@ -2,8 +2,8 @@
 
 use super::glb::Glb;
 use super::with_cases;
-use crate::common::{Folder, Run, Set};
-use crate::shared::shared;
+use crate::cli::common::{Folder, Run, Set};
+use models::shared;
 use serde_json::json;
 
 /// Returns the lines of both streams that contain all the words.

@@ -1,0 +1,8 @@
+//! Tests of the GPU paths.
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+mod allocator;
+mod common;
+mod layout;
+mod vulkan;
+mod wgpu;

@@ -1,0 +1,19 @@
+//! Tests of fits: their inputs, their errors, and their files.
+
+mod authored;
+mod coarse;
+#[path = "../../benches/figures/full.rs"]
+mod full;
+mod held_out;
+mod importance;
+mod normals;
+mod numbers;
+mod odd_characters;
+mod poses;
+mod published;
+mod real_sets;
+mod scenes;
+mod seams;
+mod shapes;
+mod skins;
+mod spaces;
