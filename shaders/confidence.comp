@@ -40,15 +40,15 @@ void main() {
             confidence = min(confidence, within(angle, range, range));
         }
     } else if (params.group_len > 0u) {
-        precise float known = 0.0;
-        precise float doubted = 0.0;
+        precise float explained_error = 0.0;
+        precise float unexplained_error = 0.0;
         for (uint i = 0u; i < params.group_len; i++) {
-            uint evidence = base + params.group_confidences + 2u * i;
-            known += scratch[evidence];
-            doubted += scratch[evidence + 1u];
+            uint error = base + params.group_confidences + 2u * i;
+            explained_error += scratch[error];
+            unexplained_error += scratch[error + 1u];
         }
-        precise float sure = 1.0 + known;
-        precise float share = sure / (sure + doubted);
+        precise float total = 1.0 + explained_error;
+        precise float share = total / (total + unexplained_error);
         confidence = share;
         for (uint joint = 0u; joint < params.joint_len; joint++) {
             uint at = base + params.features + 12u * joint;

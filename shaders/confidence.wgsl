@@ -31,15 +31,15 @@ fn main(
             confidence = min(confidence, within(angle, range, range));
         }
     } else if params.group_len > 0u {
-        var known = 0.0;
-        var doubted = 0.0;
+        var explained_error = 0.0;
+        var unexplained_error = 0.0;
         for (var i = 0u; i < params.group_len; i++) {
-            let evidence = base + params.group_confidences + 2u * i;
-            known += scratch[evidence];
-            doubted += scratch[evidence + 1u];
+            let error = base + params.group_confidences + 2u * i;
+            explained_error += scratch[error];
+            unexplained_error += scratch[error + 1u];
         }
-        let sure = 1.0 + known;
-        confidence = sure / (sure + doubted);
+        let total = 1.0 + explained_error;
+        confidence = total / (total + unexplained_error);
         for (var joint = 0u; joint < params.joint_len; joint++) {
             let at = base + params.features + 12u * joint;
             let trace = scratch[at] + scratch[at + 5u] + scratch[at + 10u];

@@ -18,8 +18,8 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
-// Uncertainty without evidence.
-const float DOUBT = 1.0e30;
+// Uncertainty without error.
+const float UNEXPLAINED = 1.0e30;
 
 uint padded(uint len) {
     return (len + 7u) / 8u * 8u;
@@ -39,7 +39,7 @@ void main() {
     uint group = gl_WorkGroupID.x;
     uint pose = params.poses_offset + instance * params.poses_stride;
     uint base = params.scratch_offset + instance * params.scratch_stride;
-    uint evidence = base + params.group_confidences + 2u * group;
+    uint error = base + params.group_confidences + 2u * group;
 
     uint row = params.groups + 8u * group;
     uint joint = blob[row] & 0xffffu;
@@ -51,8 +51,8 @@ void main() {
     uint certainty_len = blob[row] >> 24u;
     if (n == 0u) {
         if (thread == 0u) {
-            scratch[evidence] = 0.0;
-            scratch[evidence + 1u] = 0.0;
+            scratch[error] = 0.0;
+            scratch[error + 1u] = 0.0;
         }
         return;
     }
@@ -121,8 +121,8 @@ void main() {
         float change = scratch[basis];
         precise float variance = -change * (2.0 + change) + blob_float(row + 5u) * apart;
         float prior = max(0.0, variance);
-        float known = 0.0;
-        float doubted = DOUBT;
+        float explained_error = 0.0;
+        float unexplained_error = UNEXPLAINED;
         float reach = blob_float(row + 4u);
         float near = nearness(apart, reach, 4.0 * reach);
         if (near > 0.0) {
@@ -133,18 +133,18 @@ void main() {
             }
             explained = near * min(prior, explained);
             precise float left = prior - explained;
-            known = blob_float(row + 6u) * explained;
-            doubted = blob_float(row + 7u) * left;
+            explained_error = blob_float(row + 6u) * explained;
+            unexplained_error = blob_float(row + 7u) * left;
         }
-        scratch[evidence] = known;
-        scratch[evidence + 1u] = doubted;
+        scratch[error] = explained_error;
+        scratch[error + 1u] = unexplained_error;
     }
     memoryBarrierBuffer();
     barrier();
 
-    precise float known = 1.0 + scratch[evidence];
-    precise float sure = known / (known + scratch[evidence + 1u]);
-    precise float w = smooth_step(min(1.0, 8.0 * sure));
+    precise float explained_error = 1.0 + scratch[error];
+    precise float confidence = explained_error / (explained_error + scratch[error + 1u]);
+    precise float w = smooth_step(min(1.0, 8.0 * confidence));
     if (w > 0.0) {
         uint first = params.palette_len - params.proxy_len;
         for (uint before = 0u; before < group; before++) {

@@ -5,8 +5,8 @@
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
 
-// Uncertainty without evidence.
-const DOUBT = 1.0e30;
+// Uncertainty without error.
+const UNEXPLAINED = 1.0e30;
 
 fn padded(len: u32) -> u32 {
     return (len + 7u) / 8u * 8u;
@@ -29,7 +29,7 @@ fn main(
     let group = workgroup.x;
     let pose = params.poses_offset + instance * params.poses_stride;
     let base = params.scratch_offset + instance * params.scratch_stride;
-    let evidence = base + params.group_confidences + 2u * group;
+    let error = base + params.group_confidences + 2u * group;
 
     let row = params.groups + 8u * group;
     let joint = blob[row] & 0xffffu;
@@ -41,8 +41,8 @@ fn main(
     let certainty_len = blob[row] >> 24u;
     if n == 0u {
         if thread == 0u {
-            scratch[evidence] = 0.0;
-            scratch[evidence + 1u] = 0.0;
+            scratch[error] = 0.0;
+            scratch[error + 1u] = 0.0;
         }
         return;
     }
@@ -106,8 +106,8 @@ fn main(
         }
         let change = scratch[basis];
         let prior = max(0.0, -change * (2.0 + change) + blob_float(row + 5u) * apart);
-        var known = 0.0;
-        var doubted = DOUBT;
+        var explained_error = 0.0;
+        var unexplained_error = UNEXPLAINED;
         let reach = blob_float(row + 4u);
         let near = nearness(apart, reach, 4.0 * reach);
         if near > 0.0 {
@@ -117,17 +117,17 @@ fn main(
                 explained += value * value;
             }
             explained = near * min(prior, explained);
-            known = blob_float(row + 6u) * explained;
-            doubted = blob_float(row + 7u) * (prior - explained);
+            explained_error = blob_float(row + 6u) * explained;
+            unexplained_error = blob_float(row + 7u) * (prior - explained);
         }
-        scratch[evidence] = known;
-        scratch[evidence + 1u] = doubted;
+        scratch[error] = explained_error;
+        scratch[error + 1u] = unexplained_error;
     }
     storageBarrier();
 
-    let known = 1.0 + scratch[evidence];
-    let sure = known / (known + scratch[evidence + 1u]);
-    let w = smooth_step(min(1.0, 8.0 * sure));
+    let explained_error = 1.0 + scratch[error];
+    let confidence = explained_error / (explained_error + scratch[error + 1u]);
+    let w = smooth_step(min(1.0, 8.0 * confidence));
     if w > 0.0 {
         var first = params.palette_len - params.proxy_len;
         for (var before = 0u; before < group; before++) {

@@ -78,8 +78,8 @@ void main() {
             rotation[c][r] = row[c];
         }
         row[r] -= 1.0;
-        precise float moved = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
-        scratch[to + 4u * r + 3u] = moved;
+        precise float origin_row = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
+        scratch[to + 4u * r + 3u] = origin_row;
     }
     mat3 turn = half_of(rotation);
     for (uint i = 0u; i < 9u; i++) {

@@ -29,7 +29,7 @@ const uint INFINITE = 0x7f800000u;
 const uint TILE = 256u;
 
 shared float basis[TILE];
-shared float doubts[TILE];
+shared float uncertainties[TILE];
 shared float confidence;
 shared float divisor;
 // 1 if a CPU would refuse the query.
@@ -122,7 +122,7 @@ void main() {
     bool measured = params.metric_len > 0u;
     uint z = measured ? metric : u;
     uint z_len = measured ? params.metric_len : params.feature_len;
-    precise float doubt = 1.0;
+    precise float uncertainty = 1.0;
     for (uint first = 0u; first < params.centre_len; first += TILE) {
         uint len = min(TILE, params.centre_len - first);
         for (uint k = thread; k < len; k += 64u) {
@@ -136,7 +136,7 @@ void main() {
             basis[k] = kernel_value(rule & 0xffu, (rule >> 8u) & 0xffu, s);
             if (fade_end > 0.0) {
                 precise float own = 1.0 - nearness(s, fade_start, fade_end);
-                doubts[k] = own;
+                uncertainties[k] = own;
             }
         }
         memoryBarrierShared();
@@ -152,7 +152,7 @@ void main() {
         }
         if (thread == 63u && fade_end > 0.0) {
             for (uint k = 0u; k < len; k++) {
-                doubt *= doubts[k];
+                uncertainty *= uncertainties[k];
             }
         }
         memoryBarrierShared();
@@ -169,8 +169,8 @@ void main() {
         scratch[values + v] = sum;
     }
     if (thread == 63u) {
-        precise float sure = 1.0 - doubt;
-        confidence = fade_end > 0.0 ? sure : 1.0;
+        precise float certain = 1.0 - uncertainty;
+        confidence = fade_end > 0.0 ? certain : 1.0;
     }
     memoryBarrierBuffer();
     memoryBarrierShared();

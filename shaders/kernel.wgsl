@@ -15,7 +15,7 @@ const INFINITE: u32 = 0x7f800000u;
 const TILE: u32 = 256u;
 
 var<workgroup> basis: array<f32, TILE>;
-var<workgroup> doubts: array<f32, TILE>;
+var<workgroup> uncertainties: array<f32, TILE>;
 var<workgroup> confidence: f32;
 var<workgroup> divisor: f32;
 // 1 if a CPU would refuse the query.
@@ -104,7 +104,7 @@ fn main(
         z = metric;
         z_len = params.metric_len;
     }
-    var doubt = 1.0;
+    var uncertainty = 1.0;
     for (var first = 0u; first < params.centre_len; first += TILE) {
         let len = min(TILE, params.centre_len - first);
         for (var k = thread; k < len; k += 64u) {
@@ -117,7 +117,7 @@ fn main(
             }
             basis[k] = kernel_value(rule & 0xffu, (rule >> 8u) & 0xffu, s);
             if fade_end > 0.0 {
-                doubts[k] = 1.0 - nearness(s, fade_start, fade_end);
+                uncertainties[k] = 1.0 - nearness(s, fade_start, fade_end);
             }
         }
         workgroupBarrier();
@@ -132,7 +132,7 @@ fn main(
         }
         if thread == 63u && fade_end > 0.0 {
             for (var k = 0u; k < len; k++) {
-                doubt *= doubts[k];
+                uncertainty *= uncertainties[k];
             }
         }
         workgroupBarrier();
@@ -148,7 +148,7 @@ fn main(
         scratch[values + v] = sum;
     }
     if thread == 63u {
-        confidence = select(1.0, 1.0 - doubt, fade_end > 0.0);
+        confidence = select(1.0, 1.0 - uncertainty, fade_end > 0.0);
     }
     storageBarrier();
     workgroupBarrier();

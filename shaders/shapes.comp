@@ -46,7 +46,7 @@ void main() {
     }
     uint i = vertex - params.vertex_first;
     bool tilts = params.normals_offset != NONE || params.tangents_offset != NONE;
-    precise vec3 moved = vec3(0.0);
+    precise vec3 offset = vec3(0.0);
     precise vec2 tilt = vec2(0.0);
     uint entry_first = 0u;
     uint entry_end = 0u;
@@ -78,7 +78,7 @@ void main() {
             number(params.shape_deltas, first + 2u)
         );
         precise float scaled = weight * blob_float(row);
-        moved += by * scaled;
+        offset += by * scaled;
         if (tilts) {
             first = 2u * delta;
             vec2 slopes =
@@ -89,7 +89,7 @@ void main() {
     }
 
     if (params.positions_offset != NONE) {
-        precise vec3 place = blob_vec3(params.rest_positions + 3u * vertex) + moved;
+        precise vec3 place = blob_vec3(params.rest_positions + 3u * vertex) + offset;
         uint at = params.positions_offset + instance * params.positions_instance_stride;
         put(at + i * params.positions_stride, place);
     }

@@ -38,7 +38,7 @@ fn main(
     }
     let i = vertex - params.vertex_first;
     let tilts = params.normals_offset != NONE || params.tangents_offset != NONE;
-    var moved = vec3<f32>(0.0);
+    var offset = vec3<f32>(0.0);
     var tilt = vec2<f32>(0.0);
     var entry_first = 0u;
     var entry_end = 0u;
@@ -74,7 +74,7 @@ fn main(
             number(params.shape_deltas, first + 1u),
             number(params.shape_deltas, first + 2u),
         );
-        moved += by * (weight * blob_float(row));
+        offset += by * (weight * blob_float(row));
         if tilts {
             first = 2u * delta;
             let slopes = vec2<f32>(
@@ -87,7 +87,7 @@ fn main(
 
     if params.positions_offset != NONE {
         let at = params.positions_offset + instance * params.positions_instance_stride;
-        let place = blob_vec3(params.rest_positions + 3u * vertex) + moved;
+        let place = blob_vec3(params.rest_positions + 3u * vertex) + offset;
         put(at + i * params.positions_stride, place);
     }
     if !tilts {

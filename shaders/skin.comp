@@ -74,7 +74,7 @@ uint transform_of(uint palette, uint vertex, uint k) {
 }
 
 // Image of a point under a transform.
-vec3 moved(uint at, vec3 point) {
+vec3 transformed(uint at, vec3 point) {
     vec4 a = palettes[at];
     vec4 b = palettes[at + 1u];
     vec4 c = palettes[at + 2u];
@@ -87,16 +87,16 @@ vec3 moved(uint at, vec3 point) {
 
 // Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
 // y_last), where y are the images of the vertex under its transforms.
-Frame parted(uint palette, uint vertex, vec3 rest) {
+Frame corrected_frame(uint palette, uint vertex, vec3 rest) {
     uint others = params.influence_len - 1u;
-    vec3 last = moved(transform_of(palette, vertex, others), rest);
+    vec3 last = transformed(transform_of(palette, vertex, others), rest);
     precise vec3 g = vec3(-0.0);
     precise vec3 h = vec3(-0.0);
     for (uint k = 0u; k < others; k++) {
         uint word = blob[params.tangent_coefficients + vertex * others + k];
-        precise vec3 apart = moved(transform_of(palette, vertex, k), rest) - last;
-        g += apart * half_float(word << 16u);
-        h += apart * half_float(word);
+        precise vec3 difference = transformed(transform_of(palette, vertex, k), rest) - last;
+        g += difference * half_float(word << 16u);
+        h += difference * half_float(word);
     }
     return Frame(g, h);
 }
@@ -165,7 +165,7 @@ void main() {
         } else {
             frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
         }
-        sums = parted(palette, vertex, rest_position(instance, vertex));
+        sums = corrected_frame(palette, vertex, rest_position(instance, vertex));
     }
     if (params.normals_offset != NONE) {
         float side = mirror(palette);

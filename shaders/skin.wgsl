@@ -60,7 +60,7 @@ fn transform_of(palette: u32, vertex: u32, k: u32) -> u32 {
 }
 
 // Image of a point under a transform.
-fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
+fn transformed(at: u32, point: vec3<f32>) -> vec3<f32> {
     let a = palettes[at];
     let b = palettes[at + 1u];
     let c = palettes[at + 2u];
@@ -72,16 +72,16 @@ fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
 
 // Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
 // y_last), where y are the images of the vertex under its transforms.
-fn parted(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
+fn corrected_frame(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
     let others = params.influence_len - 1u;
-    let last = moved(transform_of(palette, vertex, others), rest);
+    let last = transformed(transform_of(palette, vertex, others), rest);
     var g = vec3<f32>(-0.0);
     var h = vec3<f32>(-0.0);
     for (var k = 0u; k < others; k++) {
         let word = blob[params.tangent_coefficients + vertex * others + k];
-        let apart = moved(transform_of(palette, vertex, k), rest) - last;
-        g += apart * half_float(word << 16u);
-        h += apart * half_float(word);
+        let difference = transformed(transform_of(palette, vertex, k), rest) - last;
+        g += difference * half_float(word << 16u);
+        h += difference * half_float(word);
     }
     return Frame(g, h);
 }
@@ -157,7 +157,7 @@ fn main(
         } else {
             frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
         }
-        sums = parted(palette, vertex, rest_position(instance, vertex));
+        sums = corrected_frame(palette, vertex, rest_position(instance, vertex));
     }
     if params.normals_offset != NONE {
         var side = mirror(palette);
