@@ -18,7 +18,7 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
-// Uncertainty without error.
+// Unexplained error where no sample is near.
 const float UNEXPLAINED = 1.0e30;
 
 uint padded(uint len) {

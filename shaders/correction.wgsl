@@ -5,7 +5,7 @@
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
 
-// Uncertainty without error.
+// Unexplained error where no sample is near.
 const UNEXPLAINED = 1.0e30;
 
 fn padded(len: u32) -> u32 {
