@@ -23,6 +23,7 @@ usage: cargo xtask COMMAND
                GPU; tests on real data read ../shared/data and must find it when CI is set
   test --full  also documentation, C and C++ programs, pages, browsers, Blender, validators, firmware
                and every device
+  imports      look for files that import each other, in a circle
   lines        count the lines of code of each crate
   shaders      make the SPIR-V in shaders/spirv from the GLSL
   header       make the C header in runtime/capi/include from the sources
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
     let done = match arguments[..] {
         ["test"] => test(),
         ["test", "--full"] => test().and_then(|()| full()),
+        ["imports"] => modules::check(Path::new(".")),
         ["lines"] => lines::print(),
         ["header"] => capi::header(),
         ["firmware"] => firmware::firmware(),
