@@ -7,10 +7,10 @@ use sinew_trainer::envelope::lbs::blend::Weights;
 use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
 use sinew_trainer::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
 use sinew_trainer::envelope::s3::Method;
-use sinew_trainer::envelope::s3::gradient::gradient;
+use sinew_trainer::envelope::s3::keys::GradientPredictor;
 use sinew_trainer::envelope::s3::poisson::{Poisson, PoissonError};
-use sinew_trainer::envelope::s3::predictor::GradientPredictor;
-use sinew_trainer::envelope::s3::settings::near_rigid;
+use sinew_trainer::envelope::s3::surface::gradient;
+use sinew_trainer::envelope::s3::validation::near_rigid;
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::numeric::affine::from_rows;
 
