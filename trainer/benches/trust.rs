@@ -193,8 +193,8 @@ fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(sets)
 }
 
-/// Damages training frames one at a time; counts how often the frame is detected, and how many
-/// other frames are.
+/// Damages training frames one at a time; counts how often the damaged frame is detected, and how many other frames are
+/// detected.
 fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn Error>> {
     let (frames, len) = (examples.frames_of(Split::Train), examples.vertex_len());
     let (mut named, mut others) = (0, Vec::new());

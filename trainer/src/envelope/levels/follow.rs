@@ -141,9 +141,9 @@ impl SkinSurface<'_> {
                 Some(self.vertex(&tree, &around, &foot, &Vector3::from(*x)))
             })
             .collect();
-        let mut distances: Vec<f64> = followed.iter().map(|f| f.distance / self.diagonal).collect();
-        distances.sort_by(f64::total_cmp);
-        let median = distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let distances: Vec<f64> = followed.iter().map(|f| f.distance / self.diagonal).collect();
+        let far = distances.iter().filter(|&&distance| distance > FAR).count();
+        let median = median(distances);
         if median > FAR {
             return Err(LevelError::Far { name: name.clone(), percent: 100.0 * median });
         }
@@ -158,7 +158,7 @@ impl SkinSurface<'_> {
             triangles: mesh.triangles.len(),
             moved: None,
             distance_percent: 100.0 * median,
-            far: distances.iter().filter(|&&distance| distance > FAR).count(),
+            far,
             transferred_percent: percent(|f| f.transferred),
             fitted_percent: percent(|f| f.fitted),
         };
@@ -271,6 +271,12 @@ impl SkinSurface<'_> {
         }
         around
     }
+}
+
+/// Returns the median of distances; infinite if there are none.
+pub(super) fn median(mut distances: Vec<f64>) -> f64 {
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Weights and errors of a vertex of a further mesh.

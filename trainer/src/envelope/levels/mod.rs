@@ -1,4 +1,4 @@
-//! Further meshes on a model's palette: one evaluation moves every level of detail.
+//! Further meshes on a model's palette: one evaluation moves all levels of detail.
 
 mod follow;
 mod nearest;
@@ -12,7 +12,7 @@ use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, spread};
 use crate::space::{Conversion, SCALES, rotations};
 use faer::Mat;
-use follow::FAR;
+use follow::{FAR, median};
 use nalgebra::Vector3;
 use nearest::Tree;
 use rayon::prelude::*;
@@ -220,9 +220,7 @@ impl SkinSurface<'_> {
         let distance = |conversion: &Conversion| {
             let from = |&v: &usize| Vector3::from(conversion.point(positions[v]));
             let feet = sample.iter().filter_map(|v| tree.nearest(&from(v)));
-            let mut distances: Vec<f64> = feet.map(|foot| foot.distance / self.diagonal).collect();
-            distances.sort_by(f64::total_cmp);
-            distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY)
+            median(feet.map(|foot| foot.distance / self.diagonal).collect())
         };
         let conversions: Vec<Conversion> = rotations()
             .flat_map(|rotation| SCALES.map(|scale| Conversion::new(rotation, scale)))

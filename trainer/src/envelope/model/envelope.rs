@@ -1,6 +1,7 @@
 //! An envelope in f64: predicts a palette from a pose.
 
 use super::key::Key;
+use super::wide;
 use crate::examples::Skeleton;
 use crate::numeric::affine;
 use crate::regression::certainty::Certainty;
@@ -284,11 +285,6 @@ fn rows(matrix: &Mat<f64>, each: usize, order: &[usize]) -> Mat<f64> {
     Mat::from_fn(matrix.nrows(), matrix.ncols(), |row, column| {
         matrix[(each * order[row / each] + row % each, column)]
     })
-}
-
-/// Converts a value of the file to f64; NaN if the value is missing.
-fn wide(value: Option<f32>) -> f64 {
-    value.map_or(f64::NAN, f64::from)
 }
 
 /// Computes a joint's rest frame from its inverse bind; takes the origin from the file if it has one.

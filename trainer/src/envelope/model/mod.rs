@@ -53,3 +53,8 @@ impl RecordModel {
         }
     }
 }
+
+/// Converts a value of the file to f64; NaN if the value is missing.
+fn wide(value: Option<f32>) -> f64 {
+    value.map_or(f64::NAN, f64::from)
+}

@@ -1,5 +1,6 @@
 //! A prior over the weights of a skin's shapes, in f64, and its part in a file.
 
+use super::wide;
 use crate::bake::sections::{check_len, check_shape, floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
 use faer::linalg::solvers::DenseSolveCore;
@@ -35,7 +36,6 @@ impl PriorModel {
     /// - `skin`: index of the skin in the [`FileModel`](super::FileModel).
     pub fn from_file(prior: &Prior<'_>, skin: usize) -> Self {
         let n = prior.shape_len();
-        let wide = |x: Option<f32>| x.map_or(f64::NAN, f64::from);
         let factor = Mat::from_fn(n, n, |i, j| wide(prior.factor_entry(i, j)));
         let bounds = (0..n).map(|s| prior.weight_bounds(s).unwrap_or([f32::NAN; 2]));
         Self {

@@ -204,7 +204,7 @@ mod tests {
         let t = affine::tangent(&n);
         let rest = |v: usize| corners[v];
         let lean = Lean::new(fan, rest, &[t, n.cross(&t)]).unwrap();
-        // A map that keeps the surface's normal of length 1 and square to what it makes of the plane.
+        // This map keeps the surface's normal: it has length 1 and is orthogonal to the mapped plane.
         let turn = nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0).into_inner();
         let map = turn * Matrix3::new(1.3, 0.4, 0.0, -0.2, 0.8, 0.0, 0.0, 0.0, 1.0);
         let posed = |v: usize| map * corners[v];

@@ -8,15 +8,15 @@ use nalgebra::Vector3;
 /// Weight of a tangential residual; a residual along the true normal has weight 1. A tangential residual changes the normal
 /// only if the images also lean out of the surface.
 const TANGENTIAL: f64 = 0.09;
-/// Ridge, as a share of the mean diagonal.
+/// Ridge, as a share of the mean diagonal entry of the normal matrix.
 const RIDGE: f64 = 1e-5;
-/// Rounding error of a transform in single precision, in diagonals. Smaller differences between transforms do not count.
+/// Rounding error of a transform in single precision, in rest diagonals. Smaller differences between transforms do not count.
 const ROUNDING: f64 = 1e-7;
 /// Visible error of a vertex's normals, RMS in radians: 1°.
 pub(super) const VISIBLE: f64 = 0.0175;
 /// Number of steps of a refinement.
 const STEPS: usize = 12;
-/// First damping of a refinement, as a share of the mean diagonal.
+/// First damping of a refinement, as a share of the mean diagonal entry of the normal matrix.
 const DAMPING: f64 = 1e-3;
 /// Factor of the damping after a failed step; its inverse after a successful step.
 const DAMPING_FACTOR: f64 = 8.0;

@@ -30,9 +30,6 @@ impl EnvelopeModel {
         let rotations = self.rotations(&relative);
         let gradients = self.gradients(&relative, &rotations);
         let palette = self.palette(&pose[self.skeleton.root()], &relative, &gradients);
-        if self.predictor().corrects() {
-            return self.correct(pose, &self.features(pose), palette);
-        }
         (palette, self.confidence(&rotations))
     }
 

@@ -21,7 +21,7 @@ const STEP: &str = "keys";
 const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, ahead: 0.0 };
 /// Ridge on H, in squared radians per example.
 const RIDGE: f64 = 1e-3;
-/// Ridge on H with a free bias. S3 has no ridge; this small ridge only fixes what no example determines.
+/// Ridge on H with a free bias. S3 has no ridge; this small ridge only determines entries without examples.
 const SINGULAR: f64 = 1e-9;
 
 /// Fitted keys.

@@ -1,4 +1,4 @@
-//! Greedy merging of triangles into patches, each of which follows one affine map (METHOD §1.7.1, S3 §3.1).
+//! Greedy merging of triangles into patches; a patch follows one affine map (METHOD §1.7.1, S3 §3.1).
 //!
 //! Every triangle starts as a group with its exact map. Each step merges a group A into a neighbour B and refits B's
 //! map. The pair is the cheapest by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`. A group stores sums of outer products of its

@@ -1,5 +1,6 @@
-//! Enveloping by rotational regression (S3): regression predicts key gradients, and a reduced Poisson reconstruction
-//! turns them into vertices; c1 and c2 are refined on the training meshes. [`fit`] runs the stages in this order:
+//! Enveloping by rotational regression (S3). Regression predicts key gradients, and a reduced Poisson reconstruction turns
+//! the gradients into vertices. Its matrices c1 and c2 are then refined on the training meshes. [`fit`] runs these stages
+//! in order:
 //!
 //! | file | stage |
 //! |---|---|

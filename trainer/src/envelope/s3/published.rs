@@ -12,9 +12,9 @@
 //! In Eq. 4 all vertices follow proxies. But a (Eq. 6) has no equation for the effect of proxies on F. If F followed
 //! proxies that only free vertices determine, the whole mesh would have errors of 6 and 9 % (METHOD §1.7).
 //!
-//! S3 leaves some details open. These are as in the other fits: the normal as a third edge of small weight when keys are
-//! fitted, the small number of influences per vertex, u of at most 4, and the branch of ρ at π. Slips in the equations of
-//! S3 are corrected (METHOD §1.7).
+//! S3 leaves some details open, which are as in the other fits. Keys are fitted with the normal as a third edge of small
+//! weight. A vertex has few influences, and u is at most 4. The branch of ρ at π is handled. Slips in the equations of S3
+//! are corrected (METHOD §1.7).
 
 use super::keys::GradientPredictor;
 use super::merge::MergeTree;
@@ -33,9 +33,9 @@ use nalgebra::{Matrix3, Matrix6};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// S3 has no anchors. Without anchors, a can be singular: a proxy moves only vertices of F, a part of the mesh has no
-/// vertex in F, a patch is flat, or the weights of two proxies are proportional. This anchor is so weak that it only fixes
-/// these undetermined maps.
+/// S3 has no anchors, so a can be singular. This happens if a proxy moves only vertices of F, if a part of the mesh has no
+/// vertex in F, if a patch is flat, or if the weights of two proxies are proportional. This anchor is very weak and only
+/// determines such undetermined maps.
 const ANCHORS: Anchors = Anchors { near_rigid: 0.0, patch: 1e-6 };
 
 /// Number of groups in the first trial under an error.
@@ -69,7 +69,7 @@ pub fn fixed_on_joints(proxies: &Proxies, joints: &Weights, fixed: &[bool]) -> W
 /// weights and maps are fitted again after every merge (S3 §3.1).
 ///
 /// Thousands of groups would make that too slow. So the first merges come from `tree`, where a merge refits only the merged
-/// group, down to twice the number of proxies that is asked for.
+/// group. They end at twice the number of proxies that is asked for.
 ///
 /// # Errors
 /// [`FitError::MaxError`]: a file cannot hold enough proxies to reach the error asked for.
@@ -186,7 +186,7 @@ impl<'a> Groups<'a> {
         self.blend.maps.len()
     }
 
-    /// Merges group A into B, starting from B's map, and fits all weights and maps again.
+    /// Merges group A into B, then fits all weights and maps again. The maps of the other groups are the start.
     fn merged(&self, a: usize, b: usize, progress: &dyn Progress) -> Self {
         let number = |group: usize| if group > a { group - 1 } else { group };
         let group_of =

@@ -120,7 +120,7 @@ impl Reduction<'_> {
     /// Adds the equation of one edge: the proxies of its free ends on the left, the key gradient and the fixed ends on
     /// the right.
     fn add_edge(&self, e: &mut NormalEquations, triangle: usize, first: usize, last: usize) {
-        // φ_j - φ_1 without fixed ends: one formula for edges with no, one and two ends in F (S3: F0, F1, F2).
+        // φ_j - φ_1 without fixed ends. This covers edges with no, one and two ends in F (S3: F0, F1, F2).
         let mut free = Vec::with_capacity(2 * self.proxies.most());
         let mut known = Vec::with_capacity(self.joints.most());
         for (vertex, sign) in [(last, 1.0), (first, -1.0)] {

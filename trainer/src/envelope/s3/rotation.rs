@@ -23,8 +23,8 @@ const PREFERENCE: f64 = 1e-3;
 const MIRROR_GAIN: f64 = 1e-6;
 /// A residual joint is kept if its error is below this share of the error of one joint.
 const RESIDUAL_GAIN: f64 = 0.98;
-/// Maximum |u|. If a joint hardly moved in training, the fit explains noise by a large u, and the surface would spin as
-/// soon as the joint moves.
+/// Maximum |u|. If a joint hardly moved in training, the fit explains noise by a large u. The surface would then spin when
+/// the joint moves.
 const MAX_SCALE: f64 = 4.0;
 
 /// The matrix u W: a rotation and a scale.
@@ -129,9 +129,18 @@ fn candidate(
 ///
 /// - `theta`, `rho`: radians, one per pose. `rho` receives the chosen representatives.
 pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], solver: Solver) -> Twist {
-    let fit = |rho: &[Vector3<f64>]| match solver {
-        Solver::ClosedForm => closed_form(theta, rho),
-        Solver::Alternation => alternation(theta, rho),
+    let fit = |rho: &[Vector3<f64>]| {
+        let moments = Moments::new(theta, rho);
+        if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
+            return moments.zero();
+        }
+        match solver {
+            Solver::ClosedForm => moments.closed_form(),
+            Solver::Alternation => {
+                let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
+                moments.alternation(lengths / moments.theta)
+            }
+        }
     };
     let mut twist = fit(rho);
     for _ in 0..BRANCH_ROUNDS {
@@ -188,36 +197,29 @@ impl Moments {
         let u = u.clamp(-MAX_SCALE, MAX_SCALE);
         Twist { u, w, error: (self.rho - 2.0 * u * trace + u * u * self.theta).max(0.0) }
     }
-}
 
-fn closed_form(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
-    let moments = Moments::new(theta, rho);
-    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
-        return moments.zero();
+    /// Finds the global optimum over both signs of u.
+    fn closed_form(&self) -> Twist {
+        let largest = self.m.singular_values()[0];
+        let towards_identity = Matrix3::identity() * (PREFERENCE * largest);
+        let positive = self.scale(procrustes(&(self.m + towards_identity), 1.0), 1.0);
+        let negative = self.scale(procrustes(&(self.m - towards_identity), -1.0), -1.0);
+        if negative.error < positive.error - MIRROR_GAIN * self.rho { negative } else { positive }
     }
-    let largest = moments.m.singular_values()[0];
-    let towards_identity = Matrix3::identity() * (PREFERENCE * largest);
-    let positive = moments.scale(procrustes(&(moments.m + towards_identity), 1.0), 1.0);
-    let negative = moments.scale(procrustes(&(moments.m - towards_identity), -1.0), -1.0);
-    if negative.error < positive.error - MIRROR_GAIN * moments.rho { negative } else { positive }
-}
 
-fn alternation(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
-    const ROUNDS: usize = 100;
-    let moments = Moments::new(theta, rho);
-    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
-        return moments.zero();
-    }
-    let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
-    let mut twist = Twist { u: lengths / moments.theta, ..moments.zero() };
-    for _ in 0..ROUNDS {
-        let last = twist.error;
-        twist = moments.scale(procrustes(&(moments.m * twist.u), 1.0), 1.0);
-        if twist.u == 0.0 || last - twist.error <= 1e-14 * moments.rho {
-            break;
+    /// Fits W and u in turn from a start of u (S3 §1.2).
+    fn alternation(&self, u: f64) -> Twist {
+        const ROUNDS: usize = 100;
+        let mut twist = Twist { u, ..self.zero() };
+        for _ in 0..ROUNDS {
+            let last = twist.error;
+            twist = self.scale(procrustes(&(self.m * twist.u), 1.0), 1.0);
+            if twist.u == 0.0 || last - twist.error <= 1e-14 * self.rho {
+                break;
+            }
         }
+        twist
     }
-    twist
 }
 
 /// Returns the rotation W that maximises (side = 1) or minimises (side = -1) tr(WᵀM).

@@ -1,5 +1,5 @@
-//! The moving surface: coordinates on its trajectory basis, which proxies and keys are fitted to, and deformation
-//! gradients of its triangles (METHOD §1.3, S3 §1).
+//! The moving surface: coordinates on its trajectory basis, and deformation gradients of its triangles (METHOD §1.3, S3
+//! §1). Proxies and keys are fitted to these coordinates.
 
 use crate::examples::Importance;
 use crate::numeric::basis::Basis;

@@ -1,5 +1,5 @@
-//! Cross-validation inside the training split, by folds (METHOD §1.1). Scores choose near-rigid vertices and anchors
-//! (METHOD §1.6, §1.7), then the refinement: its ridge, and whether the keys that it refines scale and shear.
+//! Cross-validation inside the training split, by folds (METHOD §1.1). Chooses near-rigid vertices and anchors by their
+//! errors (METHOD §1.6, §1.7), then the refinement: its ridge, and predictors with or without scale and shear.
 
 use super::keys::{GradientPredictor, predict_stacked};
 use super::reduce::{Anchors, Reduced, Reduction, Regression};
