@@ -3,8 +3,8 @@
 //! Medians are of alternating runs, so that ratios hold on a busy machine. Sets that are missing in
 //! `../shared/data` are skipped, and their names are printed.
 //!
-//! Plain skinning is measured twice: by the skin stage with the character's joints as palette, and by a plain loop, as in
-//! an engine without SIMD.
+//! Plain skinning is measured twice: by the skin stage with the character's joints as palette, and by a plain loop, as
+//! in an engine without SIMD.
 
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;

@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let of = |pick: fn(&Frame) -> (f64, f64)| spearman(&all.iter().map(pick).collect::<Vec<_>>());
     println!(
-        "all frames: Spearman of confidence and what is gained {:.2}, of confidence and the share of LBS's error that is \
+        "all frames: Spearman of confidence and the gain {:.2}, of confidence and the share of LBS's error that is \
          gained {:.2}",
         of(|frame| (frame.confidence, frame.lbs - frame.model)),
         of(|frame| (frame.confidence, 1.0 - frame.model / frame.lbs))

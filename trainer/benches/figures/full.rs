@@ -23,8 +23,8 @@ pub(crate) struct Full<'a> {
 }
 
 impl<'a> Full<'a> {
-    /// Fits the training frames with the given fraction of near-rigid vertices. Each part of the mesh without a near-rigid
-    /// vertex gets one.
+    /// Fits the training frames with the given fraction of near-rigid vertices. Each part of the mesh without a
+    /// near-rigid vertex gets one.
     ///
     /// # Errors
     /// [`PoissonError::Factorisation`]: the factorisation failed.

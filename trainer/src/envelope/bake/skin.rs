@@ -1,5 +1,5 @@
-//! Writes a skin and its shapes as a part of a file. Shapes are stored by blocks of vertices. A block holds the deltas of
-//! every shape that moves at least one of its vertices.
+//! Writes a skin and its shapes as a part of a file. Shapes are stored by blocks of vertices. A block holds the deltas
+//! of every shape that moves at least one of its vertices.
 
 use crate::bake::sections::{check_len, floats, half, halves, names, narrow, words};
 use crate::bake::{BakeError, Part};
@@ -128,8 +128,8 @@ fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, BakeError
     Ok(Some(out))
 }
 
-/// Computes a box per transform of the palette: bounds of the rounded rest positions that the transform moves. The box has
-/// min > max if the transform moves no vertex.
+/// Computes a box per transform of the palette: bounds of the rounded rest positions that the transform moves. The box
+/// has min > max if the transform moves no vertex.
 fn rest_boxes(skin: &SkinModel, rest_positions: &[[f32; 3]], palette_len: usize) -> Vec<u8> {
     let mut boxes = vec![None::<([f32; 3], [f32; 3])>; palette_len];
     for (influences, &x) in skin.influences.iter().zip(rest_positions) {
@@ -259,7 +259,8 @@ impl ShapeNumbers {
             // A factor of 1 is exact.
             _ if max == 0.0 => 1.0,
             Self::F32 => 1.0,
-            // A power of two is exact. The largest number becomes less than 2, so the smallest normal number is 3e-5 of it.
+            // A power of two is exact. The largest number becomes less than 2, so the smallest normal number is 3e-5 of
+            // it.
             Self::F16 => 2.0_f64.powf(max.log2().floor().max(-120.0)) as f32,
             Self::I8 => (max / 127.0) as f32,
         }

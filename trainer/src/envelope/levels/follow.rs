@@ -11,8 +11,8 @@ use sinew_runtime::Matrix3x4;
 
 /// Maximum distance of a vertex from the model's surface, as a share of the diagonal.
 pub(super) const FAR: f64 = 0.1;
-/// Strength that pulls fitted weights to the transferred weights, as a share of the mean squared error of one transform.
-/// Weights that the frames do not determine stay as transferred.
+/// Strength that pulls fitted weights to the transferred weights, as a share of the mean squared error of one
+/// transform. Weights that the frames do not determine stay as transferred.
 const PULL: f64 = 1e-3;
 
 /// A further mesh in the model's rest pose and space, with any topology.
@@ -54,9 +54,9 @@ pub enum LevelError {
     },
     /// The mesh lies on the model's surface in several axes, so its axes are ambiguous.
     #[error(
-        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away from \
-         the model's surface, and nearly as near turned to {}: give one of these, as --also-axes \"{axes}\", or export it in the \
-         axes and unit of the examples",
+        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away \
+         from the model's surface, and nearly as near turned to {}: give one of these, as --also-axes \"{axes}\", or \
+         export it in the axes and unit of the examples",
         alternatives.join(", ")
     )]
     Axes {
@@ -98,7 +98,8 @@ pub struct LevelReport {
     /// RMS distance of the vertices from their positions on the posed surface, in % of the diagonal, with transferred
     /// weights.
     pub transferred_percent: f64,
-    /// RMS distance of the vertices from their positions on the posed surface, in % of the diagonal, with fitted weights.
+    /// RMS distance of the vertices from their positions on the posed surface, in % of the diagonal, with fitted
+    /// weights.
     pub fitted_percent: f64,
 }
 
@@ -124,8 +125,8 @@ pub struct SkinSurface<'a> {
 }
 
 impl SkinSurface<'_> {
-    /// Finds weights for the vertices of a further mesh. Transfers the weights of the nearest point of the surface, then
-    /// fits them to the vertex's position on the posed surface in all frames.
+    /// Finds weights for the vertices of a further mesh. Transfers the weights of the nearest point of the surface,
+    /// then fits them to the vertex's position on the posed surface in all frames.
     ///
     /// # Errors
     /// [`LevelError::Far`]: the median distance from the surface is too large.
@@ -205,8 +206,8 @@ impl SkinSurface<'_> {
         }
     }
 
-    /// Computes the positions of a further mesh on the posed surface: 3n x V, three rows per frame. [`Self::follow`] fits
-    /// weights to these positions.
+    /// Computes the positions of a further mesh on the posed surface: 3n x V, three rows per frame. [`Self::follow`]
+    /// fits weights to these positions.
     pub fn carried(&self, mesh: &Mesh) -> Mat<f64> {
         let tree = Tree::new(self.rest, self.triangles);
         let mut all = Mat::zeros(3 * self.posed.len(), mesh.positions.len());
@@ -232,8 +233,8 @@ impl SkinSurface<'_> {
         point(&corners, foot) + frame(&corners) * offset
     }
 
-    /// Lists the transforms that the surface near a point follows, and the weights of the point on these transforms. Only
-    /// the strongest weights are kept, at most `most`.
+    /// Lists the transforms that the surface near a point follows, and the weights of the point on these transforms.
+    /// Only the strongest weights are kept, at most `most`.
     fn candidates(&self, around: &[Vec<usize>], foot: &Foot) -> (Vec<usize>, [f64; MAX_COLUMNS]) {
         let mut found: Vec<(usize, f64, f64)> = Vec::new();
         let mut add = |vertex: usize, share: f64| {
@@ -318,8 +319,8 @@ fn point(corners: &[Vector3<f64>; 3], foot: &Foot) -> Vector3<f64> {
     corners.iter().zip(foot.shares).map(|(corner, share)| corner * share).sum()
 }
 
-/// Returns the axes of a triangle: along its first side, across that side, and its normal. The axes of a collapsed triangle
-/// are 0, so its offsets are 0.
+/// Returns the axes of a triangle: along its first side, across that side, and its normal. The axes of a collapsed
+/// triangle are 0, so its offsets are 0.
 fn frame([a, b, c]: &[Vector3<f64>; 3]) -> Matrix3<f64> {
     let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
     let along = unit(b - a);

@@ -59,8 +59,8 @@ pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
     again.map_or(Ok(()), |number| Err(LevelError::Duplicate { name: names[number].to_owned() }))
 }
 
-/// Adds meshes as skins that follow a model's first envelope. Their weights are fitted to the first skin, which the runtime
-/// evaluates in the training frames.
+/// Adds meshes as skins that follow a model's first envelope. Their weights are fitted to the first skin, which the
+/// runtime evaluates in the training frames.
 ///
 /// - `coefficients`: whether the new skins get tangent coefficients.
 ///
@@ -206,8 +206,8 @@ impl SkinSurface<'_> {
         Ok(followed.into_iter().unzip())
     }
 
-    /// Converts a mesh that is far from the surface to the axes and unit in which it is near. Returns a description of the
-    /// conversion, or `None` if the mesh was not converted.
+    /// Converts a mesh that is far from the surface to the axes and unit in which it is near. Returns a description of
+    /// the conversion, or `None` if the mesh was not converted.
     ///
     /// # Errors
     /// - [`LevelError::Far`]: the mesh is far from the surface in all axes and units.

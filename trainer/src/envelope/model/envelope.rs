@@ -164,7 +164,8 @@ impl EnvelopeModel {
         out
     }
 
-    /// Converts a model to the input's unit and origin. The model's positions are `(x - centre) / unit` of the input's x.
+    /// Converts a model to the input's unit and origin. The model's positions are `(x - centre) / unit` of the input's
+    /// x.
     #[must_use]
     pub fn restated(&self, unit: f64, centre: [f64; 3]) -> Self {
         let mut out = self.clone();

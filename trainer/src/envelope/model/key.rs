@@ -1,4 +1,5 @@
-//! Keys: a key predicts the gradient of a patch of the skin from the rotations of one or two joints (METHOD §1.4, §1.5).
+//! Keys: a key predicts the gradient of a patch of the skin from the rotations of one or two joints (METHOD §1.4,
+//! §1.5).
 
 use crate::numeric::so3;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};

@@ -23,8 +23,8 @@ pub struct SkinModel {
     /// Influences of each vertex, V: palette index and weight. K is the length of the longest list. Empty without an
     /// envelope.
     pub influences: Vec<Vec<(usize, f64)>>,
-    /// Tangent coefficients g, h of each influence of each vertex, V x K, per unit of length. The coefficients of a vertex
-    /// sum to 0 (METHOD §1.8). `None` if normals come from cofactors.
+    /// Tangent coefficients g, h of each influence of each vertex, V x K, per unit of length. The coefficients of a
+    /// vertex sum to 0 (METHOD §1.8). `None` if normals come from cofactors.
     pub tangent_coefficients: Option<Vec<Vec<[f64; 2]>>>,
     /// Measured errors of the normals.
     pub normal_errors: Option<NormalErrors>,
@@ -148,8 +148,8 @@ fn coefficients(skin: &Skin<'_>, vertex: usize) -> Vec<[f64; 2]> {
 }
 
 impl Vertex<'_> {
-    /// Returns the tangent frame t, b of the coefficients. t is the rest tangent, or a tangent computed from the normal;
-    /// b = n x t.
+    /// Returns the tangent frame t, b of the coefficients. t is the rest tangent, or a tangent computed from the
+    /// normal; b = n x t.
     pub fn frame(&self) -> [Vector3<f64>; 2] {
         let along = self.tangent.map_or_else(|| affine::tangent(&self.normal), |(t, _)| t);
         [along, self.normal.cross(&along)]

@@ -35,11 +35,12 @@ struct FittedNormals {
 }
 
 impl PosedSurface<'_> {
-    /// Fits the tangent coefficients of a skin, per length unit of the skin. Free places of a vertex's influence list get
-    /// transforms that its neighbours follow, with weight 0. All lists become longer if that lowers the error enough.
+    /// Fits the tangent coefficients of a skin, per length unit of the skin. Free places of a vertex's influence list
+    /// get transforms that its neighbours follow, with weight 0. All lists become longer if that lowers the error
+    /// enough.
     ///
-    /// A vertex gets zeros, and so a cofactor normal, in three cases: it has no true images, coefficients do not lower a
-    /// visible error, or its coefficients are beyond half precision.
+    /// A vertex gets zeros, and so a cofactor normal, in three cases: it has no true images, coefficients do not lower
+    /// a visible error, or its coefficients are beyond half precision.
     ///
     /// - `unit`: the rest diagonal in length units of the skin.
     /// - `len_max`: maximum length of an influence list that becomes longer.

@@ -22,7 +22,8 @@ const CHUNK: usize = 16;
 /// Fits the tangent coefficients of a model's skins. Then measures the normals on the training frames, as `evaluate`
 /// does.
 ///
-/// - `palettes`: of the training poses, 3n x 4 per transform, in training units; `None` for a skin without coefficients.
+/// - `palettes`: of the training poses, 3n x 4 per transform, in training units; `None` for a skin without
+///   coefficients.
 /// - `influences_max`: maximum number of influences of a vertex, influences for its normal included.
 ///
 /// # Errors

@@ -1,5 +1,5 @@
-//! True normals of posed meshes, authored normals included (METHOD §1.8), and the slopes of shapes, which tilt the normals
-//! of a skin (METHOD §5).
+//! True normals of posed meshes, authored normals included (METHOD §1.8), and the slopes of shapes, which tilt the
+//! normals of a skin (METHOD §5).
 
 use super::fan::Fan;
 use crate::envelope::model::{SkinModel, Vertex};
@@ -11,8 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 /// other shapes still has a direction.
 const MAX_SLOPE: f64 = 8.0;
 
-/// True normals of a posed surface at the engine's vertices: the area-weighted normals of the posed mesh. Authored normals
-/// move with the faces around each vertex (METHOD §1.8).
+/// True normals of a posed surface at the engine's vertices: the area-weighted normals of the posed mesh. Authored
+/// normals move with the faces around each vertex (METHOD §1.8).
 pub struct TrueNormals<'a> {
     surface: Surface<'a>,
     /// Fan and authored normal of each engine vertex, E; `None` if normals are not authored.
@@ -50,10 +50,10 @@ impl<'a> TrueNormals<'a> {
 
 /// An authored normal of a vertex, which moves with the faces around the vertex.
 ///
-/// Each face of area A has a map D, which maps its edges and its unit normal n to the posed edges and the posed unit normal.
-/// The posed normal is `Σ A cof(D) (n + δ)`. The offset δ is chosen at rest: the sum is as long as `Σ A n` and parallel to
-/// the authored normal. For δ = 0 the sum is the area-weighted normal of the posed faces. No map is inverted, so thin faces
-/// are safe (METHOD §1.8).
+/// Each face of area A has a map D, which maps its edges and its unit normal n to the posed edges and the posed unit
+/// normal. The posed normal is `Σ A cof(D) (n + δ)`. The offset δ is chosen at rest: the sum is as long as `Σ A n` and
+/// parallel to the authored normal. For δ = 0 the sum is the area-weighted normal of the posed faces. No map is
+/// inverted, so thin faces are safe (METHOD §1.8).
 pub(super) struct LeaningNormal {
     /// δ along the two edges and the normal of each face.
     faces: Vec<[f64; 3]>,
@@ -128,8 +128,8 @@ impl Lean {
 }
 
 impl SkinModel {
-    /// Computes the slopes of the shapes. The slopes are secants: one shape at a weight of 1 gets the true normals of the
-    /// shaped surface.
+    /// Computes the slopes of the shapes. The slopes are secants: one shape at a weight of 1 gets the true normals of
+    /// the shaped surface.
     ///
     /// - `surface`: the surface of the skin. The skin has the engine's vertices, in their order.
     ///

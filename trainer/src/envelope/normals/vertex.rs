@@ -5,12 +5,13 @@ use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 use nalgebra::Vector3;
 
-/// Weight of a tangential residual; a residual along the true normal has weight 1. A tangential residual changes the normal
-/// only if the images also lean out of the surface.
+/// Weight of a tangential residual; a residual along the true normal has weight 1. A tangential residual changes the
+/// normal only if the images also lean out of the surface.
 const TANGENTIAL: f64 = 0.09;
 /// Ridge, as a share of the mean diagonal entry of the normal matrix.
 const RIDGE: f64 = 1e-5;
-/// Rounding error of a transform in single precision, in rest diagonals. Smaller differences between transforms do not count.
+/// Rounding error of a transform in single precision, in rest diagonals. Smaller differences between transforms do not
+/// count.
 const ROUNDING: f64 = 1e-7;
 /// Visible error of a vertex's normals, RMS in radians: 1°.
 pub(super) const VISIBLE: f64 = 0.0175;
@@ -44,8 +45,8 @@ pub(super) struct VertexPose {
     pub(super) normal: Vector3<f64>,
     /// Images of t and b under the blended transform.
     pub(super) blended: [Vector3<f64>; 2],
-    /// True images of t and b, orthogonal to the normal; `None` if faces are folded onto each other, or span no plane at
-    /// rest.
+    /// True images of t and b, orthogonal to the normal; `None` if faces are folded onto each other, or span no plane
+    /// at rest.
     pub(super) images: Option<[Vector3<f64>; 2]>,
 }
 
@@ -211,8 +212,8 @@ impl PosedVertex {
     }
 }
 
-/// Returns the weight of a squared tangential error. One weight for both axes, so that a rotation of the axes in the plane
-/// does not change the fit.
+/// Returns the weight of a squared tangential error. One weight for both axes, so that a rotation of the axes in the
+/// plane does not change the fit.
 fn tangential_weight([u, v]: [Vector3<f64>; 2]) -> f64 {
     TANGENTIAL / (u.norm_squared() + v.norm_squared())
 }
@@ -256,7 +257,8 @@ mod tests {
 
     #[test]
     fn coefficients_that_leave_normals_worse_than_cofactors_are_not_kept() {
-        // The true t is long; coefficients that lengthen t also tilt it towards the normal. The cofactor normal is exact.
+        // The true t is long; coefficients that lengthen t also tilt it towards the normal. The cofactor normal is
+        // exact.
         let long = [Vector3::x() * 11.0, Vector3::y()];
         let posed = vertex(&[(Vector3::z(), long, Vector3::new(10.0, 0.0, 1.0))]);
         let linear = posed.linear().unwrap();

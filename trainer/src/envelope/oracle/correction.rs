@@ -15,8 +15,8 @@ impl EnvelopeModel {
         pose.iter().copied().chain(self.groups.iter().flat_map(base)).collect()
     }
 
-    /// Returns J features, 0 for the root. A joint that moves by `M = [R | t]` in the frame of its parent has the feature
-    /// `[half of R | M o - o]`; o is its origin, and [`so3::half`] defines half of R.
+    /// Returns J features, 0 for the root. A joint that moves by `M = [R | t]` in the frame of its parent has the
+    /// feature `[half of R | M o - o]`; o is its origin, and [`so3::half`] defines half of R.
     pub fn features(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             parent.map_or(Matrix3x4::zeros(), |parent| {
@@ -32,8 +32,8 @@ impl EnvelopeModel {
         self.skeleton.parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Adds `Q_dom K` to the palette's last P maps. Returns the palette and the confidence: the smallest confidence of all
-    /// groups and joints, or 1 without groups.
+    /// Adds `Q_dom K` to the palette's last P maps. Returns the palette and the confidence: the smallest confidence of
+    /// all groups and joints, or 1 without groups.
     pub fn correct(
         &self,
         pose: &[Matrix3x4<f64>],

@@ -63,8 +63,8 @@ impl EnvelopeModel {
         (0..reconstruction.keys.len()).map(|l| after(root, &map(l))).collect()
     }
 
-    /// Returns the confidence of a rotational model: the smallest over the joints. A joint has 1 within its trained range
-    /// and 0 from 1.5 times the range plus 0.1 rad (FORMAT.md).
+    /// Returns the confidence of a rotational model: the smallest over the joints. A joint has 1 within its trained
+    /// range and 0 from 1.5 times the range plus 0.1 rad (FORMAT.md).
     pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
         let of_joint = |(theta, range): (&Vector3<f64>, &f64)| within(theta.norm(), *range, *range);
         rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)

@@ -1,6 +1,6 @@
-//! Enveloping by rotational regression (S3). Regression predicts key gradients, and a reduced Poisson reconstruction turns
-//! the gradients into vertices. Its matrices c1 and c2 are then refined on the training meshes. [`fit`] runs these stages
-//! in order:
+//! Enveloping by rotational regression (S3). Regression predicts key gradients, and a reduced Poisson reconstruction
+//! turns the gradients into vertices. Its matrices c1 and c2 are then refined on the training meshes. [`fit`] runs
+//! these stages in order:
 //!
 //! | file | stage |
 //! |---|---|
@@ -44,7 +44,8 @@ pub enum Method {
     Published,
     /// Near-rigid vertices and anchors are chosen by cross-validation.
     Unrefined,
-    /// As [`Self::Unrefined`]; then c1 and c2 are refined on the training meshes if that lowers the cross-validated error.
+    /// As [`Self::Unrefined`]; then c1 and c2 are refined on the training meshes if that lowers the cross-validated
+    /// error.
     Refined,
 }
 

@@ -12,9 +12,9 @@
 //! In Eq. 4 all vertices follow proxies. But a (Eq. 6) has no equation for the effect of proxies on F. If F followed
 //! proxies that only free vertices determine, the whole mesh would have errors of 6 and 9 % (METHOD §1.7).
 //!
-//! S3 leaves some details open, which are as in the other fits. Keys are fitted with the normal as a third edge of small
-//! weight. A vertex has few influences, and u is at most 4. The branch of ρ at π is handled. Slips in the equations of S3
-//! are corrected (METHOD §1.7).
+//! S3 leaves some details open, which are as in the other fits. Keys are fitted with the normal as a third edge of
+//! small weight. A vertex has few influences, and u is at most 4. The branch of ρ at π is handled. Slips in the
+//! equations of S3 are corrected (METHOD §1.7).
 
 use super::keys::GradientPredictor;
 use super::merge::MergeTree;
@@ -33,9 +33,9 @@ use nalgebra::{Matrix3, Matrix6};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// S3 has no anchors, so a can be singular. This happens if a proxy moves only vertices of F, if a part of the mesh has no
-/// vertex in F, if a patch is flat, or if the weights of two proxies are proportional. This anchor is very weak and only
-/// determines such undetermined maps.
+/// S3 has no anchors, so a can be singular. This happens if a proxy moves only vertices of F, if a part of the mesh has
+/// no vertex in F, if a patch is flat, or if the weights of two proxies are proportional. This anchor is very weak and
+/// only determines such undetermined maps.
 const ANCHORS: Anchors = Anchors { near_rigid: 0.0, patch: 1e-6 };
 
 /// Number of groups in the first trial under an error.
@@ -43,9 +43,9 @@ const FIRST: usize = 8;
 /// Factor of the number of groups from one trial to the next.
 const NEXT: usize = 4;
 
-/// Returns F as a fraction of the vertices, and the anchors. F holds the vertices whose LBS error is at most the RMS error
-/// of the mesh. S3 has a threshold for that error, but states no value. A fixed length would put no vertex of one set and
-/// all vertices of another set into F.
+/// Returns F as a fraction of the vertices, and the anchors. F holds the vertices whose LBS error is at most the RMS
+/// error of the mesh. S3 has a threshold for that error, but states no value. A fixed length would put no vertex of one
+/// set and all vertices of another set into F.
 ///
 /// - `lbs_errors`: squared errors summed over the poses, V.
 pub fn setting(lbs_errors: &[f64]) -> Setting {
@@ -65,11 +65,11 @@ pub fn fixed_on_joints(proxies: &Proxies, joints: &Weights, fixed: &[bool]) -> W
     Weights::from_lists(proxies.weights.most().max(joints.most()), lists)
 }
 
-/// Merges the triangles of a surface into proxies: into a fixed number, or into the smallest number within an error. All
-/// weights and maps are fitted again after every merge (S3 §3.1).
+/// Merges the triangles of a surface into proxies: into a fixed number, or into the smallest number within an error.
+/// All weights and maps are fitted again after every merge (S3 §3.1).
 ///
-/// Thousands of groups would make that too slow. So the first merges come from `tree`, where a merge refits only the merged
-/// group. They end at twice the number of proxies that is asked for.
+/// Thousands of groups would make that too slow. So the first merges come from `tree`, where a merge refits only the
+/// merged group. They end at twice the number of proxies that is asked for.
 ///
 /// # Errors
 /// [`FitError::MaxError`]: a file cannot hold enough proxies to reach the error asked for.
@@ -118,12 +118,12 @@ pub fn fit_proxies(
 
 /// Returns the reconstruction of P predictors for a file, whose keys have no bias.
 ///
-/// With a bias B a key is `D = R (I + sym(H θ)) + R B` (S3 §1.3). A second key with the same rotation and no shear is R.
-/// Columns `3k + i` of c1 multiply the first key; `Σ_i c1[.., 3k + i] B[m, i]` in column m multiplies the second key. So
-/// P predictors with a bias become 2P keys.
+/// With a bias B a key is `D = R (I + sym(H θ)) + R B` (S3 §1.3). A second key with the same rotation and no shear is
+/// R. Columns `3k + i` of c1 multiply the first key; `Σ_i c1[.., 3k + i] B[m, i]` in column m multiplies the second
+/// key. So P predictors with a bias become 2P keys.
 ///
-/// A file has as many proxies as keys. If `reduced` has more transforms, keys are repeated; if it has fewer, the further
-/// proxies are zero, and no vertex may follow them.
+/// A file has as many proxies as keys. If `reduced` has more transforms, keys are repeated; if it has fewer, the
+/// further proxies are zero, and no vertex may follow them.
 pub fn reconstruction(predictors: &[GradientPredictor], reduced: &Reduced) -> Reconstruction {
     let p = predictors.len();
     let mut keys: Vec<Key> = predictors.iter().map(|predictor| predictor.key.clone()).collect();
@@ -200,8 +200,8 @@ impl<'a> Groups<'a> {
         Self::fitted(self.surface, group_of, self.influences, maps, progress)
     }
 
-    /// Finds the merge A → B with the smallest `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²` among groups that share an edge. If no
-    /// groups share an edge, compares all pairs.
+    /// Finds the merge A → B with the smallest `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²` among groups that share an edge.
+    /// If no groups share an edge, compares all pairs.
     fn cheapest_merge(&self, neighbours: &[BTreeSet<u32>]) -> (usize, usize) {
         let across = |(a, others): (&usize, &BTreeSet<u32>)| -> Vec<_> {
             others.iter().map(|&other| (*a, self.group_of[other as usize])).collect()

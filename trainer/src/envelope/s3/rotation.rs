@@ -23,8 +23,8 @@ const PREFERENCE: f64 = 1e-3;
 const MIRROR_GAIN: f64 = 1e-6;
 /// A residual joint is kept if its error is below this share of the error of one joint.
 const RESIDUAL_GAIN: f64 = 0.98;
-/// Maximum |u|. If a joint hardly moved in training, the fit explains noise by a large u. The surface would then spin when
-/// the joint moves.
+/// Maximum |u|. If a joint hardly moved in training, the fit explains noise by a large u. The surface would then spin
+/// when the joint moves.
 const MAX_SCALE: f64 = 4.0;
 
 /// The matrix u W: a rotation and a scale.

@@ -334,8 +334,8 @@ impl<'a> Refining<'a> {
     }
 }
 
-/// Tries no refinement, then every ridge with and without scale and shear. Returns the best refinement, and all trials in
-/// order.
+/// Tries no refinement, then every ridge with and without scale and shear. Returns the best refinement, and all trials
+/// in order.
 pub fn choose_refinement(
     shearing: &Refining<'_>,
     rigid: &Refining<'_>,
