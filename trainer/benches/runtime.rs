@@ -1,10 +1,10 @@
 //! Prints the cost of evaluation relative to plain skinning: `cargo bench -p sinew-trainer --bench
 //! runtime`, and with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers. Runs use one core.
 //! Medians are of alternating runs, so that ratios hold on a busy machine. Sets that are missing in
-//! `../shared/data` are named and left out.
+//! `../shared/data` are skipped, and their names are printed.
 //!
-//! Plain skinning is the same skin stage with the character's joints as palette, and a loop as an
-//! engine without SIMD would write it.
+//! Plain skinning is measured twice: by the skin stage with the character's joints as palette, and by a plain loop, as
+//! in an engine without SIMD.
 
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
@@ -295,7 +295,7 @@ fn seconds_of(mut call: impl FnMut() -> Result<(), CallError>) -> Result<f64, Ca
     Ok(median(seconds) / 16.0)
 }
 
-/// Linear blend skinning as written without SIMD in mind.
+/// Linear blend skinning in a plain loop, as in an engine without SIMD.
 fn skin_plainly(
     palette: &[Matrix3x4],
     influences: &[(usize, f32)],

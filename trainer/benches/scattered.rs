@@ -1,7 +1,7 @@
 //! Prints times on scattered data on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
-//! queries of baked functions. Each time is the least of five runs.
+//! queries of baked functions. Each time is the minimum of five runs.
 //!
-//! `cargo bench -p sinew-trainer --bench scattered`. This prints SciPy's times:
+//! `cargo bench -p sinew-trainer --bench scattered`. This command prints SciPy's times:
 //!
 //! ```text
 //! OPENBLAS_NUM_THREADS=1 python -c "
@@ -132,7 +132,7 @@ fn fits() -> Result<(), KernelError> {
     Ok(())
 }
 
-/// Runs a function several times; returns its result and the least time in seconds.
+/// Runs a function several times; returns its result and the minimum time in seconds.
 fn least<T>(run: impl Fn() -> Result<T, KernelError>) -> Result<(T, f64), KernelError> {
     let timed = || {
         let start = Instant::now();

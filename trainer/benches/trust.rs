@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let of = |pick: fn(&Frame) -> (f64, f64)| spearman(&all.iter().map(pick).collect::<Vec<_>>());
     println!(
-        "all frames: Spearman of confidence and what is gained {:.2}, of confidence and the share of LBS's error that is \
+        "all frames: Spearman of confidence and the gain {:.2}, of confidence and the share of LBS's error that is \
          gained {:.2}",
         of(|frame| (frame.confidence, frame.lbs - frame.model)),
         of(|frame| (frame.confidence, 1.0 - frame.model / frame.lbs))
@@ -193,8 +193,8 @@ fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(sets)
 }
 
-/// Damages training frames one at a time; counts how often the frame is detected, and how many
-/// other frames are.
+/// Damages training frames one at a time; counts how often the damaged frame is detected, and how many other frames are
+/// detected.
 fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn Error>> {
     let (frames, len) = (examples.frames_of(Split::Train), examples.vertex_len());
     let (mut named, mut others) = (0, Vec::new());

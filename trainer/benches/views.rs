@@ -1,6 +1,6 @@
-//! Prints what pictures of views cost: `cargo bench -p sinew-trainer --bench views`.
+//! Prints the cost of pictures of views: `cargo bench -p sinew-trainer --bench views`.
 //!
-//! The set is `../shared/data/character-2d`: in layers, flattened, and in layers whose points are proposed.
+//! The set is `../shared/data/character-2d`: in layers, flattened, and in layers with proposed points.
 #![allow(missing_docs, reason = "a program")]
 
 use serde_json::{Value, json};

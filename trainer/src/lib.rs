@@ -3,14 +3,16 @@
 //! **The path of data.** [`formats`] read files, which become [`examples`]. An [`envelope`] is checked, fitted to the
 //! examples and baked into a file by [`bake`]. The runtime evaluates that file to measure it. A report made with
 //! [`page`] shows where the error is, and an export hands the model to engines. A [`face`] is a separate kind of skin:
-//! its shapes are given, and a take teaches how they combine. Samples of a [`signal`] become a filter that refines it.
+//! its shapes are given, and a take shows their combinations. Samples of a [`signal`] become a filter that refines it.
 //!
 //! **A new part** gets a folder, as [`envelope`] has: its model in f64, its fit, its `bake` (which makes a
 //! [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs` lists its commands in one
 //! line. A part that shares a file with an envelope is a field of [`envelope::model::FileModel`]; it is written in
-//! `envelope/bake/file.rs` and printed in `cli/envelope/describe.rs`. The doc of the runtime's `format/mod.rs` says
-//! which files the runtime accepts. [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`], [`formats`] and
-//! [`space`] know no part. The numbers that set a fit are in [`settings`].
+//! `envelope/bake/mod.rs` and printed in `cli/envelope/describe.rs`. The doc of the runtime's `format/mod.rs` says
+//! which files the runtime accepts.
+//!
+//! These modules do not depend on any part: [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`],
+//! [`formats`] and [`space`]. The numbers that set a fit are in [`settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;

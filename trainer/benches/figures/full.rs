@@ -7,14 +7,14 @@ use sinew_trainer::envelope::lbs::blend::Weights;
 use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
 use sinew_trainer::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
 use sinew_trainer::envelope::s3::Method;
-use sinew_trainer::envelope::s3::gradient::gradient;
+use sinew_trainer::envelope::s3::keys::GradientPredictor;
 use sinew_trainer::envelope::s3::poisson::{Poisson, PoissonError};
-use sinew_trainer::envelope::s3::predictor::GradientPredictor;
-use sinew_trainer::envelope::s3::settings::near_rigid;
+use sinew_trainer::envelope::s3::surface::gradient;
+use sinew_trainer::envelope::s3::validation::near_rigid;
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::numeric::affine::from_rows;
 
-/// T predictors and a factored reconstruction.
+/// Predictors of the T triangles, and a factored reconstruction.
 pub(crate) struct Full<'a> {
     examples: &'a Examples,
     predictors: Vec<GradientPredictor>,
@@ -23,11 +23,11 @@ pub(crate) struct Full<'a> {
 }
 
 impl<'a> Full<'a> {
-    /// Fits the training frames with the given fraction of near-rigid vertices. One vertex is added
-    /// for each part of the mesh that has none.
+    /// Fits the training frames with the given fraction of near-rigid vertices. Each part of the mesh without a
+    /// near-rigid vertex gets one.
     ///
     /// # Errors
-    /// [`PoissonError::Factorisation`].
+    /// [`PoissonError::Factorisation`]: the factorisation failed.
     pub(crate) fn fit(
         examples: &'a Examples,
         near_rigid_fraction: f64,
@@ -77,7 +77,7 @@ impl<'a> Full<'a> {
         (0..rest.len()).map(skin).collect()
     }
 
-    /// Returns the RMS error of one of these functions over the held-out frames.
+    /// Returns the RMS error of `skin` over the held-out frames, for example of [`Self::reconstruct`].
     pub(crate) fn rms(&self, skin: impl Fn(&Self, usize) -> Vec<Vector3<f64>>) -> f64 {
         let held_out = self.examples.frames_of(Split::HeldOut);
         let squared = |&frame: &usize| -> f64 {

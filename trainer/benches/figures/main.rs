@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
 //! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `settings`, `import`, `time` or
-//! `scaling`. Sets that are missing in `../shared/data` are named and left out.
+//! `scaling`. Sets that are missing in `../shared/data` are skipped, and their names are printed.
 
 mod full;
 mod painted;

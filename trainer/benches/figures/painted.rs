@@ -1,4 +1,4 @@
-//! Joint weights painted by an artist: their effect on a fit.
+//! The effect of an artist's painted joint weights on a fit.
 
 use super::{SETS, found, trained_on_first};
 use sinew_trainer::envelope::{Options, train};

@@ -1,15 +1,15 @@
-//! Enveloping: how a skin follows its skeleton (S3, METHOD §1).
+//! Enveloping: skins that follow a skeleton (S3, METHOD §1).
 //!
-//! | folder | what it does |
+//! | folder | content |
 //! |---|---|
 //! | [`lbs`] | poses and trajectories, LBS, prior weights: the input of every fit |
-//! | [`folds`] | which frames are left out together |
+//! | [`folds`] | folds: groups of frames that validation leaves out together |
 //! | [`clean`] | finds frames whose mesh does not belong to the pose |
 //! | [`helpers`], [`s3`] | the two predictors: each fits a [`model`] |
-//! | [`correction`] | kernel maps, which either predictor adds |
+//! | [`correction`] | kernel maps, which correct the helpers |
 //! | [`choose`] | chooses predictor and number of helpers, within `--budget` |
-//! | [`model`] | the one model in f64: fitted, baked, evaluated, and read back from a file |
-//! | [`oracle`] | evaluates the model in f64, stage by stage: the runtime is held to it |
+//! | [`model`] | the model in f64: fitted, baked, evaluated, and loaded from a file |
+//! | [`oracle`] | evaluates the model in f64, stage by stage; the runtime is tested against it |
 //! | `bake` | writes the model's sections |
 //! | [`normals`] | tangent coefficients of a skin, which correct its normals |
 //! | [`levels`] | further meshes that follow the same palette |

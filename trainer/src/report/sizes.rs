@@ -7,7 +7,7 @@ use crate::envelope::clean::Sound;
 use crate::envelope::lbs::poses::MIN_POSES;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::s3::ProxyCount;
-use crate::envelope::s3::settings::near_rigid;
+use crate::envelope::s3::validation::near_rigid;
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
 use crate::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::examples::Split;

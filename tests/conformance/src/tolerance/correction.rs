@@ -74,7 +74,7 @@ fn joint_confidence(
         };
         let both = features.value.iter().zip(&features.error);
         let moved: Vec<_> = both.zip(&oracle.pose_ranges).map(of_joint).collect();
-        oracle.known_of_joints(&moved).into_iter().fold(1.0, f64::min)
+        oracle.joint_confidences(&moved).into_iter().fold(1.0, f64::min)
     };
     let rounded = |known: f64, sign: f64| {
         if known < 1.0 { known + sign * (STEP_ERROR * (1.0 - known) + U) } else { 1.0 }

@@ -1,18 +1,23 @@
-//! How a file holds an envelope.
+//! Writes an envelope, its groups and their kernel maps as a part of a file.
 
-use super::groups;
 use crate::bake::sections::{blocks, check_len, check_shape, floats, names, narrow, words};
 use crate::bake::{BakeError, Part};
-use crate::envelope::model::{EnvelopeModel, Key, Reconstruction};
+use crate::envelope::model::{EnvelopeModel, Group, Input, Key, Reconstruction};
 use crate::examples::{Matrix3x4, Skeleton};
+use faer::Col;
 use nalgebra::{Matrix4, SMatrix};
-use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, NO_JOINT};
+use sinew_runtime::envelope::{
+    ENVELOPE_SECTIONS, EnvelopeCounts, GroupConfidence, GroupRow, NO_JOINT,
+};
 use sinew_runtime::format::{Element, PartKind, SectionKind};
 
 impl EnvelopeModel {
-    /// Writes the part.
+    /// Writes the envelope as a part.
+    ///
+    /// # Errors
+    /// Every [`BakeError`] of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concerns an envelope.
     pub(super) fn part(&self) -> Result<Part, BakeError> {
-        let groups = groups::write(&self.groups)?;
+        let groups = group_sections(&self.groups)?;
         let counts = self.counts(groups.scratch_len)?;
         let matrices = self.reconstruction.as_ref();
         let matrices = matrices.map(|r| (blocks(r.c1.as_ref()), blocks(r.c2.as_ref())));
@@ -38,7 +43,7 @@ impl EnvelopeModel {
         Ok(Part { kind: PartKind::Envelope, sections, element: Element::F32 })
     }
 
-    /// Checks the arrays against each other and counts them.
+    /// Checks that the arrays have matching lengths, and counts them.
     fn counts(&self, correction_len: usize) -> Result<EnvelopeCounts, BakeError> {
         let (j, p) = (self.joint_len(), self.proxy_len());
         check_len("joint names", j, self.skeleton.names.len())?;
@@ -60,7 +65,7 @@ impl EnvelopeModel {
     }
 }
 
-/// Writes parents, the evaluation order (breadth first, by number), and its inverse.
+/// Writes parents, the evaluation order (breadth first, then by index), and the inverse of that order.
 fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, BakeError> {
     let (parents, root) = (&skeleton.parents, skeleton.root());
     let mut order = Vec::from([root]);
@@ -83,22 +88,25 @@ fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
+/// Encodes a joint index; `None` becomes [`NO_JOINT`].
 fn joint_number(joint: Option<usize>) -> Result<[u8; 2], BakeError> {
     joint.map_or(Ok(NO_JOINT), |joint| narrow("joint", joint)).map(u16::to_le_bytes)
 }
 
+/// Writes the inverses of the rest frames: rows of 3 x 4 matrices.
 fn inverse_binds(rest_frames: &[Matrix3x4]) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for (joint, [x, y, z]) in rest_frames.iter().enumerate() {
         let rows = [*x, *y, *z, [0.0, 0.0, 0.0, 1.0]];
         let frame = Matrix4::from_row_slice(rows.as_flattened());
         let inverse = frame.try_inverse().ok_or(BakeError::RestFrame { joint })?;
-        // The transpose's columns are the rows.
+        // Columns of the transpose are rows of the inverse.
         out.extend(floats(&inverse.transpose().as_slice()[..12]));
     }
     Ok(out)
 }
 
+/// Writes the keys: joints, twists and shear.
 fn keys(keys: &[Key]) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for key in keys {
@@ -116,7 +124,84 @@ fn rows<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Vec<u8> 
     floats(matrix.transpose().as_slice())
 }
 
-/// Writes each joint's rest origin: its rest frame's last column.
+/// Writes the rest origins: the last columns of the rest frames.
 fn origins(rest: &[Matrix3x4]) -> Vec<u8> {
     floats(&rest.iter().flat_map(|rows| rows.map(|row| row[3])).collect::<Vec<_>>())
+}
+
+/// Content of the sections `groups` and `corrections`, and the length of their scratch.
+struct GroupSections {
+    rows: Vec<u8>,
+    words: Vec<u8>,
+    scratch_len: usize,
+}
+
+/// Writes all groups and their kernel maps.
+fn group_sections(groups: &[Group]) -> Result<GroupSections, BakeError> {
+    let mut out = GroupSections { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
+    let mut proxies = 0;
+    for group in groups {
+        check_len("proxies before a group", proxies, group.proxies.start)?;
+        proxies = group.proxies.end;
+        let row = group.row(out.words.len() / 4)?;
+        group.check()?;
+        out.scratch_len = out.scratch_len.max(row.scratch_len());
+        out.rows.extend(row.to_bytes());
+        out.words.extend(group.words()?);
+    }
+    Ok(out)
+}
+
+impl Group {
+    /// Returns the row of the group.
+    ///
+    /// - `offset`: of its words in the section `corrections`.
+    fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
+        let certainty = self.map.certainty;
+        Ok(GroupRow {
+            joint: narrow("joint of a group", self.joint)?,
+            kernel: self.map.kernel.number(),
+            certainty_len: narrow("certainty values of a group", certainty.len)?,
+            input_len: narrow("inputs of a group", self.inputs.len())?,
+            centre_len: narrow("centres of a group", self.map.centres.ncols())?,
+            rank: narrow("rank of a group", self.outputs.ncols())?,
+            proxy_len: narrow("proxies of a group", self.proxies.len())?,
+            offset: narrow("correction words", offset)?,
+            confidence: GroupConfidence {
+                reach: certainty.reach as f32,
+                linear: certainty.linear as f32,
+                signal: certainty.signal as f32,
+                noise: certainty.noise as f32,
+            },
+        })
+    }
+
+    /// Checks that the arrays of the group have matching shapes.
+    fn check(&self) -> Result<(), BakeError> {
+        let (d, n, r) = (self.inputs.len(), self.map.centres.ncols(), self.outputs.ncols());
+        check_len("coordinates of a group's centres", d, self.map.centres.nrows())?;
+        let coefficients = ["rows of a group's coefficients", "columns of a group's coefficients"];
+        check_shape(coefficients, [r + self.map.certainty.len, n + d], &self.map.coefficients)?;
+        check_len("rows of a group's outputs", 12 * self.proxies.len(), self.outputs.nrows())
+    }
+
+    /// Writes the arrays of the group, each padded to blocks.
+    fn words(&self) -> Result<Vec<u8>, BakeError> {
+        let d = self.inputs.len();
+        let mut out = Vec::new();
+        for &Input { feature, .. } in &self.inputs {
+            out.extend(narrow::<u32>("feature of a group", feature)?.to_le_bytes());
+        }
+        out.resize(4 * d.next_multiple_of(8), 0);
+        let column = |values: Vec<f64>| blocks(Col::from_iter(values).as_mat());
+        let centres = &self.map.centres;
+        out.extend(column(self.inputs.iter().map(|input| input.weight).collect()));
+        out.extend(blocks(centres.transpose()));
+        // From the rounded centres, so that the map is exactly 0 at rest.
+        let at_rest = |k: usize| self.map.kernel.at_rest((0..d).map(|i| centres[(i, k)] as f32));
+        out.extend(column((0..centres.ncols()).map(|k| f64::from(at_rest(k))).collect()));
+        out.extend(blocks(self.map.coefficients.as_ref()));
+        out.extend(blocks(self.outputs.as_ref()));
+        Ok(out)
+    }
 }

@@ -1,14 +1,16 @@
-//! How a file holds a skin.
+//! Writes a skin and its shapes as a part of a file. Shapes are stored by blocks of vertices. A block holds the deltas
+//! of every shape that moves at least one of its vertices.
 
-use super::shapes;
-use crate::bake::sections::{check_len, floats, halves, names, narrow, words};
+use crate::bake::sections::{check_len, floats, half, halves, names, narrow, words};
 use crate::bake::{BakeError, Part};
-use crate::envelope::model::{EnvelopeModel, SkinModel};
+use crate::envelope::model::{EnvelopeModel, ShapeNumbers, Shapes, SkinModel};
+use half::f16;
+use nalgebra::Vector3;
 use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
+use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, ShapeErrors, SkinCounts};
 
-/// The sections of shapes.
-const OF_SHAPES: [SectionKind; 6] = [
+/// Sections of shapes.
+const SHAPE_SECTIONS: [SectionKind; 6] = [
     SectionKind::Shapes,
     SectionKind::ShapeBlocks,
     SectionKind::ShapeEntries,
@@ -16,17 +18,22 @@ const OF_SHAPES: [SectionKind; 6] = [
     SectionKind::ShapeSlopes,
     SectionKind::ShapeErrors,
 ];
+/// Size of an entry in bytes.
+const ENTRY_BYTES: usize = 16;
 
 impl SkinModel {
-    /// Writes the part.
+    /// Writes the skin as a part.
     ///
-    /// - `envelope`: the one that it follows; it is the part of the number that [`Self::envelope`] has.
+    /// - `envelope`: the envelope with the index `self.envelope`.
+    ///
+    /// # Errors
+    /// Every [`BakeError`] of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concerns a skin.
     pub(super) fn part(&self, envelope: Option<&EnvelopeModel>) -> Result<Part, BakeError> {
         let v = self.rest_positions.len();
         check_len("rest normals", v, self.rest_normals.len())?;
         check_len("rest tangents", v, self.rest_tangents.as_ref().map_or(v, Vec::len))?;
         check_len("influences", envelope.map_or(0, |_| v), self.influences.len())?;
-        let shapes = shapes::write(&self.shapes, v)?;
+        let shapes = shape_sections(&self.shapes, v)?;
         let k = self.influence_len().max(usize::from(envelope.is_some()));
         let counts = SkinCounts {
             vertex_len: narrow("vertices", v)?,
@@ -72,8 +79,8 @@ impl SkinModel {
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(SKIN_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
-        // A reader may leave shapes alone, as it may what a skin need not have.
-        let required = |kind| counts.has(kind) == Some(true) && !OF_SHAPES.contains(&kind);
+        // A reader may ignore shapes and optional sections.
+        let required = |kind| counts.has(kind) == Some(true) && !SHAPE_SECTIONS.contains(&kind);
         let own = own.filter_map(|(kind, content)| Some((kind, required(kind), content?)));
         Ok(Part {
             kind: PartKind::Skin,
@@ -83,7 +90,7 @@ impl SkinModel {
     }
 }
 
-/// Writes K palette indices a vertex; those that are not used point to transform 0.
+/// Writes K palette indices per vertex; unused places are 0.
 fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for influences in &skin.influences {
@@ -95,7 +102,7 @@ fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-/// Writes K weights a vertex, those that are not used as 0.
+/// Writes K normalised weights per vertex; unused places are 0.
 fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for (vertex, influences) in skin.influences.iter().enumerate() {
@@ -109,7 +116,7 @@ fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-/// Writes g, h of a vertex's first K - 1 influences; `None` without coefficients.
+/// Writes g, h of the first K - 1 influences of each vertex; `None` without coefficients.
 fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, BakeError> {
     let Some(all) = &skin.tangent_coefficients else { return Ok(None) };
     check_len("vertices with tangent coefficients", skin.rest_positions.len(), all.len())?;
@@ -121,8 +128,8 @@ fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, BakeError
     Ok(Some(out))
 }
 
-/// Computes the box of the rounded rest positions that each transform of the palette moves; min > max if
-/// it moves none.
+/// Computes a box per transform of the palette: bounds of the rounded rest positions that the transform moves. The box
+/// has min > max if the transform moves no vertex.
 fn rest_boxes(skin: &SkinModel, rest_positions: &[[f32; 3]], palette_len: usize) -> Vec<u8> {
     let mut boxes = vec![None::<([f32; 3], [f32; 3])>; palette_len];
     for (influences, &x) in skin.influences.iter().zip(rest_positions) {
@@ -136,4 +143,169 @@ fn rest_boxes(skin: &SkinModel, rest_positions: &[[f32; 3]], palette_len: usize)
     }
     let corners = boxes.into_iter().map(|rest_box| rest_box.unwrap_or(([1.0; 3], [-1.0; 3])));
     corners.flat_map(|(min, max)| min.into_iter().chain(max)).flat_map(f32::to_le_bytes).collect()
+}
+
+/// Content of the sections of shapes.
+#[derive(Default)]
+struct ShapeSections {
+    rows: Vec<u8>,
+    blocks: Vec<u8>,
+    entries: Vec<u8>,
+    deltas: Vec<u8>,
+    slopes: Vec<u8>,
+    errors: Vec<u8>,
+    delta_len: usize,
+}
+
+impl ShapeSections {
+    /// Returns the number of entries.
+    fn entry_len(&self) -> usize {
+        self.entries.len() / ENTRY_BYTES
+    }
+}
+
+/// A shape, rounded as in a file.
+struct Rounded {
+    /// Factors of the file's numbers: of deltas, then of slopes.
+    steps: [f32; 2],
+    /// Numbers of each vertex: three for its delta, two for its slopes.
+    numbers: Vec<[f32; 5]>,
+}
+
+/// Writes all shapes of a skin.
+fn shape_sections(shapes: &Shapes, vertex_len: usize) -> Result<ShapeSections, BakeError> {
+    check_len("deltas of all shapes", shapes.len(), shapes.deltas.len())?;
+    check_len("slopes of all shapes", shapes.len(), shapes.slopes.len())?;
+    let mut out = ShapeSections::default();
+    let (mut all, mut errors) = (Vec::new(), Errors::default());
+    for (deltas, slopes) in shapes.deltas.iter().zip(&shapes.slopes) {
+        check_len("deltas of a shape", vertex_len, deltas.len())?;
+        check_len("slopes of a shape", vertex_len, slopes.len())?;
+        let rounded = Rounded::new(shapes.numbers, deltas, slopes);
+        errors.measure(&rounded, deltas);
+        out.rows.extend(rounded.row().into_iter().flat_map(f32::to_le_bytes));
+        all.push(rounded);
+    }
+    let mut starts = vec![0];
+    for first in (0..vertex_len).step_by(BLOCK) {
+        let vertices = first..vertex_len.min(first + BLOCK);
+        for (shape, rounded) in all.iter().enumerate() {
+            let own = &rounded.numbers[vertices.clone()];
+            let bit = |(at, numbers): (usize, &[f32; 5])| u64::from(is_moved(numbers)) << at;
+            let mask = own.iter().enumerate().map(bit).sum::<u64>();
+            if mask == 0 {
+                continue;
+            }
+            let (low, high) = (mask as u32, (mask >> 32) as u32);
+            let start = narrow("deltas of shapes", out.delta_len)?;
+            out.entries.extend(words(&[low, high, narrow("shapes", shape)?, start]));
+            out.delta_len += mask.count_ones() as usize;
+            for numbers in own.iter().filter(|numbers| is_moved(numbers)) {
+                let (delta, slopes) = numbers.split_at(3);
+                out.deltas.extend(delta.iter().flat_map(|x| shapes.numbers.bytes(*x)));
+                out.slopes.extend(slopes.iter().flat_map(|x| shapes.numbers.bytes(*x)));
+            }
+        }
+        starts.push(narrow("entries of shapes", out.entry_len())?);
+    }
+    out.blocks = words(&starts);
+    out.errors = errors.figures().figures().into_iter().flat_map(f32::to_le_bytes).collect();
+    Ok(out)
+}
+
+/// Returns true if a delta or slope is not 0.
+fn is_moved(numbers: &[f32; 5]) -> bool {
+    numbers.iter().any(|x| *x != 0.0)
+}
+
+impl Rounded {
+    fn new(numbers: ShapeNumbers, deltas: &[[f64; 3]], slopes: &[[f64; 2]]) -> Self {
+        let steps = [numbers.step(deltas.as_flattened()), numbers.step(slopes.as_flattened())];
+        let all = deltas.iter().zip(slopes).map(|([x, y, z], [a, c])| {
+            let [of_delta, of_slope] =
+                steps.map(|step| move |x: &f64| numbers.rounded(x / f64::from(step)));
+            [of_delta(x), of_delta(y), of_delta(z), of_slope(a), of_slope(c)]
+        });
+        Self { steps, numbers: all.collect() }
+    }
+
+    /// Computes a vertex's delta as the runtime does.
+    fn delta(&self, [x, y, z, ..]: &[f32; 5]) -> [f32; 3] {
+        [x, y, z].map(|x| self.steps[0] * x)
+    }
+
+    /// Returns the row of the shape: steps, and the box around its deltas and 0.
+    fn row(&self) -> [f32; 8] {
+        let (mut min, mut max) = ([0.0_f32; 3], [0.0_f32; 3]);
+        for delta in self.numbers.iter().map(|numbers| self.delta(numbers)) {
+            for (x, (min, max)) in delta.into_iter().zip(min.iter_mut().zip(&mut max)) {
+                (*min, *max) = (min.min(x), max.max(x));
+            }
+        }
+        let ([a, b], [x0, y0, z0], [x1, y1, z1]) = (self.steps, min, max);
+        [a, b, x0, y0, z0, x1, y1, z1]
+    }
+}
+
+impl ShapeNumbers {
+    /// Chooses the factor of the numbers in a file, so that the largest number has the best relative precision.
+    fn step(self, values: &[f64]) -> f32 {
+        if values.iter().any(|x| !x.is_finite()) {
+            // Every reader refuses NaN.
+            return f32::NAN;
+        }
+        let max = values.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        match self {
+            // A factor of 1 is exact.
+            _ if max == 0.0 => 1.0,
+            Self::F32 => 1.0,
+            // A power of two is exact. The largest number becomes less than 2, so the smallest normal number is 3e-5 of
+            // it.
+            Self::F16 => 2.0_f64.powf(max.log2().floor().max(-120.0)) as f32,
+            Self::I8 => (max / 127.0) as f32,
+        }
+    }
+
+    /// Rounds a number to the number type of the file.
+    fn rounded(self, x: f64) -> f32 {
+        match self {
+            Self::F32 => x as f32,
+            Self::F16 => half(x).to_f32(),
+            Self::I8 => x.round().clamp(-127.0, 127.0) as f32,
+        }
+    }
+
+    /// Writes a rounded number.
+    fn bytes(self, x: f32) -> Vec<u8> {
+        match self {
+            Self::F32 => x.to_le_bytes().to_vec(),
+            Self::F16 => f16::from_f32_const(x).to_le_bytes().to_vec(),
+            Self::I8 => (x as i8).to_le_bytes().to_vec(),
+        }
+    }
+}
+
+/// Rounding errors of deltas.
+#[derive(Default)]
+struct Errors {
+    largest: f64,
+    squares: f64,
+    len: usize,
+}
+
+impl Errors {
+    fn measure(&mut self, rounded: &Rounded, deltas: &[[f64; 3]]) {
+        for (numbers, delta) in rounded.numbers.iter().zip(deltas) {
+            let found = Vector3::from(rounded.delta(numbers).map(f64::from));
+            let error = (found - Vector3::from(*delta)).norm();
+            self.largest = self.largest.max(error);
+            self.squares += error * error;
+            self.len += usize::from(*delta != [0.0; 3]);
+        }
+    }
+
+    fn figures(&self) -> ShapeErrors {
+        let rms = (self.squares / self.len.max(1) as f64).sqrt();
+        ShapeErrors { largest: self.largest as f32, rms: rms as f32 }
+    }
 }

@@ -1,4 +1,4 @@
-//! Weights of a further mesh: those of the nearest surface, fitted to where it is carried.
+//! Weights of a further mesh: transferred from the nearest surface, then fitted to the motion of that surface.
 
 use super::nearest::{Foot, Tree, Triangle};
 use crate::formats::Mesh;
@@ -9,126 +9,127 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
-/// Further than this share of the diagonal a vertex does not belong to the model's surface.
+/// Maximum distance of a vertex from the model's surface, as a share of the diagonal.
 pub(super) const FAR: f64 = 0.1;
-/// Pull of fitted weights to those of the nearest point, as a share of what one transform alone errs:
-/// what the frames do not show stays as it was.
+/// Strength that pulls fitted weights to the transferred weights, as a share of the mean squared error of one
+/// transform. Weights that the frames do not determine stay as transferred.
 const PULL: f64 = 1e-3;
 
-/// A further mesh in the model's rest pose and space, of any topology.
+/// A further mesh in the model's rest pose and space, with any topology.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Its name in the file.
+    /// Name of its skin in the file.
     pub name: String,
     /// The mesh.
     pub mesh: Mesh,
-    /// Whether its axes and unit are given as the model's, so that no others are looked for.
+    /// True if its axes and unit were given: other axes and units are not searched.
     pub is_placed: bool,
 }
 
-/// A further mesh that cannot follow a model's palette.
+/// Reasons why a further mesh cannot follow a model's palette.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LevelError {
-    /// It does not lie on the model's surface.
+    /// The mesh does not lie on the model's surface.
     #[error(
         "mesh {name} is {percent:.0} % of the diagonal away from the model's surface, expected at \
-         most 10 % at the median, in whatever axes and unit: export it in the rest pose of the examples"
+         most 10 % at the median, in any axes and unit: export it in the rest pose of the examples"
     )]
     Far {
-        /// Its name.
+        /// Name of the mesh.
         name: String,
         /// Median distance in % of the diagonal.
         percent: f64,
     },
-    /// It does not lie on the model's surface in the axes that were given.
+    /// The mesh does not lie on the model's surface in the axes that were given.
     #[error(
         "mesh {name} is {percent:.0} % of the diagonal away from the model's surface in the axes and unit given as \
          --also-axes, expected at most 10 % at the median: give others, or leave --also-axes out, so that they are \
          recognised"
     )]
     GivenAxes {
-        /// Its name.
+        /// Name of the mesh.
         name: String,
         /// Median distance in % of the diagonal.
         percent: f64,
     },
-    /// It lies on the model's surface in several other axes, and which are meant cannot be told.
+    /// The mesh lies on the model's surface in several axes, so its axes are ambiguous.
     #[error(
-        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away from \
-         the model's surface, and hardly further to {}: give one of these, as --also-axes \"{axes}\", or export it in the \
-         axes and unit of the examples",
-        as_near.join(", ")
+        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away \
+         from the model's surface, and nearly as near turned to {}: give one of these, as --also-axes \"{axes}\", or \
+         export it in the axes and unit of the examples",
+        alternatives.join(", ")
     )]
     Axes {
-        /// Its name.
+        /// Name of the mesh.
         name: String,
-        /// Least median distance in % of the diagonal.
+        /// Smallest median distance in % of the diagonal.
         percent: f64,
-        /// Where it is so.
+        /// Axes of the smallest distance.
         axes: String,
-        /// Where it is hardly more.
-        as_near: Vec<String>,
+        /// Axes of nearly that distance.
+        alternatives: Vec<String>,
     },
-    /// Two skins would have one name.
+    /// Two skins have the same name.
     #[error(
-        "two skins are called {name}: a further mesh is called as its file, without the ending, and \
-         the examples' own is called skin; rename the file"
+        "two skins have the name {name}: a further mesh has the name of its file without the ending, \
+         and the examples' own skin is called skin; rename the file"
     )]
     Duplicate {
-        /// The name.
+        /// Name of both skins.
         name: String,
     },
 }
 
-/// How a further mesh follows the model's own skin.
+/// Report on a further mesh that follows the model's own skin.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct LevelReport {
-    /// Its name.
+    /// Name of the mesh.
     pub name: String,
-    /// Its vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Its triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// How it was moved, of a mesh in other axes or another unit.
+    /// Conversion of a mesh in other axes or another unit.
     pub moved: Option<String>,
     /// Median distance of its vertices from the model's surface at rest, in % of the diagonal.
     pub distance_percent: f64,
-    /// Vertices that are further than 10 % of the diagonal from it.
+    /// Number of vertices further than 10 % of the diagonal from the surface.
     pub far: usize,
-    /// RMS distance from where the surface carries the vertices, with the weights of its nearest
-    /// points, in % of the diagonal.
+    /// RMS distance of the vertices from their positions on the posed surface, in % of the diagonal, with transferred
+    /// weights.
     pub transferred_percent: f64,
-    /// The same with the weights that were fitted.
+    /// RMS distance of the vertices from their positions on the posed surface, in % of the diagonal, with fitted
+    /// weights.
     pub fitted_percent: f64,
 }
 
-/// The weights of a mesh: transforms of the palette and shares of them, a list a vertex.
+/// Weights of a mesh: for each vertex a list of palette indices and weights.
 pub type Influences = Vec<Vec<(usize, f64)>>;
 
 /// A model's own skin, at rest and in some frames.
 pub struct SkinSurface<'a> {
-    /// V rest positions.
+    /// Rest positions, V.
     pub rest: &'a [[f64; 3]],
-    /// Triangles that have an area.
+    /// Triangles, each with a positive area.
     pub triangles: &'a [Triangle],
     /// Weights on the palette, V.
     pub influences: &'a Influences,
-    /// Most influences a vertex may have.
+    /// Maximum number of influences of a vertex.
     pub most: usize,
     /// The rest diagonal.
     pub diagonal: f64,
-    /// A palette a frame.
+    /// Palette of each frame.
     pub palettes: &'a [Vec<Matrix3x4>],
-    /// V posed positions a frame.
+    /// Posed positions of each frame, V.
     pub posed: Vec<Vec<[f32; 3]>>,
 }
 
 impl SkinSurface<'_> {
-    /// Finds weights for the vertices of a further mesh: those of the nearest point of the surface,
-    /// fitted in each frame to where the surface carries the vertex.
+    /// Finds weights for the vertices of a further mesh. Transfers the weights of the nearest point of the surface,
+    /// then fits them to the vertex's position on the posed surface in all frames.
     ///
     /// # Errors
-    /// [`LevelError::Far`].
+    /// [`LevelError::Far`]: the median distance from the surface is too large.
     pub fn follow(&self, level: &Level) -> Result<(Influences, LevelReport), LevelError> {
         let Level { name, mesh, .. } = level;
         let tree = Tree::new(self.rest, self.triangles);
@@ -141,9 +142,9 @@ impl SkinSurface<'_> {
                 Some(self.vertex(&tree, &around, &foot, &Vector3::from(*x)))
             })
             .collect();
-        let mut distances: Vec<f64> = followed.iter().map(|f| f.distance / self.diagonal).collect();
-        distances.sort_by(f64::total_cmp);
-        let median = distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let distances: Vec<f64> = followed.iter().map(|f| f.distance / self.diagonal).collect();
+        let far = distances.iter().filter(|&&distance| distance > FAR).count();
+        let median = median(distances);
         if median > FAR {
             return Err(LevelError::Far { name: name.clone(), percent: 100.0 * median });
         }
@@ -158,13 +159,18 @@ impl SkinSurface<'_> {
             triangles: mesh.triangles.len(),
             moved: None,
             distance_percent: 100.0 * median,
-            far: distances.iter().filter(|&&distance| distance > FAR).count(),
+            far,
             transferred_percent: percent(|f| f.transferred),
             fitted_percent: percent(|f| f.fitted),
         };
         Ok((followed.into_iter().map(|f| f.influences).collect(), report))
     }
 
+    /// Finds the weights of one vertex.
+    ///
+    /// - `around`: triangles around each surface vertex, V.
+    /// - `foot`: nearest point of the surface.
+    /// - `x`: rest position of the vertex.
     fn vertex(
         &self,
         tree: &Tree<'_>,
@@ -180,7 +186,7 @@ impl SkinSurface<'_> {
             let target = self.carried_point(posed, foot, &offset);
             let mut differences = [Vector3::zeros(); MAX_COLUMNS];
             for (difference, &index) in differences.iter_mut().zip(&columns) {
-                *difference = moved(&palette[index], x) - target;
+                *difference = transformed(&palette[index], x) - target;
             }
             for i in 0..columns.len() {
                 for j in 0..columns.len() {
@@ -200,8 +206,8 @@ impl SkinSurface<'_> {
         }
     }
 
-    /// Carries the vertices of a further mesh with the surface, as [`Self::follow`] has it: 3n x V, three
-    /// rows a frame.
+    /// Computes the positions of a further mesh on the posed surface: 3n x V, three rows per frame. [`Self::follow`]
+    /// fits weights to these positions.
     pub fn carried(&self, mesh: &Mesh) -> Mat<f64> {
         let tree = Tree::new(self.rest, self.triangles);
         let mut all = Mat::zeros(3 * self.posed.len(), mesh.positions.len());
@@ -216,6 +222,7 @@ impl SkinSurface<'_> {
         all
     }
 
+    /// Returns the position on the posed surface of a vertex with a given offset from its nearest point.
     fn carried_point(
         &self,
         posed: &[[f32; 3]],
@@ -226,8 +233,8 @@ impl SkinSurface<'_> {
         point(&corners, foot) + frame(&corners) * offset
     }
 
-    /// Lists the transforms that appear near a point of the surface, and the weights of the point itself
-    /// on them: the strongest, as many as a vertex may have.
+    /// Lists the transforms that the surface near a point follows, and the weights of the point on these transforms.
+    /// Only the strongest weights are kept, at most `most`.
     fn candidates(&self, around: &[Vec<usize>], foot: &Foot) -> (Vec<usize>, [f64; MAX_COLUMNS]) {
         let mut found: Vec<(usize, f64, f64)> = Vec::new();
         let mut add = |vertex: usize, share: f64| {
@@ -267,18 +274,25 @@ impl SkinSurface<'_> {
     }
 }
 
-/// A vertex of a further mesh.
+/// Returns the median of distances; infinite if there are none.
+pub(super) fn median(mut distances: Vec<f64>) -> f64 {
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+/// Weights and errors of a vertex of a further mesh.
 struct Followed {
     influences: Vec<(usize, f64)>,
     distance: f64,
-    /// Squared error, summed over the frames, of transferred weights.
+    /// Squared error of the transferred weights, summed over the frames.
     transferred: f64,
-    /// The same of fitted ones.
+    /// Squared error of the fitted weights, summed over the frames.
     fitted: f64,
 }
 
-/// Fits weights of which at most `most` are not zero, pulled to transferred ones; gives these back
-/// where that is no better.
+/// Fits weights, pulled to the transferred weights. Returns the transferred weights if the fit is not better.
+///
+/// - `most`: maximum number of weights that are not 0.
 fn fit(gram: &Gram, transferred: &[f64; MAX_COLUMNS], most: usize) -> [f64; MAX_COLUMNS] {
     let mut pulled = *gram;
     let mean = (0..gram.len).map(|i| gram.value[i][i]).sum::<f64>() / gram.len as f64;
@@ -294,18 +308,19 @@ fn fit(gram: &Gram, transferred: &[f64; MAX_COLUMNS], most: usize) -> [f64; MAX_
     if better { fitted } else { *transferred }
 }
 
-/// Gives where a point stands from its foot, along the triangle's axes.
+/// Computes the offset of a point from its nearest point, along the triangle's axes.
 fn offset(tree: &Tree<'_>, foot: &Foot, x: &Vector3<f64>) -> Vector3<f64> {
     let corners = tree.corners(foot.triangle);
     frame(&corners).transpose() * (x - point(&corners, foot))
 }
 
+/// Returns the point of a triangle with the barycentric coordinates of `foot`.
 fn point(corners: &[Vector3<f64>; 3], foot: &Foot) -> Vector3<f64> {
     corners.iter().zip(foot.shares).map(|(corner, share)| corner * share).sum()
 }
 
-/// Gives the axes of a triangle: along its first side, across it, and its normal. A triangle that
-/// has collapsed has none, and carries no offset.
+/// Returns the axes of a triangle: along its first side, across that side, and its normal. The axes of a collapsed
+/// triangle are 0, so its offsets are 0.
 fn frame([a, b, c]: &[Vector3<f64>; 3]) -> Matrix3<f64> {
     let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
     let along = unit(b - a);
@@ -313,7 +328,8 @@ fn frame([a, b, c]: &[Vector3<f64>; 3]) -> Matrix3<f64> {
     Matrix3::from_columns(&[along, normal.cross(&along), normal])
 }
 
-fn moved(transform: &Matrix3x4, x: &Vector3<f64>) -> Vector3<f64> {
+/// Transforms a position by a matrix of a palette.
+fn transformed(transform: &Matrix3x4, x: &Vector3<f64>) -> Vector3<f64> {
     Vector3::from(transform.map(|[a, b, c, d]| {
         f64::from(a) * x[0] + f64::from(b) * x[1] + f64::from(c) * x[2] + f64::from(d)
     }))

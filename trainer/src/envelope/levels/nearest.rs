@@ -1,33 +1,34 @@
-//! The nearest point of a surface.
+//! Nearest point of a surface, by a tree of boxes.
 
 use nalgebra::Vector3;
 
-/// Vertex numbers of a triangle.
+/// Vertex indices of a triangle.
 pub(super) type Triangle = [usize; 3];
 
-/// Triangles that a leaf holds.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
-/// A point of a surface.
+/// Nearest point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
-    /// The triangle it lies in.
+    /// Triangle of the point.
     pub(super) triangle: usize,
-    /// Shares of the triangle's corners, none negative, of sum 1.
+    /// Barycentric coordinates in the triangle: none negative, sum 1.
     pub(super) shares: [f64; 3],
-    /// How far it is from the point it was sought for.
+    /// Distance from the query point.
     pub(super) distance: f64,
 }
 
-/// A surface of triangles that have an area, in a tree of boxes.
+/// Tree of boxes over the triangles of a surface. Every triangle has a positive area.
 pub(super) struct Tree<'a> {
     positions: &'a [[f64; 3]],
     triangles: &'a [Triangle],
-    /// Triangle numbers; every box holds a range of them.
+    /// Triangle indices; every box holds a range of this list.
     order: Vec<usize>,
     root: Boxed,
 }
 
+/// A box around triangles, and its content.
 struct Boxed {
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -40,7 +41,7 @@ enum Content {
 }
 
 impl<'a> Tree<'a> {
-    /// Sorts a mesh's triangles into boxes.
+    /// Builds the tree of a mesh.
     pub(super) fn new(positions: &'a [[f64; 3]], triangles: &'a [Triangle]) -> Self {
         let mut order: Vec<usize> = (0..triangles.len()).collect();
         let corners = |triangle: usize| triangles[triangle].map(|v| Vector3::from(positions[v]));
@@ -48,12 +49,12 @@ impl<'a> Tree<'a> {
         Self { positions, triangles, order, root }
     }
 
-    /// Gives the corners of a triangle in the rest pose.
+    /// Returns the corners of a triangle in the rest pose.
     pub(super) fn corners(&self, triangle: usize) -> [Vector3<f64>; 3] {
         self.triangles[triangle].map(|vertex| Vector3::from(self.positions[vertex]))
     }
 
-    /// Finds the nearest point; `None` if there is no triangle.
+    /// Finds the nearest point of the surface; `None` if there is no triangle.
     pub(super) fn nearest(&self, point: &Vector3<f64>) -> Option<Foot> {
         let mut best = None;
         self.search(&self.root, point, &mut best);
@@ -113,8 +114,8 @@ impl Boxed {
     }
 }
 
-/// Finds the point of a triangle nearest to a point, as shares of the corners (C. Ericson,
-/// *Real-Time Collision Detection*, 5.1.5).
+/// Finds the point of a triangle nearest to a point, in barycentric coordinates (C. Ericson, *Real-Time Collision
+/// Detection*, 5.1.5).
 fn shares(point: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let toward = |from: &Vector3<f64>| {
@@ -155,7 +156,7 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
 
-    /// Above the inside it is the distance from the plane, elsewhere that from the nearest side.
+    /// Computes the distance from the plane if the point lies above the triangle, else from the nearest side.
     fn distance(point: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a)).normalize();
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_foot_is_as_near_as_the_nearest_plane_or_side_of_any_triangle() {
+    fn the_nearest_point_has_the_least_distance_of_all_triangles() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(11);
         let mut point = || -> [f64; 3] { std::array::from_fn(|_| random.random_range(-1.0..1.0)) };
         let positions: Vec<[f64; 3]> = (0..30).map(|_| point()).collect();

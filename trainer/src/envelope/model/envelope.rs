@@ -1,36 +1,38 @@
-//! An envelope in f64: what predicts a palette from a pose.
+//! An envelope in f64: predicts a palette from a pose.
 
-use super::group::{Group, Input};
 use super::key::Key;
+use super::wide;
 use crate::examples::Skeleton;
 use crate::numeric::affine;
 use crate::regression::certainty::Certainty;
 use crate::regression::map::KernelMap;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix6};
+use nalgebra::{Matrix3, Matrix3x4, Matrix6};
+use serde::Serialize;
 use sinew_runtime::Envelope;
 use sinew_runtime::envelope::{Certificate, Predictor};
+use std::ops::Range;
 
-/// An envelope, in one unit of length and about one origin.
+/// An envelope. All its lengths have one unit, all its positions one origin.
 #[derive(Clone, Debug)]
 pub struct EnvelopeModel {
     /// Name of the part.
     pub name: String,
-    /// J joints, of one root.
+    /// J joints with one root.
     pub skeleton: Skeleton,
-    /// The proxies' reconstruction; `None` for the kernel predictor, of joints and helpers.
+    /// Reconstruction of the proxies; `None` for the kernel predictor, whose palette has joints and helpers.
     pub reconstruction: Option<Reconstruction>,
-    /// Kernel maps of the helpers; a rotational envelope has none.
+    /// Groups of helpers with their kernel maps; empty for a rotational envelope.
     pub groups: Vec<Group>,
-    /// Largest rotation of each joint relative to its parent in training, J, in radians.
+    /// Largest rotation of each joint relative to its parent in training, J, radians.
     pub pose_ranges: Vec<f64>,
-    /// How far each joint's origin came in training from where its parent carries it, at the most, J.
+    /// Largest distance in training of each joint's origin from its place under the parent's transform, J.
     pub pose_gaps: Vec<f64>,
-    /// What the fit was measured to reach.
+    /// Measured errors of the fit.
     pub certificate: Certificate,
 }
 
-/// What predicts the transforms of P proxies: `t = c1 d + c2 q` (METHOD §1.7.3).
+/// Reconstruction of the transforms of P proxies: `t = c1 d + c2 q` (METHOD §1.7.3).
 #[derive(Clone, Debug)]
 pub struct Reconstruction {
     /// Key predictors, P.
@@ -41,8 +43,33 @@ pub struct Reconstruction {
     pub c2: Mat<f64>,
 }
 
+/// A group of proxies that share a dominant joint and a kernel map (METHOD §1.9). Adds `Q_dom K` to its proxies, with
+/// `K = outputs z` and z the latent values of the kernel map.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Dominant joint.
+    pub joint: usize,
+    /// Range of its proxies in 0..P; it starts at the end of the previous group.
+    pub proxies: Range<usize>,
+    /// Inputs of the map, d.
+    pub inputs: Vec<Input>,
+    /// Kernel map from d inputs to r latent values.
+    pub map: KernelMap,
+    /// Linear map from latent values to the maps of p proxies, 12p x r: row 12 l + 4 r + c is entry r, c of proxy l.
+    pub outputs: Mat<f64>,
+}
+
+/// A feature and its weight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Input {
+    /// Index 12 j + 4 r + c: entry r, c of joint j's `[half rotation | displacement]`.
+    pub feature: usize,
+    /// Factor of the feature.
+    pub weight: f64,
+}
+
 impl EnvelopeModel {
-    /// Tells which predictor it is.
+    /// Returns the kind of predictor.
     pub fn predictor(&self) -> Predictor {
         match &self.reconstruction {
             None => Predictor::Kernel,
@@ -50,34 +77,33 @@ impl EnvelopeModel {
         }
     }
 
-    /// Counts the joints, J.
+    /// Returns the number of joints, J.
     pub fn joint_len(&self) -> usize {
         self.skeleton.parents.len()
     }
 
-    /// Counts the proxies, P.
+    /// Returns the number of proxies, P.
     pub fn proxy_len(&self) -> usize {
         let helpers = self.groups.iter().map(|group| group.proxies.len()).sum();
         self.reconstruction.as_ref().map_or(helpers, |r| r.keys.len())
     }
 
-    /// Gives the place of the first proxy in the palette; before it stand the joints, where the
-    /// palette has them.
+    /// Returns the palette index of the first proxy: J if the palette starts with the joints, else 0.
     pub fn first_proxy(&self) -> usize {
         if self.reconstruction.is_some() { 0 } else { self.joint_len() }
     }
 
-    /// Counts the transforms of the palette.
+    /// Returns the number of transforms in the palette.
     pub fn palette_len(&self) -> usize {
         self.first_proxy() + self.proxy_len()
     }
 
-    /// Gives the key predictors; none of the kernel predictor.
+    /// Returns the keys; empty for the kernel predictor.
     pub fn keys(&self) -> &[Key] {
         self.reconstruction.as_ref().map_or(&[], |r| &r.keys)
     }
 
-    /// Widens what a file holds. Rest frames are the inverses of its inverse binds.
+    /// Converts a loaded envelope to f64. Rest frames are the inverses of the file's inverse binds.
     pub fn from_file(envelope: &Envelope<'_>) -> Self {
         let joints = 0..envelope.joint_len();
         let name = |joint| envelope.joint_name(joint).unwrap_or_default().to_owned();
@@ -97,19 +123,172 @@ impl EnvelopeModel {
                 c1: Mat::from_fn(4 * p, 3 * p, |r, c| wide(envelope.c1(r, c))),
                 c2: Mat::from_fn(4 * p, 4 * j, |r, c| wide(envelope.c2(r, c))),
             }),
-            groups: envelope.groups().map(|group| widened(&group)).collect(),
+            groups: envelope.groups().map(|loaded| group(&loaded)).collect(),
             pose_ranges: joints.clone().map(|joint| wide(envelope.pose_range(joint))).collect(),
             pose_gaps: joints.map(|joint| wide(envelope.pose_gap(joint))).collect(),
             certificate: envelope.certificate(),
         }
     }
+
+    /// Lists the proxies in an order with `first` first, then the other proxies of its group, then the rest.
+    pub fn order_from(&self, first: usize) -> Vec<usize> {
+        let own = self.groups.iter().find(|group| group.proxies.contains(&first));
+        let beside = |proxy: &usize| own.is_some_and(|group| group.proxies.contains(proxy));
+        let mut order: Vec<usize> = (0..self.proxy_len()).collect();
+        order.sort_by_key(|proxy| (*proxy != first, !beside(proxy)));
+        order
+    }
+
+    /// Reorders the proxies. Predictions do not change, bit for bit.
+    ///
+    /// - `order`: permutation of 0..P that keeps the proxies of each group together.
+    #[must_use]
+    pub fn ordered(&self, order: &[usize]) -> Self {
+        let mut out = self.clone();
+        if let Some(reconstruction) = &mut out.reconstruction {
+            for matrix in [&mut reconstruction.c1, &mut reconstruction.c2] {
+                *matrix = rows(matrix, 4, order);
+            }
+        }
+        let place = |proxy: usize| order.iter().position(|&other| other == proxy).unwrap_or(proxy);
+        out.groups.sort_by_key(|group| group.proxies.clone().map(place).min());
+        let mut start = 0;
+        for group in &mut out.groups {
+            let Group { proxies, outputs, .. } = group;
+            let mut own: Vec<usize> = (0..proxies.len()).collect();
+            own.sort_by_key(|own| place(proxies.start + own));
+            *outputs = rows(outputs, 12, &own);
+            *proxies = start..start + own.len();
+            start = proxies.end;
+        }
+        out
+    }
+
+    /// Converts a model to the input's unit and origin. The model's positions are `(x - centre) / unit` of the input's
+    /// x.
+    #[must_use]
+    pub fn restated(&self, unit: f64, centre: [f64; 3]) -> Self {
+        let mut out = self.clone();
+        for frame in &mut out.skeleton.rest {
+            for (row, centre) in frame.iter_mut().zip(centre) {
+                row[3] = unit * row[3] + centre;
+            }
+        }
+        out.pose_gaps.iter_mut().for_each(|gap| *gap *= unit);
+        let root = self.skeleton.root();
+        if let Some(reconstruction) = &mut out.reconstruction {
+            reconstruction.scale(unit);
+            reconstruction.shift(centre, root);
+        }
+        out.groups.iter_mut().for_each(|group| group.restate(unit, centre));
+        out
+    }
 }
 
-fn wide(value: Option<f32>) -> f64 {
-    value.map_or(f64::NAN, f64::from)
+impl Group {
+    /// Creates a group that adds 0.
+    pub fn nothing(joint: usize, proxies: Range<usize>) -> Self {
+        let outputs = Mat::zeros(12 * proxies.len(), 0);
+        Self { joint, proxies, inputs: Vec::new(), map: KernelMap::nothing(), outputs }
+    }
+
+    /// Returns true if the map has centres; without centres the group adds 0.
+    pub fn has_centres(&self) -> bool {
+        self.map.centres.ncols() > 0
+    }
+
+    /// Computes the inputs of the map from J matrices of features, d.
+    pub fn input(&self, features: &[Matrix3x4<f64>]) -> Vec<f64> {
+        let value = |&Input { feature, weight }: &Input| {
+            weight * features[feature / 12][(feature / 4 % 3, feature % 4)]
+        };
+        self.inputs.iter().map(value).collect()
+    }
+
+    /// Computes K of each proxy from the latent values, r.
+    pub fn maps(&self, latents: &[f64]) -> impl Iterator<Item = Matrix3x4<f64>> {
+        (0..self.proxies.len()).map(move |l| {
+            Matrix3x4::from_fn(|r, c| {
+                let row = self.outputs.row(12 * l + 4 * r + c);
+                row.iter().zip(latents).map(|(a, z)| a * z).sum()
+            })
+        })
+    }
+
+    /// Converts the group. With unit u and centre o, a correction `[L | t]` adds `L (x - o) + u t`.
+    fn restate(&mut self, unit: f64, [ox, oy, oz]: [f64; 3]) {
+        for input in self.inputs.iter_mut().filter(|input| input.is_displacement()) {
+            *input = Input { weight: input.weight / unit, ..*input };
+        }
+        let outputs = &self.outputs;
+        self.outputs = Mat::from_fn(outputs.nrows(), outputs.ncols(), |row, z| {
+            let own = |c: usize| outputs[(row - row % 4 + c, z)];
+            match row % 4 {
+                3 => unit * own(3) - (own(0) * ox + own(1) * oy + own(2) * oz),
+                c => own(c),
+            }
+        });
+    }
 }
 
-/// Inverts the file's inverse bind; the origin is the file's own, where it has one.
+impl Input {
+    /// Returns true if the feature is a coordinate of a displacement.
+    pub fn is_displacement(&self) -> bool {
+        self.feature % 4 == 3
+    }
+}
+
+impl Reconstruction {
+    /// Multiplies all lengths by `unit`.
+    fn scale(&mut self, unit: f64) {
+        let is_translation = |index: usize| index % 4 == 3;
+        for row in 0..self.c2.nrows() {
+            let scale = if is_translation(row) { unit } else { 1.0 };
+            for column in 0..self.c1.ncols() {
+                self.c1[(row, column)] *= scale;
+            }
+            for column in 0..self.c2.ncols() {
+                self.c2[(row, column)] *= scale / if is_translation(column) { unit } else { 1.0 };
+            }
+        }
+    }
+
+    /// Moves the origin: with centre o, a joint's map `[Q | d]` becomes `[Q | d + Qo - o]`. The root's block of q is
+    /// `[I | 0]`, so the constant o goes into this block.
+    fn shift(&mut self, centre: [f64; 3], root: usize) {
+        let (c1, c2) = (&mut self.c1, &mut self.c2);
+        for row in 0..c2.nrows() {
+            for joint in 0..c2.ncols() / 4 {
+                let shift = c2[(row, 4 * joint + 3)];
+                for (axis, o) in centre.iter().enumerate() {
+                    c2[(row, 4 * joint + axis)] += o * shift;
+                    c2[(row, 4 * root + axis)] -= o * shift;
+                }
+            }
+        }
+        for proxy in 0..c2.nrows() / 4 {
+            let shift = 4 * proxy + 3;
+            for (axis, o) in centre.iter().enumerate() {
+                for column in 0..c1.ncols() {
+                    c1[(shift, column)] -= o * c1[(4 * proxy + axis, column)];
+                }
+                for column in 0..c2.ncols() {
+                    c2[(shift, column)] -= o * c2[(4 * proxy + axis, column)];
+                }
+                c2[(shift, 4 * root + axis)] += o;
+            }
+        }
+    }
+}
+
+/// Reorders blocks of `each` rows.
+fn rows(matrix: &Mat<f64>, each: usize, order: &[usize]) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |row, column| {
+        matrix[(each * order[row / each] + row % each, column)]
+    })
+}
+
+/// Computes a joint's rest frame from its inverse bind; takes the origin from the file if it has one.
 fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> [[f64; 4]; 3] {
     let bind = envelope.inverse_bind(joint).unwrap_or([[f32::NAN; 4]; 3]);
     let bind = affine::from_rows(&bind.map(|row| row.map(f64::from)));
@@ -121,6 +300,7 @@ fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> [[f64; 4]; 3] {
     affine::to_rows(&affine::joined(&turn, &origin))
 }
 
+/// Converts a loaded key to f64.
 fn key(key: &sinew_runtime::envelope::Key) -> Key {
     let matrix = |rows: &[[f32; 3]; 3]| Matrix3::from_fn(|r, c| f64::from(rows[r][c]));
     Key {
@@ -131,8 +311,8 @@ fn key(key: &sinew_runtime::envelope::Key) -> Key {
     }
 }
 
-/// Widens a group's arrays. Its kernels' values at rest are computed, not the file's.
-fn widened(group: &sinew_runtime::envelope::Group<'_>) -> Group {
+/// Converts a loaded group to f64. The kernel values at rest are computed again, not read from the file.
+fn group(group: &sinew_runtime::envelope::Group<'_>) -> Group {
     let (d, n) = (group.input_len(), group.centre_len());
     let (r, m) = (group.rank(), group.certainty_len());
     let input = |(feature, weight): (usize, f32)| Input { feature, weight: weight.into() };

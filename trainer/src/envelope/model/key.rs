@@ -1,4 +1,5 @@
-//! A key: the gradient of a patch of the skin, from the rotations of a joint or two (METHOD §1.4, §1.5).
+//! Keys: a key predicts the gradient of a patch of the skin from the rotations of one or two joints (METHOD §1.4,
+//! §1.5).
 
 use crate::numeric::so3;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
@@ -6,17 +7,17 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 /// A key predictor: `D = Q_p exp(A θ_b) [exp(A' θ_c)] (I + sym(H [θ_b; θ_p]))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// The joint b that it follows; p is b's parent.
+    /// Joint b that the key follows; p is the parent of b.
     pub joint: usize,
     /// A = u W.
     pub twist: Matrix3<f64>,
-    /// The residual joint c, and A' = u' W'.
+    /// Residual joint c, and A' = u' W'.
     pub residual: Option<(usize, Matrix3<f64>)>,
     /// H, rows xx, xy, xz, yy, yz, zz.
     pub shear: Matrix6<f64>,
 }
 
-/// What a key's gradient is the product of.
+/// Factors whose product is a key's gradient.
 pub struct Factors {
     /// Q_p, I for the root.
     pub parent: Matrix3<f64>,
@@ -24,16 +25,16 @@ pub struct Factors {
     pub twist: Vector3<f64>,
     /// A' θ_c, radians.
     pub residual: Option<Vector3<f64>>,
-    /// S.
+    /// Stretch S.
     pub stretch: Matrix3<f64>,
 }
 
 impl Key {
-    /// Evaluates the factors of its gradient.
+    /// Evaluates the factors of the key's gradient.
     ///
     /// - `parent`: Q_p, I for the root.
-    /// - `angle`: θ of a joint; what stands for that of the root's parent is 0.
-    /// - `above`: b's parent.
+    /// - `angle`: θ of a joint, radians.
+    /// - `above`: parent of b; `None` for the root, which uses θ_p = 0.
     pub fn factors<'a>(
         &self,
         parent: Matrix3<f64>,
@@ -52,7 +53,7 @@ impl Key {
 }
 
 impl Factors {
-    /// Multiplies them.
+    /// Multiplies the factors.
     pub fn gradient(&self) -> Matrix3<f64> {
         let turn = self.parent * so3::exp(&self.twist);
         let turn = self.residual.map_or(turn, |angles| turn * so3::exp(&angles));
@@ -65,7 +66,7 @@ pub fn angles(own: &Vector3<f64>, above: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(own.x, own.y, own.z, above.x, above.y, above.z)
 }
 
-/// Returns S of the angles that H multiplies.
+/// Returns S = I + sym(H [θ_b; θ_p]).
 pub fn stretch(shear: &Matrix6<f64>, angles: &Vector6<f64>) -> Matrix3<f64> {
     Matrix3::identity() + symmetric(&(shear * angles))
 }

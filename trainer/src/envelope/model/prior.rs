@@ -1,5 +1,6 @@
-//! A prior over the weights of a skin's shapes, in f64, and its part of a file.
+//! A prior over the weights of a skin's shapes, in f64, and its part in a file.
 
+use super::wide;
 use crate::bake::sections::{check_len, check_shape, floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
 use faer::linalg::solvers::DenseSolveCore;
@@ -13,15 +14,15 @@ use sinew_runtime::prior::{PriorCounts, PriorFit};
 pub struct PriorModel {
     /// Name of the part.
     pub name: String,
-    /// Number of the skin in the file.
+    /// Index of the skin in the [`FileModel`](super::FileModel).
     pub skin: usize,
     /// Mean weights, S.
     pub mean: Vec<f64>,
     /// Σ, S x S, including the floor of variances.
     pub covariance: Mat<f64>,
-    /// Least and greatest weight, S.
+    /// Smallest and largest weight, S.
     pub bounds: Vec<[f64; 2]>,
-    /// Pairs of shapes that mirror each other, with their stiffness: the reciprocal of a mean square difference.
+    /// Pairs of mirrored shapes, and their stiffness: the reciprocal of a mean squared difference.
     pub symmetry: Vec<([usize; 2], f64)>,
     /// Pairs of mutually exclusive shapes.
     pub cancel: Vec<[usize; 2]>,
@@ -32,10 +33,9 @@ pub struct PriorModel {
 impl PriorModel {
     /// Converts a loaded prior to f64.
     ///
-    /// - `skin`: number of the skin in the file.
+    /// - `skin`: index of the skin in the [`FileModel`](super::FileModel).
     pub fn from_file(prior: &Prior<'_>, skin: usize) -> Self {
         let n = prior.shape_len();
-        let wide = |x: Option<f32>| x.map_or(f64::NAN, f64::from);
         let factor = Mat::from_fn(n, n, |i, j| wide(prior.factor_entry(i, j)));
         let bounds = (0..n).map(|s| prior.weight_bounds(s).unwrap_or([f32::NAN; 2]));
         Self {
@@ -124,7 +124,7 @@ fn inverse_of_square(factor: MatRef<'_, f64>) -> Mat<f64> {
     }
 }
 
-/// Encodes a pair of shapes.
+/// Encodes a pair of shape indices.
 fn shapes(pair: [usize; 2]) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for shape in pair {

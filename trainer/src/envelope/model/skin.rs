@@ -1,9 +1,9 @@
-//! A skin in f64: a mesh, and how it follows a palette.
+//! A skin in f64: a mesh that follows a palette, and its shapes (METHOD §5).
 
-use super::shapes::Shapes;
 use crate::numeric::affine;
 use nalgebra::{Matrix3x4, Vector3, Vector4};
 use sinew_runtime::Skin;
+use sinew_runtime::format::Element;
 use sinew_runtime::skin::NormalErrors;
 use std::ops::Range;
 
@@ -12,26 +12,52 @@ use std::ops::Range;
 pub struct SkinModel {
     /// Name of the part.
     pub name: String,
-    /// Its envelope's number in the [`FileModel`](super::FileModel); `None` for a mesh that follows none.
+    /// Index of its envelope in the [`FileModel`](super::FileModel); `None` for a mesh without an envelope.
     pub envelope: Option<usize>,
     /// Rest positions, V.
     pub rest_positions: Vec<[f64; 3]>,
-    /// Rest normals, V, of length 1 or 0.
+    /// Rest normals of length 1 or 0, V.
     pub rest_normals: Vec<[f64; 3]>,
-    /// Rest tangents of length 1 and, last, handedness, V.
+    /// Rest tangents of length 1, then handedness, V.
     pub rest_tangents: Option<Vec<[f64; 4]>>,
-    /// Influences of each vertex, V: palette index and weight. K is the longest list's length. Empty
-    /// without an envelope.
+    /// Influences of each vertex, V: palette index and weight. K is the length of the longest list. Empty without an
+    /// envelope.
     pub influences: Vec<Vec<(usize, f64)>>,
-    /// Tangent coefficients g, h of each influence of each vertex, V x K, per unit of length; those of a
-    /// vertex sum to 0 (METHOD §1.8). Normals go by cofactors without.
+    /// Tangent coefficients g, h of each influence of each vertex, V x K, per unit of length. The coefficients of a
+    /// vertex sum to 0 (METHOD §1.8). `None` if normals come from cofactors.
     pub tangent_coefficients: Option<Vec<Vec<[f64; 2]>>>,
-    /// How far the normals were measured to be from the true ones.
+    /// Measured errors of the normals.
     pub normal_errors: Option<NormalErrors>,
-    /// The meshes that it was made of, by name: ranges of vertices, one after the other.
+    /// Meshes that were joined to this skin: name and range of vertices, in order.
     pub ranges: Vec<(String, Range<usize>)>,
-    /// Its shapes.
+    /// Shapes of the skin.
     pub shapes: Shapes,
+}
+
+/// The S shapes of a skin of V vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shapes {
+    /// Names, S.
+    pub names: Vec<String>,
+    /// Displacement of each vertex by each shape at a weight of 1, S x V.
+    pub deltas: Vec<Vec<[f64; 3]>>,
+    /// Slopes of the surface at each vertex by each shape at a weight of 1, S x V, along the two axes of
+    /// [`Vertex::tilt_frame`]. [`SkinModel::tilt_shapes`] computes them.
+    pub slopes: Vec<Vec<[f64; 2]>>,
+    /// Number type of deltas and slopes in a file.
+    pub numbers: ShapeNumbers,
+}
+
+/// Number type of deltas and slopes in a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShapeNumbers {
+    /// Single precision.
+    #[default]
+    F32,
+    /// Half precision, times a power of two per shape.
+    F16,
+    /// Integers from -127 to 127, times a step per shape.
+    I8,
 }
 
 /// A vertex of the rest pose.
@@ -44,12 +70,12 @@ pub struct Vertex<'a> {
     pub tangent: Option<(Vector3<f64>, f64)>,
     /// Palette index and weight, K.
     pub influences: &'a [(usize, f64)],
-    /// Tangent coefficients g, h, K; empty where normals go by cofactors.
+    /// Tangent coefficients g, h, K; empty if normals come from cofactors.
     pub coefficients: &'a [[f64; 2]],
 }
 
 impl SkinModel {
-    /// Widens what a file holds.
+    /// Converts a loaded skin to f64.
     pub fn from_file(skin: &Skin<'_>) -> Self {
         let vertices = 0..skin.vertex_len();
         let wide = |v: Option<[f32; 3]>| v.unwrap_or([f32::NAN; 3]).map(f64::from);
@@ -75,7 +101,7 @@ impl SkinModel {
         }
     }
 
-    /// Gives a vertex.
+    /// Returns a vertex.
     ///
     /// # Panics
     /// If `index` is not a vertex.
@@ -90,12 +116,12 @@ impl SkinModel {
         }
     }
 
-    /// Counts the influences of a vertex, K.
+    /// Returns the maximum number of influences of a vertex, K.
     pub fn influence_len(&self) -> usize {
         self.influences.iter().map(Vec::len).max().unwrap_or(0)
     }
 
-    /// Makes room for the tangent coefficients that a fit gives it.
+    /// Adds placeholder tangent coefficients, so that the size of the file is known before the fit.
     pub fn reserve_coefficients(&mut self) {
         let k = self.influence_len();
         let none = || vec![vec![[0.0; 2]; k]; self.influences.len()];
@@ -106,13 +132,13 @@ impl SkinModel {
         self.tangent_coefficients.as_deref().unwrap_or_default()
     }
 
-    /// Gives the V vertices.
+    /// Iterates over the V vertices.
     pub fn vertices(&self) -> impl Iterator<Item = Vertex<'_>> {
         (0..self.rest_positions.len()).map(|index| self.vertex(index))
     }
 }
 
-/// Widens a vertex's tangent coefficients; those of the last influence are minus the others' sums.
+/// Converts a vertex's tangent coefficients to f64; the last influence gets minus the sum of the others.
 fn coefficients(skin: &Skin<'_>, vertex: usize) -> Vec<[f64; 2]> {
     let mut all: Vec<_> = skin.tangent_coefficients(vertex).map(|c| c.map(f64::from)).collect();
     let sum = |which: usize| all.iter().map(|c| c[which]).sum::<f64>();
@@ -122,22 +148,70 @@ fn coefficients(skin: &Skin<'_>, vertex: usize) -> Vec<[f64; 2]> {
 }
 
 impl Vertex<'_> {
-    /// Gives the tangent frame t, b that its coefficients are along: t is the rest tangent, or else one
-    /// that the normal gives, and b = n x t.
+    /// Returns the tangent frame t, b of the coefficients. t is the rest tangent, or a tangent computed from the
+    /// normal; b = n x t.
     pub fn frame(&self) -> [Vector3<f64>; 2] {
         let along = self.tangent.map_or_else(|| affine::tangent(&self.normal), |(t, _)| t);
         [along, self.normal.cross(&along)]
     }
 
-    /// Gives the frame g, h that slopes are along: that of the rest tangent made square to the normal, as far as it is
-    /// not, or else of the normal alone.
+    /// Returns the frame g, h of the slopes: [`Self::frame`], with the rest tangent replaced by its part orthogonal to
+    /// the normal.
     pub fn tilt_frame(&self) -> [Vector3<f64>; 2] {
         let [along, across] = self.frame();
         [self.tangent.map_or(along, |_| across.cross(&self.normal)), across]
     }
 
-    /// Blends the vertex's transforms.
+    /// Blends the transforms of a palette by the vertex's weights.
     pub fn blend(&self, palette: &[Matrix3x4<f64>]) -> Matrix3x4<f64> {
         self.influences.iter().map(|&(l, weight)| palette[l] * weight).sum()
+    }
+}
+
+impl Shapes {
+    /// Converts the shapes of a loaded skin to f64.
+    pub fn from_file(skin: &Skin<'_>) -> Self {
+        let (shapes, vertices) = (0..skin.shape_len(), 0..skin.vertex_len());
+        let delta = |s, v| skin.shape_delta(s, v).unwrap_or([f32::NAN; 3]).map(f64::from);
+        let slopes = |s, v| skin.shape_slopes(s, v).unwrap_or([f32::NAN; 2]).map(f64::from);
+        let name = |s| skin.shape_name(s).unwrap_or_default().to_owned();
+        Self {
+            names: shapes.clone().map(name).collect(),
+            deltas: shapes
+                .clone()
+                .map(|s| vertices.clone().map(|v| delta(s, v)).collect())
+                .collect(),
+            slopes: shapes.map(|s| vertices.clone().map(|v| slopes(s, v)).collect()).collect(),
+            numbers: ShapeNumbers::of(skin.shape_element()),
+        }
+    }
+
+    /// Returns the number of shapes, S.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Returns true if there are no shapes.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+}
+
+impl ShapeNumbers {
+    /// Returns the element type of a file.
+    pub const fn element(self) -> Element {
+        match self {
+            Self::F32 => Element::F32,
+            Self::F16 => Element::F16,
+            Self::I8 => Element::I8,
+        }
+    }
+
+    const fn of(element: Element) -> Self {
+        match element {
+            Element::I8 => Self::I8,
+            Element::F16 => Self::F16,
+            _ => Self::F32,
+        }
     }
 }

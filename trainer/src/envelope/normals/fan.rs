@@ -1,26 +1,26 @@
-//! The faces around a vertex.
+//! Fans: the faces around a vertex.
 
 use crate::mesh::{Surface, same_normal};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// Least ratio of the singular values of the summed maps of a fan at rest: below it the faces span no plane.
+/// Minimum ratio of the singular values of the summed maps of a fan at rest. Below it, the faces span no plane.
 const FLAT: f64 = 1e-6;
 
-/// Corners of faces, each with how much its edge adds to the images of a plane's two axes.
+/// Corners of faces, and the coefficients of their edges in the images of a plane's two axes.
 pub(super) type Images = Vec<(usize, Vector2<f64>)>;
 
-/// The faces of a vertex. They are given, not found by place: vertices that stand in one place may share the
-/// faces around it out among them.
+/// The faces of a vertex. Several vertices can have one position; each of them then has a part of the faces around the
+/// position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fan {
-    /// The position where the vertex stands.
+    /// Index of the position of the vertex.
     pub centre: usize,
-    /// The two other corners of each face, in its order.
+    /// The two other corners of each face, in winding order.
     pub faces: Vec<[usize; 2]>,
 }
 
 impl Fan {
-    /// Lists the fans of V vertices that each have all the faces around them.
+    /// Lists the fans of V vertices; a fan holds all faces around its vertex.
     pub fn all(triangles: &[[usize; 3]], vertex_len: usize) -> Vec<Self> {
         let mut fans: Vec<Self> =
             (0..vertex_len).map(|centre| Self { centre, faces: Vec::new() }).collect();
@@ -32,12 +32,12 @@ impl Fan {
         fans
     }
 
-    /// Lists the fans of the engine's vertices: all faces around its vertex, or, where normals are authored, those
-    /// whose corner there has the same normal.
+    /// Lists the fans of the engine's vertices, E: all faces around the position. If normals are authored, a fan holds
+    /// only the faces whose corner at the position has the vertex's normal.
     pub fn of(surface: &Surface<'_>) -> Vec<Self> {
         let whole = Self::all(surface.triangles, surface.positions.len());
         let Some(normals) = surface.authored_normals() else { return surface.copied(&whole) };
-        // The engine's vertex at the centre of each face, in the order of the faces of a fan.
+        // Engine vertex of each face's corner at the centre, in the order of the faces of a fan.
         let mut corners: Vec<Vec<usize>> = vec![Vec::new(); whole.len()];
         for &corner in surface.engine_triangles().as_flattened() {
             corners[surface.copy_of(corner)].push(corner);
@@ -51,7 +51,7 @@ impl Fan {
         (0..surface.engine_len()).map(side).collect()
     }
 
-    /// Lists the two edges of each face that leave the vertex.
+    /// Lists the two edges of each face that start at the vertex.
     pub fn edges(
         &self,
         at: impl Fn(usize) -> Vector3<f64>,
@@ -60,19 +60,19 @@ impl Fan {
         self.faces.iter().map(move |face| face.map(|corner| at(corner) - centre))
     }
 
-    /// Adds the normals of the faces, each as long as twice its area.
+    /// Sums the normals of the faces; the length of a normal is twice the area of its face.
     pub fn normal(&self, at: impl Fn(usize) -> Vector3<f64>) -> Vector3<f64> {
         self.edges(at).map(|[a, b]| a.cross(&b)).sum()
     }
 
-    /// Adds twice the areas of the faces.
+    /// Sums twice the areas of the faces.
     pub(super) fn area(&self, at: impl Fn(usize) -> Vector3<f64>) -> f64 {
         self.edges(at).map(|[a, b]| a.cross(&b).norm()).sum()
     }
 
-    /// Finds how much the corners of the faces add to the images of a plane's two axes: the image of axis k under any
-    /// positions y is `Σ c_k (y - y_centre)` over corners. The map is the mean of the faces' maps by area at rest, scaled
-    /// so that the axes keep their part in the plane at rest. `None` where the faces at rest span no plane.
+    /// Computes coefficients for the images of a plane's two axes. At positions y, the image of axis k is
+    /// `Σ c_k (y - y_centre)` over the corners. The map is the mean of the faces' maps, weighted by area at rest. It is
+    /// scaled to map the in-plane part of each axis to itself at rest. `None` if the faces at rest span no plane.
     pub fn images(
         &self,
         at_rest: impl Fn(usize) -> Vector3<f64>,
@@ -102,8 +102,9 @@ impl Fan {
         Some(edges.into_iter().map(|(corner, share)| (corner, inverse * share)).collect())
     }
 
-    /// Gives the images of a plane's axes, as [`Fan::images`] found them, under positions, without their part along a
-    /// normal.
+    /// Computes the images of a plane's axes at posed positions, without their part along a normal.
+    ///
+    /// - `images`: coefficients, as [`Fan::images`] returns them.
     pub fn carried(
         &self,
         images: &[(usize, Vector2<f64>)],
@@ -125,7 +126,7 @@ mod tests {
     use crate::mesh::EngineMesh;
     use nalgebra::Matrix3;
 
-    /// A corner of a cube, cut open: three faces around vertex 0, one edge of which is a border.
+    /// A corner of a cube, cut open: three faces around vertex 0 and a border.
     const CORNERS: [[f64; 3]; 5] =
         [[0.2, 0.1, 0.0], [1.0, 0.0, 0.1], [0.6, 0.9, -0.2], [-0.7, 0.8, 0.1], [-0.9, -0.3, 0.0]];
     const TRIANGLES: [[usize; 3]; 3] = [[0, 1, 2], [2, 3, 0], [3, 4, 0]];
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn hard_edges_part_the_faces_of_a_vertex_and_seams_do_not() {
+    fn hard_edges_split_the_faces_of_a_vertex_and_seams_do_not() {
         let positions = CORNERS;
         let mut engine = EngineMesh {
             copy_of: vec![0, 0, 0, 1, 2, 3, 3, 4],
@@ -163,7 +164,7 @@ mod tests {
         };
         let whole = fans(&engine);
         assert!(whole[..3].iter().all(|fan| fan.faces == [[1, 2], [2, 3], [3, 4]]));
-        // The third face of vertex 0 stands behind a hard edge.
+        // A hard edge separates the third face of vertex 0 from the others.
         let (up, back) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
         engine.normals = Some(vec![up, up, back, up, up, up, back, back]);
         let sides = fans(&engine);
@@ -194,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn the_images_of_a_flat_fan_are_the_mean_of_its_faces_maps_by_area() {
+    fn the_images_of_a_flat_fan_are_the_area_weighted_mean_of_its_faces_maps() {
         let fan = &Fan::all(&TRIANGLES, 5)[0];
         let flat = |v: usize| Vector3::new(corner(v).x, corner(v).y, 0.0);
         let posed = |v: usize| flat(v).map(|x| x * x - 0.3 * x) + Vector3::z() * v as f64;
@@ -215,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_map_of_long_thin_faces_is_not_turned_over() {
-        // A strip of width 0.2 between ends that are 10 apart. Both ends swing to the same side by 0.5.
+        // A strip of width 0.2 and length 10. Both ends move to the same side by 0.5.
         let ring = |y: f64| [-0.1, 0.0, 0.1].map(|x| Vector3::new(x, y, 0.0));
         let at = [ring(0.0), ring(5.0), ring(-5.0)].concat();
         let faces = [[6, 7, 1], [6, 1, 0], [7, 2, 1], [0, 1, 3], [1, 4, 3], [1, 2, 4]];
@@ -236,7 +237,7 @@ mod tests {
         let fans = Fan::all(&TRIANGLES, 6);
         assert!(fans[0].images(along_x, &axes).is_none());
         assert!(fans[5].images(along_x, &axes).is_none());
-        // A single face spans one.
+        // A single face spans a plane.
         assert!(fans[1].images(corner, &axes).is_some());
     }
 }

@@ -1,60 +1,62 @@
-//! The fit of tangent coefficients (METHOD §1.8).
+//! Fits the tangent coefficients of a skin (METHOD §1.8).
 
 use super::fan::Fan;
-use super::lean::{Lean, LeaningNormal};
-use super::vertex::{PosedVertex, SEEN, VertexPose};
+use super::truth::{Lean, LeaningNormal};
+use super::vertex::{PosedVertex, VISIBLE, VertexPose};
 use crate::envelope::model::SkinModel;
 use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Longer lists are worth their bytes where they leave at most this share of the normals' error, and
-/// shorter ones leave one that is seen.
-const WIDER: f64 = 0.8;
+/// Longer influence lists are used if they reduce the error of the normals to less than this share. They are tried only
+/// while that error is visible.
+const LONGER: f64 = 0.8;
 
-/// A mesh in n poses, and the palettes that are to carry it; lengths in units of the rest diagonal.
+/// A mesh in n poses, and the palettes that move it. Lengths are in units of the rest diagonal.
 pub struct PosedSurface<'a> {
-    /// Rest positions.
+    /// Rest positions, V.
     pub rest: &'a [[f64; 3]],
-    /// Their trajectories, 3n a position.
+    /// Trajectories of the positions, 3n x V.
     pub trajectories: &'a Mat<f64>,
-    /// The palettes as they are predicted, 3n x 4 a transform.
+    /// Predicted palettes, 3n x 4 per transform.
     pub palettes: &'a Mat<f64>,
-    /// The faces of each of the skin's vertices, by these positions.
+    /// Fan of each vertex of the skin; its corners are indices of `rest`.
     pub fans: &'a [Fan],
-    /// Whether the skin's normals are authored, and not those of the faces.
+    /// True if the skin's normals are authored, false if they come from the faces.
     pub authored: bool,
 }
 
-/// What a fit gives the vertices of a skin.
+/// Influences and coefficients of a skin, one list per vertex.
 struct FittedNormals {
     influences: Vec<Vec<(usize, f64)>>,
     coefficients: Vec<Vec<[f64; 2]>>,
-    /// RMS angle of the normals over the poses and the rest surface's area, in radians.
+    /// RMS angle between the normals and the true normals, in radians; weighted by area at rest.
     rms: f64,
 }
 
 impl PosedSurface<'_> {
-    /// Fits the tangent coefficients of a skin of these vertices, per unit of its lengths. What a vertex's list has room
-    /// for is filled with transforms that its neighbours follow, of weight 0; all lists are made longer where normals
-    /// gain much by it. A vertex whose surface says nothing, whose normals coefficients do not bring nearer to the
-    /// truth, or whose coefficients half precision cannot hold, gets zeros: its normal goes by cofactors.
+    /// Fits the tangent coefficients of a skin, per length unit of the skin. Free places of a vertex's influence list
+    /// get transforms that its neighbours follow, with weight 0. All lists become longer if that lowers the error
+    /// enough.
     ///
-    /// - `unit`: the rest diagonal in the skin's lengths.
-    /// - `most`: the greatest length of a list that has grown.
-    pub fn fit(&self, skin: &mut SkinModel, unit: f64, most: usize) {
+    /// A vertex gets zeros, and so a cofactor normal, in three cases: it has no true images, coefficients do not lower
+    /// a visible error, or its coefficients are beyond half precision.
+    ///
+    /// - `unit`: the rest diagonal in length units of the skin.
+    /// - `len_max`: maximum length of an influence list that becomes longer.
+    pub fn fit(&self, skin: &mut SkinModel, unit: f64, len_max: usize) {
         let len = skin.influence_len();
         if len == 0 {
             return;
         }
         let mut best = self.fitted(skin, unit, len);
-        for len in len + 1..=most {
-            if best.rms <= SEEN {
+        for len in len + 1..=len_max {
+            if best.rms <= VISIBLE {
                 break;
             }
-            let wider = self.fitted(skin, unit, len);
-            if wider.rms < WIDER * best.rms {
-                best = wider;
+            let longer = self.fitted(skin, unit, len);
+            if longer.rms < LONGER * best.rms {
+                best = longer;
             }
         }
         if best.influences.iter().any(|list| list.len() > 1) {
@@ -65,12 +67,12 @@ impl PosedSurface<'_> {
 
     /// Fits the vertices of a skin with lists of `len` influences.
     fn fitted(&self, skin: &SkinModel, unit: f64, len: usize) -> FittedNormals {
-        let mut of_positions: Vec<&[(usize, f64)]> = vec![&[]; self.rest.len()];
+        let mut followed: Vec<&[(usize, f64)]> = vec![&[]; self.rest.len()];
         for (fan, own) in self.fans.iter().zip(&skin.influences) {
-            of_positions[fan.centre] = own;
+            followed[fan.centre] = own;
         }
         let vertex = |(number, fan): (usize, &Fan)| {
-            let influences = filled(fan, &of_positions, len);
+            let influences = filled(fan, &followed, len);
             let posed = self.posed(fan, &skin.vertex(number).frame(), &influences);
             let coefficients = posed.fit(unit).unwrap_or_else(|| vec![[0.0; 2]; len]);
             let area = fan.area(|corner| self.rest[corner].into());
@@ -101,7 +103,7 @@ impl PosedSurface<'_> {
         let images = plane.and_then(|plane| fan.images(at_rest, plane));
         let (last, others) = influences.split_last().map_or((0, &[][..]), |(last, o)| (last.0, o));
         let x = self.rest[fan.centre];
-        let apart: Vec<Vec<f64>> = others
+        let differences: Vec<Vec<f64>> = others
             .iter()
             .map(|&(l, _)| {
                 self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (last, [-x[0], -x[1], -x[2], -1.0])])
@@ -116,10 +118,14 @@ impl PosedSurface<'_> {
         });
 
         let pose_len = self.trajectories.nrows() / 3;
-        let mut out =
-            PosedVertex { poses: Vec::new(), apart: Vec::new(), free: others.len(), pose_len };
+        let mut out = PosedVertex {
+            poses: Vec::new(),
+            differences: Vec::new(),
+            free: others.len(),
+            pose_len,
+        };
         for pose in 0..pose_len {
-            let at = |position: usize| of(self.trajectories.col_as_slice(position), pose);
+            let at = |position: usize| in_pose(self.trajectories.col_as_slice(position), pose);
             let Some(mut normal) = fan.normal(at).try_normalize(0.0) else { continue };
             let mut carried = images.as_ref().map(|images| fan.carried(images, at, &normal));
             if let Some(leaning) = &leaning {
@@ -129,16 +135,18 @@ impl PosedSurface<'_> {
                 carried =
                     images.map(|images| images.map(|image| image - truth * truth.dot(&image)));
             }
-            // Faces that are folded onto each other may turn the map over: its normal would point inward.
+            // Faces folded onto each other may invert the map, and its normal would point inward.
             let images = carried.filter(|[u, v]| normal.dot(&u.cross(v)) > 0.0);
-            let blended = [0, 1].map(|k| of(&blended[k], pose));
+            let blended = [0, 1].map(|k| in_pose(&blended[k], pose));
             out.poses.push(VertexPose { normal, blended, images });
-            out.apart.extend(apart.iter().map(|apart| of(apart, pose)));
+            out.differences.extend(differences.iter().map(|y| in_pose(y, pose)));
         }
         out
     }
 
-    /// Adds up transforms, each times a vector, over the poses.
+    /// Sums transforms times vectors, in each pose: 3n.
+    ///
+    /// - `terms`: palette index and vector.
     fn combined(&self, terms: &[(usize, [f64; 4])]) -> Vec<f64> {
         let mut out = vec![0.0; self.palettes.nrows()];
         for (l, vector) in terms {
@@ -151,9 +159,11 @@ impl PosedSurface<'_> {
     }
 }
 
-/// Lists the influences of a vertex, then as many as there is room for of those that the corners of its faces follow
-/// and it does not, the strongest first. Where there is room left, the last comes again.
-fn filled(fan: &Fan, influences: &[&[(usize, f64)]], most: usize) -> Vec<(usize, f64)> {
+/// Lists the influences of a vertex, then the other influences of the corners of its faces, the strongest first, with
+/// weight 0. Repeats the last entry if there are fewer than `len`.
+///
+/// - `influences`: of each position, V.
+fn filled(fan: &Fan, influences: &[&[(usize, f64)]], len: usize) -> Vec<(usize, f64)> {
     let mut out = influences[fan.centre].to_vec();
     let mut others: Vec<(usize, f64)> = Vec::new();
     for &(index, weight) in fan.faces.iter().flatten().flat_map(|&corner| influences[corner]) {
@@ -167,14 +177,14 @@ fn filled(fan: &Fan, influences: &[&[(usize, f64)]], most: usize) -> Vec<(usize,
     }
     others.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     out.extend(others.into_iter().map(|(index, _)| (index, 0.0)));
-    out.truncate(most);
+    out.truncate(len);
     let last = out.last().map_or(0, |last| last.0);
-    out.resize(most, (last, 0.0));
+    out.resize(len, (last, 0.0));
     out
 }
 
-/// The vector of a pose among those of a trajectory.
-fn of(trajectory: &[f64], pose: usize) -> Vector3<f64> {
+/// Returns the vector of a pose from a trajectory, 3n.
+fn in_pose(trajectory: &[f64], pose: usize) -> Vector3<f64> {
     Vector3::from_column_slice(&trajectory[3 * pose..3 * pose + 3])
 }
 
@@ -191,7 +201,7 @@ mod tests {
     use sinew_runtime::envelope::Certificate;
     use std::sync::LazyLock;
 
-    /// A small arm in the training's lengths, its helpers' true palettes, and the skin that follows them.
+    /// Returns a small arm in training units, the true palettes of its helpers, its fans and its skin.
     fn arm() -> (Training<'static>, Mat<f64>, Vec<Fan>, SkinModel) {
         static ARM: LazyLock<Examples> =
             LazyLock::new(|| demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 }));
@@ -213,7 +223,7 @@ mod tests {
         PosedSurface { rest, trajectories, palettes, fans, authored: false }
     }
 
-    /// Solves one vertex by the singular values of all its equations, of the edges' and of the frames'.
+    /// Solves all equations of one vertex by a singular value decomposition.
     fn brute_force(
         surface: &PosedSurface<'_>,
         fan: &Fan,
@@ -221,7 +231,7 @@ mod tests {
         influences: &[(usize, f64)],
     ) -> DMatrix<f64> {
         let rest = |v: usize| Vector3::from(surface.rest[v]);
-        // The mean map of the faces by area, each by its own edges and unit normal.
+        // The area-weighted mean of the maps of the faces; a map comes from two edges and the unit normal.
         let map_of = |at: &dyn Fn(usize) -> Vector3<f64>| {
             let mean = |&[p, q]: &[usize; 2]| {
                 let edges = |at: &dyn Fn(usize) -> Vector3<f64>| {
@@ -243,7 +253,7 @@ mod tests {
         let mut left = DMatrix::zeros(3 * poses, free);
         let mut right = DMatrix::zeros(3 * poses, 2);
         for pose in 0..poses {
-            let at = |v: usize| of(surface.trajectories.col_as_slice(v), pose);
+            let at = |v: usize| in_pose(surface.trajectories.col_as_slice(v), pose);
             let faces = fan.faces.iter();
             let normal: Vector3<f64> = faces
                 .map(|&[p, q]| (at(p) - at(fan.centre)).cross(&(at(q) - at(fan.centre))))
@@ -274,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_is_fitted_as_all_its_equations_ask() {
+    fn the_fit_of_a_vertex_solves_all_its_equations() {
         let (training, palettes, fans, mut skin) = arm();
         let surface = surface(&training, &palettes, &fans);
         surface.fit(&mut skin, training.unit, 4);
@@ -293,7 +303,7 @@ mod tests {
             }
             for k in 0..2 {
                 let sum = DVector::from_iterator(own.len(), found.iter().map(|c| c[k])).sum();
-                assert!(sum.abs() < 1e-12 * size, "the coefficients of a vertex sum to 0");
+                assert!(sum.abs() < 1e-12 * size, "the coefficients of a vertex must sum to 0");
             }
             largest = largest.max(expected.amax());
         }
@@ -301,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_are_filled_with_what_neighbours_follow_and_weigh_as_before() {
+    fn lists_are_filled_with_influences_of_neighbours_and_weights_do_not_change() {
         let (training, palettes, fans, mut skin) = arm();
         let before = skin.influences.clone();
         let most = skin.influence_len();
@@ -316,14 +326,14 @@ mod tests {
                 taken += usize::from(near);
             }
         }
-        assert!(taken > 0, "a rigid vertex beside blended ones");
+        assert!(taken > 0, "a rigid vertex next to blended vertices must take influences");
     }
 
     #[test]
-    fn vertices_whose_surface_says_nothing_go_by_cofactors() {
+    fn vertices_without_true_images_get_no_coefficients() {
         let (training, palettes, mut fans, mut skin) = arm();
         let rest = skin.clone();
-        // Without a face; with one; with one of no area.
+        // Vertex 0 has no face, vertex 1 has one face, vertex 2 has a face without area.
         fans[0].faces.clear();
         fans[1].faces.truncate(1);
         let next = fans[2].faces[0][0];
@@ -333,23 +343,23 @@ mod tests {
             skin.tangent_coefficients.as_ref().unwrap()[vertex].iter().flatten().all(|c| *c == 0.0)
         };
         assert!(zero(&skin, 0) && !zero(&skin, 1) && zero(&skin, 2) && !zero(&skin, 3));
-        // Transforms that never part say nothing either: what is left is the rounding of equal numbers.
-        let mut alike = Mat::zeros(palettes.nrows(), palettes.ncols());
-        for column in 0..alike.ncols() {
-            alike.col_mut(column).copy_from(palettes.col(column % 4));
+        // Equal transforms determine no coefficients: their differences are rounding errors.
+        let mut equal = Mat::zeros(palettes.nrows(), palettes.ncols());
+        for column in 0..equal.ncols() {
+            equal.col_mut(column).copy_from(palettes.col(column % 4));
         }
         let mut same = rest.clone();
-        surface(&training, &alike, &fans).fit(&mut same, training.unit, 4);
+        surface(&training, &equal, &fans).fit(&mut same, training.unit, 4);
         let all = same.tangent_coefficients.unwrap();
         assert!(all.iter().flatten().flatten().all(|c| c.abs() < 0.1));
-        // What half precision cannot hold, in a unit of light-years, is 0, not infinite.
+        // Coefficients beyond half precision, here in a huge length unit, are 0 and not infinite.
         let mut far = rest;
         surface(&training, &palettes, &fans).fit(&mut far, 1e-16, 4);
         assert!(zero(&far, 3));
     }
 
     #[test]
-    fn a_skin_that_may_follow_one_transform_a_vertex_gets_no_coefficients() {
+    fn a_skin_with_one_influence_per_vertex_gets_no_coefficients() {
         let (training, palettes, fans, mut skin) = arm();
         skin.influences.iter_mut().for_each(|list| list.truncate(1));
         surface(&training, &palettes, &fans).fit(&mut skin, training.unit, 1);

@@ -1,4 +1,4 @@
-//! The stages of the correction (METHOD §1.9).
+//! Stages of the correction: joints, features, correction (METHOD §1.9).
 
 use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
@@ -9,15 +9,14 @@ use crate::regression::map::Value;
 use nalgebra::{Matrix3x4, Vector3};
 
 impl EnvelopeModel {
-    /// Returns the base of the kernel predictor's palette: the J joints, then for each helper its
-    /// dominant joint.
+    /// Returns the base palette of the kernel predictor: the J joints, then the dominant joint of each helper.
     pub fn joints(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let base = |group: &Group| std::iter::repeat_n(pose[group.joint], group.proxies.len());
         pose.iter().copied().chain(self.groups.iter().flat_map(base)).collect()
     }
 
-    /// Returns J features: of a joint that its parent sees move by `M = [R | t]`, rows of
-    /// `[half of R | M o - o]`, o its origin, as [`so3::half`] has it; 0 for the root.
+    /// Returns J features, 0 for the root. A joint that moves by `M = [R | t]` in the frame of its parent has the
+    /// feature `[half of R | M o - o]`; o is its origin, and [`so3::half`] defines half of R.
     pub fn features(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             parent.map_or(Matrix3x4::zeros(), |parent| {
@@ -33,8 +32,8 @@ impl EnvelopeModel {
         self.skeleton.parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the confidence: the least of what groups and
-    /// ranges know, 1 without groups.
+    /// Adds `Q_dom K` to the palette's last P maps. Returns the palette and the confidence: the smallest confidence of
+    /// all groups and joints, or 1 without groups.
     pub fn correct(
         &self,
         pose: &[Matrix3x4<f64>],
@@ -42,7 +41,7 @@ impl EnvelopeModel {
         mut palette: Vec<Matrix3x4<f64>>,
     ) -> (Vec<Matrix3x4<f64>>, f64) {
         let first = self.first_proxy();
-        let mut known = Evidence::default();
+        let mut evidence_of_all = Evidence::default();
         for group in self.groups.iter().filter(|group| group.has_centres()) {
             let Value { outputs, evidence } = group.map.evaluate(&group.input(features));
             let proxies = &mut palette[first..][group.proxies.clone()];
@@ -50,15 +49,15 @@ impl EnvelopeModel {
             for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
                 *out += linear(&pose[group.joint]) * map * share;
             }
-            known = known.and(evidence);
+            evidence_of_all = evidence_of_all.and(evidence);
         }
-        let own = self.known_of_joints(features).into_iter();
-        (palette, own.fold(known.confidence(), f64::min))
+        let of_joints = self.joint_confidences(features).into_iter();
+        (palette, of_joints.fold(evidence_of_all.confidence(), f64::min))
     }
 
-    /// Returns what is known of each joint's angle: 1 up to one and a half times its range, none of an envelope without
-    /// groups. 4 sin(angle / 4) stands for the angle.
-    pub fn known_of_joints(&self, features: &[Matrix3x4<f64>]) -> Vec<f64> {
+    /// Returns the confidence of each joint, J: 1 up to 1.5 times its trained range, then falling to 0. Empty for an
+    /// envelope without groups. The angle is approximated by 4 sin(angle / 4).
+    pub fn joint_confidences(&self, features: &[Matrix3x4<f64>]) -> Vec<f64> {
         if self.groups.is_empty() {
             return Vec::new();
         }

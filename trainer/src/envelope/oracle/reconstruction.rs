@@ -1,4 +1,4 @@
-//! The stages of the reconstruction (METHOD §1.1 to §1.7).
+//! Stages of the reconstruction: rotations, gradients, palette, confidence (METHOD §1.1 to §1.7).
 
 use crate::envelope::model::{EnvelopeModel, Factors, Key};
 use crate::numeric::affine::{after, linear, seen_from};
@@ -8,7 +8,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
 
 impl EnvelopeModel {
-    /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, B_r taken as rigid (METHOD §1.1).
+    /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, with B_r treated as rigid (METHOD §1.1).
     pub fn relative(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let root = self.skeleton.root();
         let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| match joint == root {
@@ -18,7 +18,7 @@ impl EnvelopeModel {
         pose.iter().enumerate().map(unmoved).collect()
     }
 
-    /// Returns θ_j = log(Q_pᵀ Q_j) of J relative maps, of the nearest rotation, 0 for the root.
+    /// Returns θ_j = log of the rotation nearest to Q_pᵀ Q_j for J relative maps, radians; 0 for the root.
     pub fn rotations(&self, relative: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
         let angle = |(joint, parent): (usize, &Option<usize>)| {
             let Some(parent) = parent else { return Vector3::zeros() };
@@ -40,7 +40,7 @@ impl EnvelopeModel {
         key.factors(parent, |joint| &rotations[joint], above)
     }
 
-    /// Predicts the P gradients, root motion removed.
+    /// Predicts the P gradients without the root's motion.
     pub fn gradients(
         &self,
         relative: &[Matrix3x4<f64>],
@@ -50,7 +50,7 @@ impl EnvelopeModel {
         self.keys().iter().map(gradient).collect()
     }
 
-    /// Evaluates `t = c1 d + c2 q` and moves it by the root's map: P maps (METHOD §1.7.3).
+    /// Evaluates `t = c1 d + c2 q`, then applies the root's map. Returns P maps (METHOD §1.7.3).
     pub fn palette(
         &self,
         root: &Matrix3x4<f64>,
@@ -63,20 +63,20 @@ impl EnvelopeModel {
         (0..reconstruction.keys.len()).map(|l| after(root, &map(l))).collect()
     }
 
-    /// Returns the confidence in J rotations of a rotational model, the least over the joints: 1
-    /// within a joint's trained range, 0 from half of it and 0.1 rad beyond (FORMAT.md).
+    /// Returns the confidence of a rotational model: the smallest over the joints. A joint has 1 within its trained
+    /// range and 0 from 1.5 times the range plus 0.1 rad (FORMAT.md).
     pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
         let of_joint = |(theta, range): (&Vector3<f64>, &f64)| within(theta.norm(), *range, *range);
         rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)
     }
 }
 
-/// Returns 1 up to an angle, and 0 where it is exceeded by half the range and 0.1 (METHOD §1.8).
-pub(super) fn within(angle: f64, most: f64, range: f64) -> f64 {
-    1.0 - step((angle - most) / (range / 2.0 + 0.1))
+/// Returns 1 up to `max`, then falls to 0 at `max + range / 2 + 0.1` (METHOD §1.8). All angles are in radians.
+pub(super) fn within(angle: f64, max: f64, range: f64) -> f64 {
+    1.0 - step((angle - max) / (range / 2.0 + 0.1))
 }
 
-/// Stacks transposed blocks: row C l + c, column r is entry r, c of block l.
+/// Stacks transposed blocks: row C l + c, column r holds entry r, c of block l.
 pub fn stack<const C: usize>(blocks: &[SMatrix<f64, 3, C>]) -> Mat<f64> {
     Mat::from_fn(C * blocks.len(), 3, |row, r| blocks[row / C][(r, row % C)])
 }

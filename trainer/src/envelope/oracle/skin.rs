@@ -1,4 +1,4 @@
-//! The skin (METHOD §1.8).
+//! The stage of the skin (METHOD §1.8).
 
 use crate::envelope::model::Vertex;
 use crate::numeric::affine::{cofactors, linear};
@@ -8,22 +8,22 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 pub struct SkinnedVertex {
     /// Position, model space.
     pub position: Vector3<f64>,
-    /// Unit normal. Where the palette leaves it no direction, the rest normal turned by the transform of the
-    /// strongest influence; the rest normal where normals go by cofactors, or where that has none either.
+    /// Unit normal. If the skinned normal is 0, the rest normal rotated by the transform of the strongest influence. If
+    /// that is 0 too, or normals come from cofactors, the rest normal.
     pub normal: Vector3<f64>,
-    /// Unit tangent, the rest tangent where the palette leaves it no direction; and handedness.
+    /// Unit tangent and handedness; the rest tangent if the skinned tangent is 0.
     pub tangent: Option<(Vector3<f64>, f64)>,
 }
 
 impl Vertex<'_> {
-    /// Skins the vertex by a palette.
+    /// Skins the vertex with a palette.
     pub fn skinned(&self, palette: &[Matrix3x4<f64>]) -> SkinnedVertex {
         let map = self.blend(palette);
         let turn = linear(&map);
-        // A mirrored pose turns cross products around.
+        // A mirrored pose inverts cross products.
         let mirrored = palette.first().is_some_and(|first| linear(first).determinant() < 0.0);
         let sign = if mirrored { -1.0 } else { 1.0 };
-        let (along, normal, instead) = if self.coefficients.is_empty() {
+        let (along, normal, fallback) = if self.coefficients.is_empty() {
             let along = self.tangent.map(|(rest, _)| turn * rest);
             (along, cofactors(&turn) * self.normal, self.normal)
         } else {
@@ -34,12 +34,12 @@ impl Vertex<'_> {
         let along = along.unwrap_or_default();
         SkinnedVertex {
             position: map * self.position,
-            normal: direction(sign * normal, instead),
+            normal: direction(sign * normal, fallback),
             tangent: self.tangent.map(|(rest, hand)| (direction(along, rest), hand)),
         }
     }
 
-    /// Carries t, b by the gradient of the skin: `A t + Σ g_l T_l x̂`, A the blended 3 x 3.
+    /// Transforms t, b by the gradient of the skin: `A t + Σ g_l T_l x̂`, with A the blended 3 x 3 matrix.
     fn carried_frame(&self, palette: &[Matrix3x4<f64>], turn: &Matrix3<f64>) -> [Vector3<f64>; 2] {
         let mut carried = self.frame().map(|axis| turn * axis);
         for (&(l, _), coefficients) in self.influences.iter().zip(self.coefficients) {
@@ -49,7 +49,7 @@ impl Vertex<'_> {
         carried
     }
 
-    /// Turns the rest normal by the transform of the strongest influence, the first of equal ones.
+    /// Rotates the rest normal by the transform of the strongest influence; ties go to the first influence.
     fn turned_by_strongest(&self, palette: &[Matrix3x4<f64>]) -> Vector3<f64> {
         let stronger =
             |best: (usize, f64), next: &(usize, f64)| if next.1 > best.1 { *next } else { best };

@@ -1,14 +1,14 @@
-//! The fit: proxies, keys, and the reduced reconstruction.
+//! Fits an envelope by rotational regression: proxies, keys, and the reduced reconstruction.
 
-use super::options::{Method, RotationalOptions};
-use super::predictor::{GradientPredictor, predict_stacked};
+use super::keys::{GradientPredictor, predict_stacked};
+use super::merge::MergeTree;
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
-use super::refinement::{Keyed, Refinement, RefinementTrial, Refining};
-use super::settings::{Candidates, Setting, SettingTrial};
 use super::surface::Surface;
-use super::validation::Validation;
-use super::{bias, keys, merge, merging, proxies, published, refinement, settings, validation};
+use super::validation::{
+    Candidates, Keyed, Refinement, RefinementTrial, Refining, Setting, SettingTrial, Validation,
+};
+use super::{Method, RotationalOptions, keys, proxies, published, validation};
 use crate::envelope::FitError;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::lbs::blend::Weights;
@@ -24,44 +24,44 @@ use serde::Serialize;
 
 /// A fitted envelope of P proxies, in training units.
 pub struct Rotational {
-    /// α of each vertex on the proxies.
+    /// Weights α of each vertex on the proxies.
     pub weights: Weights,
     /// Dominant joint of each proxy, P, ascending.
     pub dominant: Vec<usize>,
-    /// How c1 and c2 come about: refined on the training meshes only where that predicts better.
+    /// Method of the fit: [`Method::Refined`] only if the refinement lowers the cross-validated error.
     pub method: Method,
-    /// What predicts the keys' gradients, P.
+    /// Predictors of the keys' gradients, P.
     pub predictors: Vec<GradientPredictor>,
     /// c1 and c2.
     reduced: Reduced,
-    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
+    /// Proxy maps of all training poses, 3n x 4P; the maps of a fold come from a fit without the fold.
     pub validated: Mat<f64>,
-    /// How it was fitted.
+    /// Choices and errors of the fit.
     pub report: RotationalReport,
 }
 
-/// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
+/// Choices and errors of a fit. Errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct RotationalReport {
     /// Dimensions of the trajectory basis.
     pub basis_rank: usize,
-    /// What the basis leaves out.
+    /// Error of the projection onto the basis.
     pub basis_residual: f64,
-    /// Every number of proxies that was tried.
+    /// Tried numbers of proxies, and their errors.
     pub proxy_counts: Vec<CountTrial>,
-    /// The proxies' true maps on the training frames.
+    /// Error of the vertices under the proxies' fitted maps on the training frames.
     pub proxy_rms: f64,
-    /// The edges under the keys' true gradients on the training frames.
+    /// Error of the edges under the keys' fitted gradients on the training frames.
     pub key_rms: f64,
-    /// The joints that each key follows, and how every other joint would have done.
+    /// Joints of each key, and the errors of all other joints.
     pub keys: Vec<KeyChoice>,
-    /// Every candidate of F, γ and μ, and its cross-validated error.
+    /// Tried F, γ and μ, and their cross-validated errors.
     pub trials: Vec<SettingTrial>,
-    /// The candidate taken.
+    /// Chosen F, γ and μ.
     pub choice: Setting,
-    /// Every refinement that was tried, and how it did.
+    /// Tried refinements, and their cross-validated errors.
     pub refinements: Vec<RefinementTrial>,
-    /// The one taken.
+    /// Chosen refinement; `None` if every refinement has a larger error.
     pub refinement: Option<Refinement>,
     /// Condition number of the reduced system.
     pub condition: f64,
@@ -69,16 +69,16 @@ pub struct RotationalReport {
     pub near_rigid_deviation: f64,
 }
 
-/// Which joints a key follows.
+/// Joints of a key.
 #[derive(Clone, Debug, Serialize)]
 pub struct KeyChoice {
-    /// b.
+    /// b, the joint that the key follows.
     pub joint: usize,
     /// c.
     pub residual_joint: Option<usize>,
     /// Σ|R - R_pred|² of each joint as b, J.
     pub errors: Vec<f64>,
-    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
     pub residual_errors: Vec<f64>,
 }
 
@@ -96,22 +96,23 @@ impl KeyChoice {
 /// Fits an envelope to the training frames.
 ///
 /// # Errors
-/// [`FitError::MaxError`] and [`FitError::Singular`].
+/// - [`FitError::MaxError`]: no number of proxies reaches the error asked for.
+/// - [`FitError::Singular`]: every reduced system is singular.
 pub fn fit(
     training: &Training,
     options: &RotationalOptions,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
-    let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
+    let Training { rest, triangles, poses, trajectories, lbs, .. } = training;
     let parents = &training.skeleton.parents;
     let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
     progress.step("trajectory basis", 1);
     let basis = training.basis();
-    let surface = Surface::new(rest, triangles.clone(), moved, basis, training.importance());
+    let surface = Surface::new(rest, triangles.clone(), trajectories, basis, training.importance());
     progress.step("merging triangles", surface.triangles.len());
-    let tree = merge::MergeTree::build(&surface, || progress.advance(1));
+    let tree = MergeTree::build(&surface, || progress.advance(1));
     let mut proxies = match options.method {
-        Method::Published => merging::fit(&surface, &tree, options, progress)?,
+        Method::Published => published::fit_proxies(&surface, &tree, options, progress)?,
         _ => {
             let followed = basis.vectors.transpose() * joint_maps(joints, poses);
             proxies::fit(&surface, &tree, &followed, options, progress)?
@@ -124,7 +125,7 @@ pub fn fit(
     let published = (options.method == Method::Published).then(|| published::setting(lbs_errors));
     let (weights, palette_len) = match &published {
         Some(setting) => {
-            let fixed = settings::near_rigid(lbs_errors, setting.near_rigid_fraction);
+            let fixed = validation::near_rigid(lbs_errors, setting.near_rigid_fraction);
             let weights = published::fixed_on_joints(&proxies, joints, &fixed);
             (weights, proxies.len() + poses.joint_len())
         }
@@ -159,7 +160,7 @@ pub fn fit(
         Some(setting) => (setting, Vec::new()),
         None => candidates.choose(progress)?,
     };
-    let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
+    let fixed = validation::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
     let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
@@ -176,7 +177,7 @@ pub fn fit(
         let rigid = keyed.without_shear();
         let [shearing, rigid] =
             [&keyed, &rigid].map(|keyed| Refining::new(&unrefined, keyed, poses, &projection));
-        (refinement, refinements) = refinement::choose(&shearing, &rigid);
+        (refinement, refinements) = validation::choose_refinement(&shearing, &rigid);
         if let Some(choice) = &refinement {
             let refining = if choice.shear { &shearing } else { &rigid };
             (method, reduced) = (Method::Refined, refining.refined(choice));
@@ -207,7 +208,7 @@ pub fn fit(
     Ok(Rotational { weights, dominant, method, predictors, reduced, validated, report })
 }
 
-/// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
+/// Stacks the maps of the joints that at least one vertex follows, 3n x 4 per joint.
 fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
     let mut used = vec![false; poses.joint_len()];
     (0..joints.len()).flat_map(|v| joints.of(v)).for_each(|(joint, _)| used[joint] = true);
@@ -216,9 +217,9 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 }
 
 impl Rotational {
-    /// Returns the envelope.
+    /// Returns the fitted envelope.
     pub fn fitted(&self, training: &Training) -> Fitted {
-        let reconstruction = bias::carried(&self.predictors, &self.reduced);
+        let reconstruction = published::reconstruction(&self.predictors, &self.reduced);
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 }

@@ -1,23 +1,32 @@
-//! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2). Which
-//! joints a key follows is chosen in `rotation`.
+//! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2). Each key has a
+//! predictor: rotation (METHOD §1.4) times scale and shear (METHOD §1.5).
 
+use super::Method;
 use super::proxies::Proxies;
+use super::rotation::{RotationPredictor, Solver};
 use super::surface::Surface;
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
+use crate::envelope::lbs::poses::Poses;
+use crate::envelope::model::{Key, angles, symmetric};
 use crate::examples::Importance;
+use crate::numeric::so3;
 use crate::progress::Progress;
 use faer::Mat;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
 
-/// Weight of n̂ as a third edge, which decides D_l on flat support.
+/// Weight of n̂ as a third edge, which makes D_l unique if the supporting triangles are coplanar.
 const NORMAL_WEIGHT: f64 = 0.1;
-/// Name of the step.
+/// Name of the progress step.
 const STEP: &str = "keys";
 const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, ahead: 0.0 };
+/// Ridge on H, in squared radians per example.
+const RIDGE: f64 = 1e-3;
+/// Ridge on H with a free bias. S3 has no ridge; this small ridge only determines entries without examples.
+const SINGULAR: f64 = 1e-9;
 
 /// Fitted keys.
 pub struct Keys {
-    /// Weights β of each triangle, at most K.
+    /// Weights β of each triangle on at most K keys.
     pub weights: Weights,
     /// Gradients D_l on the trajectory basis, r x 3P.
     gradients: Maps,
@@ -25,7 +34,22 @@ pub struct Keys {
     pub rms: f64,
 }
 
-/// Fits keys to the edges of a surface, starting from the proxies' linear parts.
+/// A key, and the errors of all joints in its place.
+#[derive(Clone, Debug)]
+pub struct GradientPredictor {
+    /// `D(q) = Q_p exp(u W θ_b) [exp(u' W' θ_c)] S(q)`.
+    pub key: Key,
+    /// Parent of b.
+    pub parent: Option<usize>,
+    /// Bias B, added to S(q); 0 except in a published fit.
+    pub bias: Matrix3<f64>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
+    pub residual_errors: Vec<f64>,
+}
+
+/// Fits keys to the edges of a surface. The linear parts of the proxies are the start.
 pub fn fit(
     surface: &Surface<'_>,
     proxies: &Proxies,
@@ -59,7 +83,9 @@ impl Keys {
         self.gradients.is_empty()
     }
 
-    /// Returns the gradients of a key over the frames, given the basis trajectories (3n x r).
+    /// Returns the gradients of a key in n frames.
+    ///
+    /// - `basis`: trajectories of the basis, 3n x r.
     pub fn sequence(&self, key: usize, basis: &Mat<f64>) -> Vec<Matrix3<f64>> {
         let stacked = basis * self.gradients.columns.subcols(3 * key, 3);
         (0..stacked.nrows() / 3)
@@ -68,7 +94,61 @@ impl Keys {
     }
 }
 
-/// Three rows a triangle: its two edges and its normal at a small weight.
+impl GradientPredictor {
+    /// Fits a predictor to a sequence of gradients.
+    ///
+    /// - `parents`: of the joints, J.
+    /// - `gradients`: relative to the root, one per pose.
+    pub fn fit(
+        poses: &Poses,
+        parents: &[Option<usize>],
+        gradients: &[Matrix3<f64>],
+        method: Method,
+    ) -> Self {
+        let published = method == Method::Published;
+        let solver = if published { Solver::Alternation } else { Solver::ClosedForm };
+        let (rotations, stretches): (Vec<_>, Vec<_>) =
+            polar_sequence(gradients).into_iter().unzip();
+        let RotationPredictor { joint, twist, residual, errors, residual_errors } =
+            RotationPredictor::fit(poses, &rotations, solver);
+        let parent = parents[joint];
+        let stretches = stretches.into_iter();
+        let (shear, bias) = fit_stretch(poses, joint, parent, stretches, published);
+        Self { key: Key { joint, twist, residual, shear }, parent, bias, errors, residual_errors }
+    }
+
+    /// Returns this predictor without scale and shear.
+    #[must_use]
+    pub fn without_shear(&self) -> Self {
+        let key = Key { shear: Matrix6::zeros(), ..self.key.clone() };
+        Self { key, bias: Matrix3::zeros(), ..self.clone() }
+    }
+
+    /// Predicts the gradient of a pose, relative to the root.
+    pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
+        let parent = *poses.parent_rotation(pose, self.key.joint);
+        let mut factors = self.key.factors(parent, |joint| poses.angle(pose, joint), self.parent);
+        factors.stretch += self.bias;
+        factors.gradient()
+    }
+}
+
+/// Predicts the gradients of P keys in n poses: 3n x 3P; columns 3l..3l+3 belong to key l.
+pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f64> {
+    let mut out = Mat::zeros(3 * poses.len(), 3 * predictors.len());
+    for (l, predictor) in predictors.iter().enumerate() {
+        for pose in 0..poses.len() {
+            let d = predictor.predict(poses, pose);
+            for c in 0..3 {
+                let column = &mut out.col_as_slice_mut(3 * l + c)[3 * pose..3 * pose + 3];
+                column.copy_from_slice(d.column(c).as_slice());
+            }
+        }
+    }
+    out
+}
+
+/// Returns three rows per triangle: its two rest edges, and its rest normal times [`NORMAL_WEIGHT`].
 fn edge_rows(surface: &Surface<'_>) -> Vec<f64> {
     let mut h = Vec::with_capacity(9 * surface.triangles.len());
     for triangle in 0..surface.triangles.len() {
@@ -80,7 +160,7 @@ fn edge_rows(surface: &Surface<'_>) -> Vec<f64> {
     h
 }
 
-/// What the rows of [`edge_rows`] become, r x 3T.
+/// Returns the targets of the rows of [`edge_rows`]: posed edges and normals on the basis, r x 3T.
 fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
     let mut y = Mat::zeros(surface.vertices.nrows(), 3 * surface.triangles.len());
     for (triangle, &[a, b, c]) in surface.triangles.iter().enumerate() {
@@ -94,12 +174,82 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
     y
 }
 
+/// Splits a sequence of gradients into rotations and stretches.
+///
+/// A gradient of rank 0 or 1 has no unique rotation: it takes the rotation of the nearest frame that has one, or the
+/// identity if no frame has one. Its stretch is the symmetric part of `Rᵀ D`.
+pub fn polar_sequence(gradients: &[Matrix3<f64>]) -> Vec<(Matrix3<f64>, Matrix3<f64>)> {
+    let split: Vec<_> = gradients.iter().map(so3::polar).collect();
+    (0..gradients.len())
+        .map(|i| {
+            split[i].unwrap_or_else(|| {
+                let nearest = (1..split.len())
+                    .flat_map(|step| [i.checked_sub(step), Some(i + step)])
+                    .flatten()
+                    .find_map(|k| split.get(k).copied().flatten());
+                let rotation = nearest.map_or(Matrix3::identity(), |(rotation, _)| rotation);
+                let stretch = rotation.transpose() * gradients[i];
+                (rotation, (stretch + stretch.transpose()) * 0.5)
+            })
+        })
+        .collect()
+}
+
+/// Fits scale and shear to the stretches of one sequence: H and B of `S = I + B + sym(H [θ_b1; θ_b2])`. With B = 0 the
+/// rest pose gives S = I (METHOD §1.5); a free B is S3 §1.3. Rows of H are the entries xx, xy, xz, yy, yz, zz of S;
+/// its columns are θ_b1, then θ_b2.
+///
+/// - `parent`: b2; `None` for the root.
+/// - `biased`: fits B if true; else B is 0.
+fn fit_stretch(
+    poses: &Poses,
+    joint: usize,
+    parent: Option<usize>,
+    stretches: impl Iterator<Item = Matrix3<f64>>,
+    biased: bool,
+) -> (Matrix6<f64>, Matrix3<f64>) {
+    let x: Vec<_> = (0..poses.len()).map(|pose| features(poses, pose, joint, parent)).collect();
+    let y: Vec<_> = stretches.map(|s| to_vector(&(s - Matrix3::identity()))).collect();
+    // The best bias maps the mean of x to the mean of y; the centred values then need no bias.
+    let mean = |of: &[Vector6<f64>]| match biased {
+        true => of.iter().sum::<Vector6<f64>>() / of.len().max(1) as f64,
+        false => Vector6::zeros(),
+    };
+    let (mean_x, mean_y) = (mean(&x), mean(&y));
+    let mut gram = Matrix6::zeros();
+    let mut right = Matrix6::zeros();
+    for (x, y) in x.iter().zip(&y) {
+        let x = x - mean_x;
+        gram += x * x.transpose();
+        right += (y - mean_y) * x.transpose();
+    }
+    // The Gram matrix is positive semidefinite; the ridge makes all eigenvalues positive.
+    let eigen = SymmetricEigen::new(gram);
+    let ridge = if biased { SINGULAR } else { RIDGE } * poses.len().max(1) as f64;
+    let inverse = eigen.eigenvalues.map(|value| 1.0 / (value.max(0.0) + ridge));
+    let q = eigen.eigenvectors;
+    let h = right * q * Matrix6::from_diagonal(&inverse) * q.transpose();
+    (h, symmetric(&(mean_y - h * mean_x)))
+}
+
+/// Returns `[θ_b1; θ_b2]` of a pose.
+fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> Vector6<f64> {
+    let above = parent.map_or_else(Vector3::zeros, |p| *poses.angle(pose, p));
+    angles(poses.angle(pose, joint), &above)
+}
+
+/// Returns the entries xx, xy, xz, yy, yz, zz of a symmetric matrix.
+fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
+    Vector6::new(s.m11, s.m12, s.m13, s.m22, s.m23, s.m33)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::merge::MergeTree;
     use super::super::{ProxyCount, RotationalOptions, proxies};
     use super::*;
     use crate::envelope::lbs::training::Training;
+    use crate::envelope::model::stretch;
     use crate::examples::demo::{DemoOptions, demo};
     use crate::numeric::basis::basis;
     use crate::progress::Silent;
@@ -123,7 +273,7 @@ mod tests {
         let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
         let keys = fit(&surface, &proxies, 4, &Silent);
         for (frame, found) in keys.sequence(0, &basis.vectors).iter().enumerate() {
-            // The third edge n̂ is not affine, so it pulls, by its small weight.
+            // The third edge n̂ does not move by an affine map, so its small weight adds an error.
             assert!((found - affine(frame as f64)).amax() < 0.02, "{found}");
         }
         assert!(keys.rms < 2e-3, "{}", keys.rms);
@@ -147,5 +297,77 @@ mod tests {
             fit(&surface, &proxies, 4, &Silent).rms
         };
         assert!(with(20) < 0.5 * with(5));
+    }
+
+    #[test]
+    fn the_joint_and_the_residual_joint_of_a_synthetic_sequence_are_found() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 80, held_out: 0, seed: 4 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let poses = Poses::new(&examples, &frames);
+        let ranges = poses.angle_ranges();
+        let mut moving: Vec<usize> = (0..poses.joint_len()).filter(|&j| ranges[j] > 0.3).collect();
+        let (joint, residual) = (moving.remove(0), moving.remove(0));
+        let sequence: Vec<_> = (0..poses.len())
+            .map(|i| {
+                poses.parent_rotation(i, joint)
+                    * so3::exp(&(poses.angle(i, joint) * 0.6))
+                    * so3::exp(&(poses.angle(i, residual) * 0.3))
+            })
+            .collect();
+        let parents = &examples.skeleton.parents;
+        let fitted = GradientPredictor::fit(&poses, parents, &sequence, Method::Refined);
+        let rms = |predicted: &dyn Fn(usize) -> Matrix3<f64>| {
+            let sum: f64 =
+                (0..poses.len()).map(|i| (predicted(i) - sequence[i]).norm_squared()).sum();
+            (sum / poses.len() as f64).sqrt()
+        };
+        let error = rms(&|i| fitted.predict(&poses, i));
+        let mut one_joint = fitted.clone();
+        one_joint.key.residual = None;
+        let alone = rms(&|i| one_joint.predict(&poses, i));
+        assert!(error < 0.5 * alone, "{error} against {alone}");
+        let used = [Some(fitted.key.joint), fitted.key.residual.map(|(j, _)| j)];
+        assert!(used.contains(&Some(joint)) && used.contains(&Some(residual)), "{used:?}");
+        let stacked = predict_stacked(std::slice::from_ref(&fitted), &poses);
+        assert_eq!(stacked[(3 * 7 + 1, 2)], fitted.predict(&poses, 7)[(1, 2)]);
+    }
+
+    #[test]
+    fn a_collapsed_gradient_takes_the_rotation_of_the_nearest_frame() {
+        let turned = so3::exp(&Vector3::new(0.0, 0.0, 1.0));
+        let split = polar_sequence(&[turned, Matrix3::zeros()]);
+        assert!((split[1].0 - turned).amax() < 1e-12 && split[1].1.amax() == 0.0);
+    }
+
+    #[test]
+    fn a_stretch_linear_in_two_joints_is_recovered_and_so_is_a_free_bias() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 60, held_out: 0, seed: 2 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let poses = Poses::new(&examples, &frames);
+        let parents = &examples.skeleton.parents;
+        let spread = |j: usize| poses.angle_ranges()[j];
+        let joint = (0..poses.joint_len())
+            .find(|&j| spread(j) > 0.5 && parents[j].is_some_and(|p| spread(p) > 0.2))
+            .unwrap();
+        let truth = |pose: usize| {
+            let bend: Vector3<f64> = *poses.angle(pose, joint);
+            let above = *poses.angle(pose, parents[joint].unwrap());
+            Matrix3::identity() + Matrix3::from_diagonal(&Vector3::new(bend.x, above.y, 0.0)) * 0.1
+        };
+        let (h, bias) =
+            fit_stretch(&poses, joint, parents[joint], (0..poses.len()).map(truth), false);
+        for pose in 0..poses.len() {
+            let found = stretch(&h, &features(&poses, pose, joint, parents[joint]));
+            assert!((found - truth(pose)).amax() < 5e-3, "pose {pose}");
+        }
+        assert_eq!((h * Vector6::zeros(), bias), (Vector6::zeros(), Matrix3::zeros()));
+        let offset = Matrix3::new(0.2, 0.05, 0.0, 0.05, -0.1, 0.03, 0.0, 0.03, 0.01);
+        let stretches = (0..poses.len()).map(|pose| truth(pose) + offset);
+        let (h, bias) = fit_stretch(&poses, joint, parents[joint], stretches, true);
+        assert!((bias - offset).amax() < 1e-6, "{bias}");
+        for pose in 0..poses.len() {
+            let found = stretch(&h, &features(&poses, pose, joint, parents[joint]));
+            assert!((found - truth(pose)).amax() < 1e-6, "pose {pose}");
+        }
     }
 }

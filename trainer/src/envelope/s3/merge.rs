@@ -1,9 +1,8 @@
-//! Greedy merging of triangles into patches that one affine map moves well (METHOD §1.7.1,
-//! S3 §3.1).
+//! Greedy merging of triangles into patches; a patch follows one affine map (METHOD §1.7.1, S3 §3.1).
 //!
-//! Every triangle starts as a group with its exact map. The cheapest move of a group A into a
-//! neighbour B, by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`, is made again and again, and B's map is
-//! refitted. A group is known by the sums of its points' outer products, so a merge adds them.
+//! Every triangle starts as a group with its exact map. Each step merges a group A into a neighbour B and refits B's
+//! map. The pair is the cheapest by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`. A group stores sums of outer products of its
+//! points, and a merge adds these sums.
 
 use super::surface::Surface;
 use crate::numeric::affine::homogeneous;
@@ -12,17 +11,17 @@ use nalgebra::Matrix4;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// Coordinates that the merging looks at; the strongest come first and carry the motion.
+/// Number of coordinates used for the merging. The strongest coordinates come first and hold most of the motion.
 const MERGE_RANK: usize = 40;
 
-/// The order of merges; cutting it after `T - P` of them leaves P groups.
+/// The merges in order; the first `T - P` merges leave P groups.
 pub struct MergeTree {
     triangles: usize,
     merges: Vec<(u32, u32)>,
 }
 
 impl MergeTree {
-    /// Merges all triangles of a surface; `advance` is called once a merge.
+    /// Merges all triangles of a surface. Calls `advance` after every merge.
     pub fn build(surface: &Surface<'_>, mut advance: impl FnMut()) -> Self {
         let count = surface.triangles.len();
         let mut groups = Patches::new(surface);
@@ -33,7 +32,7 @@ impl MergeTree {
         let mut merges = Vec::with_capacity(count);
         while merges.len() + 1 < count {
             let Some(best) = queue.pop() else {
-                // What is left are parts without a common vertex: let near ones meet.
+                // The remaining groups share no edge: make near groups neighbours.
                 groups.join_components();
                 for a in groups.alive() {
                     groups.queue_moves_of(a, &mut queue);
@@ -44,7 +43,7 @@ impl MergeTree {
                 continue;
             }
             let error = groups.move_error(best.from, best.into);
-            // B's map has changed since the move was queued: put it back where it now belongs.
+            // B's map has changed since the move was queued: queue the move again with its current error.
             if error > best.error * 1.01 && queue.peek().is_some_and(|next| error > next.error) {
                 queue.push(Move { error, ..best });
                 continue;
@@ -60,7 +59,7 @@ impl MergeTree {
         Self { triangles: count, merges }
     }
 
-    /// Returns the group of each triangle, numbered from 0, when `count` groups are left.
+    /// Returns the group of each triangle after merging down to `count` groups, numbered from 0.
     pub fn cut(&self, count: usize) -> Vec<usize> {
         let mut into: Vec<u32> = (0..self.triangles as u32).collect();
         for &(a, b) in &self.merges[..self.triangles.saturating_sub(count).min(self.merges.len())] {
@@ -80,6 +79,7 @@ impl MergeTree {
     }
 }
 
+/// A possible merge of group `from` into group `into`.
 #[derive(Clone, Copy)]
 struct Move {
     error: f64,
@@ -89,7 +89,7 @@ struct Move {
 
 impl Ord for Move {
     fn cmp(&self, other: &Self) -> Ordering {
-        // The heap yields its greatest: the least error first, ties to the lower numbers.
+        // The heap returns its greatest element first: the least error, then the lowest numbers.
         let key = |m: &Self| (m.from, m.into);
         other.error.total_cmp(&self.error).then_with(|| key(other).cmp(&key(self)))
     }
@@ -106,12 +106,16 @@ impl PartialEq for Move {
 }
 impl Eq for Move {}
 
+/// Groups of triangles; a merged group is empty.
 struct Patches {
     rank: usize,
+    /// Σ h hᵀ of each group.
     points: Vec<Matrix4<f64>>,
-    /// Σ h yᵀ a group: four rows of `rank`.
+    /// Σ h yᵀ of each group: four rows of `rank` values.
     targets: Vec<Vec<f64>>,
+    /// Σ |y|² of each group.
     energy: Vec<f64>,
+    /// Fitted map of each group, as `targets`; empty after the group is merged into another.
     maps: Vec<Vec<f64>>,
     neighbours: Vec<BTreeSet<u32>>,
     centre: Vec<[f64; 3]>,
@@ -136,7 +140,7 @@ impl Patches {
                 let y = &surface.vertices.col_as_slice(corner)[..rank];
                 groups.add_point(triangle, &surface.rest[corner], y, counts);
             }
-            // A fourth point off the plane keeps a flat group's map regular.
+            // A fourth point outside the plane makes the map of a flat group unique.
             let base = surface.rest[corners[0]];
             let normal = surface.rest_normals[triangle];
             let tip = std::array::from_fn(|axis| base[axis] + normal[axis]);
@@ -177,7 +181,7 @@ impl Patches {
         self.maps[group] = map;
     }
 
-    /// Σ over A's points of |y - T_B x|².
+    /// Returns Σ |y - T_B x|² over the points of A.
     fn move_error(&self, a: u32, b: u32) -> f64 {
         let (a, map) = (a as usize, &self.maps[b as usize]);
         let row = |r: usize| r * self.rank..(r + 1) * self.rank;
@@ -203,7 +207,7 @@ impl Patches {
         self.neighbours[a as usize].contains(&b)
     }
 
-    /// Moves A into B; returns B's new neighbours.
+    /// Merges A into B; returns the neighbours that are new for B.
     fn merge(&mut self, a: u32, b: u32) -> Vec<u32> {
         let (from, into) = (a as usize, b as usize);
         let points = std::mem::take(&mut self.points[from]);
@@ -226,11 +230,12 @@ impl Patches {
         fresh
     }
 
+    /// Lists the groups that are not merged into another.
     fn alive(&self) -> Vec<u32> {
         (0..self.maps.len() as u32).filter(|&g| !self.maps[g as usize].is_empty()).collect()
     }
 
-    /// Makes each remaining group a neighbour of the nearest other ones.
+    /// Makes each remaining group a neighbour of the groups nearest to it.
     fn join_components(&mut self) {
         const NEAREST: usize = 8;
         let alive = self.alive();
@@ -250,7 +255,7 @@ impl Patches {
     }
 }
 
-/// Inverts a group's Σ h hᵀ, with a ridge at the size of rounding.
+/// Inverts Σ h hᵀ of a group, with a ridge as small as rounding errors.
 pub(super) fn regular_inverse(gram: &Matrix4<f64>) -> Matrix4<f64> {
     let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
     (gram + Matrix4::identity() * ridge).try_inverse().unwrap_or_default()
@@ -263,7 +268,7 @@ mod tests {
     use crate::numeric::basis::basis;
     use faer::Mat;
 
-    /// A strip of quads along x whose right half turns about the middle, over a few frames.
+    /// Returns a strip of quads along x over a few frames. Its right half rotates about the middle.
     fn strip() -> (Vec<[f64; 3]>, Vec<[usize; 3]>, Mat<f64>) {
         let rest: Vec<[f64; 3]> = (0..18)
             .map(|i| [f64::from(i / 2), f64::from(i % 2), 0.05 * f64::from(i % 3)])
@@ -281,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn two_halves_that_turn_against_each_other_become_two_groups() {
+    fn two_halves_that_rotate_against_each_other_become_two_groups() {
         let (rest, triangles, moved) = strip();
         let basis = basis(&moved);
         let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::ALIKE);
@@ -305,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_without_a_common_edge_still_meet() {
+    fn parts_without_a_common_edge_are_merged() {
         let (rest, triangles, moved) = strip();
         let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
         let basis = basis(&moved);

@@ -1,36 +1,75 @@
-//! Enveloping by rotational regression (S3): key gradients by rotational regression, vertices by a reduced
-//! Poisson reconstruction, refined on the training meshes. [`fit`] goes from top to bottom:
+//! Enveloping by rotational regression (S3). Regression predicts key gradients, and a reduced Poisson reconstruction
+//! turns the gradients into vertices. Its matrices c1 and c2 are then refined on the training meshes. [`fit`] runs
+//! these stages in order:
 //!
-//! | file | what it does |
+//! | file | stage |
 //! |---|---|
-//! | [`surface`], [`merge`], [`proxies`] | triangles with trajectories, merged into P proxies |
-//! | [`keys`], [`gradient`] | P sequences of gradients |
-//! | [`rotation`] | the joint that each follows, its residual joint, and their twists |
-//! | [`scale_shear`], [`predictor`] | its scale and shear, and both as one key |
-//! | [`poisson`], [`reduce`] | the reconstruction, in full and reduced to c1 and c2 |
-//! | [`settings`], [`validation`] | near-rigid vertices and anchors, by folds |
-//! | [`refine`], [`refinement`] | c1 and c2 refined on the training meshes, by folds |
-//! | [`published`], [`merging`], [`bias`] | S3 to the letter, in place of some of this: its setting, its merging, its bias |
+//! | [`surface`], [`merge`], [`proxies`] | triangles and their trajectories, merged into P proxies |
+//! | [`keys`] | P sequences of gradients, and a predictor for each |
+//! | [`rotation`] | the joint and the residual joint that a key follows, and their twists |
+//! | [`poisson`], [`reduce`] | the reconstruction: full, and reduced to c1 and c2; the refinement of c1 and c2 |
+//! | [`validation`] | chooses near-rigid vertices, anchors and refinement by cross-validation |
+//! | [`published`] | S3 to the letter: its setting, its merging, its bias |
 
-pub mod bias;
 mod fit;
-pub mod gradient;
 pub mod keys;
 pub mod merge;
-pub mod merging;
-mod options;
 pub mod poisson;
-pub mod predictor;
 pub mod proxies;
 pub mod published;
 pub mod reduce;
-pub mod refine;
-pub mod refinement;
 pub mod rotation;
-pub mod scale_shear;
-pub mod settings;
 pub mod surface;
 pub mod validation;
 
 pub use fit::{KeyChoice, Rotational, RotationalReport, fit};
-pub use options::{Method, ProxyCount, RotationalOptions};
+use serde::Serialize;
+use sinew_runtime::Limits;
+
+/// Number of proxies.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProxyCount {
+    /// This number.
+    Fixed(usize),
+    /// The smallest number whose RMS error on the training frames is at most this share of the diagonal.
+    MaxError(f64),
+}
+
+/// Way to fit a reconstruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// As in the paper (see [`published`]).
+    Published,
+    /// Near-rigid vertices and anchors are chosen by cross-validation.
+    Unrefined,
+    /// As [`Self::Unrefined`]; then c1 and c2 are refined on the training meshes if that lowers the cross-validated
+    /// error.
+    Refined,
+}
+
+impl Method {
+    /// Returns the maximum number of proxies in a file. A key with a bias is stored as two keys.
+    pub fn proxies_max(self) -> usize {
+        let max = Limits::DEFAULT.proxies as usize;
+        if self == Self::Published { max / 2 } else { max }
+    }
+}
+
+/// Options of a rotational fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RotationalOptions {
+    /// P, or the error that determines P.
+    pub proxies: ProxyCount,
+    /// K, the maximum number of proxies that a vertex follows.
+    pub influences: usize,
+    /// Way to fit c1 and c2.
+    pub method: Method,
+}
+
+impl Default for RotationalOptions {
+    fn default() -> Self {
+        Self { proxies: ProxyCount::Fixed(40), influences: 4, method: Method::Refined }
+    }
+}

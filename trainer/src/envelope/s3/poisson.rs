@@ -1,5 +1,5 @@
-//! Full Poisson reconstruction: vertices from the gradients of all triangles (METHOD §1.6,
-//! S3 §2.1, §2.2, Eq. 1 and 2). The reference for everything that is reduced.
+//! Full Poisson reconstruction: vertices from the gradients of all triangles (METHOD §1.6, S3 §2.1, §2.2, Eq. 1 and 2).
+//! The reduced reconstruction is tested against it.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
@@ -7,19 +7,19 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use nalgebra::{Matrix3, Vector3};
 
-/// A reconstruction that could not be set up.
+/// Reasons why a reconstruction cannot be set up.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum PoissonError {
-    /// The sparse factorisation failed, for want of memory or by rounding.
+    /// The sparse factorisation failed: out of memory, or rounding.
     #[error("the sparse system of {unknowns} free vertices could not be factored")]
     Factorisation {
-        /// Free vertices.
+        /// Number of free vertices.
         unknowns: usize,
     },
-    /// A vertex is joined to no fixed vertex, so its place is free.
-    #[error("vertex {vertex} is joined to no near-rigid vertex, so its place is not determined")]
+    /// No chain of edges joins a vertex to F, so its position is undetermined.
+    #[error("vertex {vertex} is joined to no near-rigid vertex, so its position is not determined")]
     Floating {
-        /// The vertex.
+        /// Index of the vertex.
         vertex: usize,
     },
 }
@@ -28,17 +28,19 @@ pub enum PoissonError {
 pub struct Poisson {
     rest: Vec<[f64; 3]>,
     triangles: Vec<[usize; 3]>,
-    /// Number among the free vertices, none for F.
+    /// Index of each vertex among the free vertices, V; `None` for F.
     unknown: Vec<Option<usize>>,
     factor: Llt<usize, f64>,
 }
 
 impl Poisson {
-    /// Factors the system; vertices in no triangle must belong to F.
+    /// Factors the system.
+    ///
+    /// - `fixed`: F, V flags; vertices without a triangle must belong to F.
     ///
     /// # Errors
-    /// [`PoissonError::Floating`] where a connected part has no vertex in F, and
-    /// [`PoissonError::Factorisation`].
+    /// - [`PoissonError::Floating`]: a connected part has no vertex in F.
+    /// - [`PoissonError::Factorisation`]: the factorisation failed.
     pub fn new(
         rest: &[[f64; 3]],
         triangles: &[[usize; 3]],
@@ -68,7 +70,7 @@ impl Poisson {
                 entries.push(Triplet::new(b, a, -1.0));
             }
         }
-        // Every part touches F, so the graph Laplacian of the free vertices is positive definite.
+        // Every connected part has a vertex in F, so the graph Laplacian of the free vertices is positive definite.
         let factor = SparseColMat::try_new_from_triplets(count, count, &entries)
             .ok()
             .and_then(|matrix| matrix.sp_cholesky(Side::Lower).ok())
@@ -76,7 +78,10 @@ impl Poisson {
         Ok(Self { rest: rest.to_vec(), triangles: triangles.to_vec(), unknown, factor })
     }
 
-    /// Reconstructs V positions from T gradients and the positions of F (others are ignored).
+    /// Reconstructs V positions.
+    ///
+    /// - `gradients`: of the triangles, T.
+    /// - `positions`: V; only the positions of F are read.
     pub fn reconstruct(
         &self,
         gradients: &[Matrix3<f64>],
@@ -110,7 +115,7 @@ impl Poisson {
     }
 }
 
-/// The edges (1, 2) and (1, 3) of every triangle.
+/// Lists the edges (1, 2) and (1, 3) of every triangle.
 fn edges(triangles: &[[usize; 3]]) -> impl Iterator<Item = [usize; 2]> + '_ {
     triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]])
 }
@@ -135,7 +140,7 @@ fn floating(triangles: &[[usize; 3]], fixed: &[bool]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::s3::gradient::gradient;
+    use crate::envelope::s3::surface::gradient;
     use crate::examples::demo::{DemoOptions, demo};
 
     #[test]

@@ -1,8 +1,8 @@
-//! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
+//! Proxies: P affine maps per pose, and weights of the vertices on the maps (METHOD §1.7.1, S3 §3.1).
 
 use super::merge::{MergeTree, regular_inverse};
-use super::options::{ProxyCount, RotationalOptions};
 use super::surface::Surface;
+use super::{ProxyCount, RotationalOptions};
 use crate::envelope::FitError;
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;
@@ -11,13 +11,14 @@ use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
 
-/// Name of the step.
+/// Name of the progress step.
 const STEP: &str = "proxies";
-/// From each start so many rounds, then so many from the better.
+/// Rounds from each start.
 const FIRST: Alternation = Alternation { choices: 6, every: 3, rounds: 0, ahead: 0.9 };
+/// Further rounds from the best start.
 const ALTERNATION: Alternation = Alternation { choices: 14, every: 3, rounds: 10, ahead: 0.9 };
 
-/// A number of proxies that was tried, and the error it leaves.
+/// A tried number of proxies, and its error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CountTrial {
     /// P.
@@ -28,13 +29,13 @@ pub struct CountTrial {
 
 /// Fitted proxies.
 pub struct Proxies {
-    /// Weights α of each vertex, at most K.
+    /// Weights α of each vertex on at most K proxies.
     pub weights: Weights,
     /// Maps T_l on the trajectory basis, r x 4P.
     pub maps: Maps,
     /// RMS error over vertices and training frames.
     pub rms: f64,
-    /// Every P that was tried.
+    /// Tried P, and their errors.
     pub trials: Vec<CountTrial>,
 }
 
@@ -49,9 +50,11 @@ impl Proxies {
         self.maps.is_empty()
     }
 
-    /// Puts proxies of one dominant joint together, by ascending joint; returns the P joints.
+    /// Sorts the proxies by dominant joint, ascending; returns the dominant joint of each proxy, P.
     ///
-    /// The dominant joint is argmax_j Σ_a α_al w_aj of LBS weights w (METHOD §1.9).
+    /// The dominant joint is argmax_j Σ_a α_al w_aj, with LBS weights w (METHOD §1.9).
+    ///
+    /// - `joints`: LBS weights of the V vertices on the joints.
     pub fn sort_by_joint(&mut self, joints: &Weights, joint_len: usize) -> Vec<usize> {
         let mut shares = vec![vec![0.0; joint_len]; self.len()];
         for vertex in 0..joints.len() {
@@ -75,11 +78,13 @@ impl Proxies {
     }
 }
 
-/// Fits proxies to a surface, starting from the groups of its triangles or from `joints`, maps on
-/// the basis (r x 4J) in place of as many groups: from whichever comes nearer.
+/// Fits proxies to a surface. There are two starts: merged groups of triangles, and the joints with fewer groups. The
+/// start with the smaller error is taken.
+///
+/// - `joints`: maps of the joints on the basis, r x 4J.
 ///
 /// # Errors
-/// [`FitError::MaxError`] where no number of proxies that a file can hold comes near enough.
+/// [`FitError::MaxError`]: a file cannot hold enough proxies to reach the error asked for.
 pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
@@ -93,13 +98,13 @@ pub fn fit(
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
         let merged = group_maps(surface, &tree.cut(proxies));
-        let following = following(surface, tree, joints, proxies);
+        let from_joints = joint_start(surface, tree, joints, proxies);
         let advance = || progress.advance(1);
-        let starts = 1 + following.iter().len();
+        let starts = 1 + from_joints.iter().len();
         progress.step(STEP, starts * FIRST.count() + ALTERNATION.count());
         let first = |start| FIRST.blend(&items, start, influences, advance);
         let nearer = |a: Blend, b: Blend| if b.error < a.error { b } else { a };
-        let best = following.map(first).into_iter().fold(first(merged), nearer);
+        let best = from_joints.map(first).into_iter().fold(first(merged), nearer);
         let Blend { weights, maps, error } =
             ALTERNATION.blend(&items, best.maps, influences, advance);
         let rms = (error / equations).sqrt();
@@ -114,23 +119,23 @@ pub fn fit(
     Ok(Proxies { trials, ..found })
 }
 
-/// The maps of joints and of so many groups that with them there are P; none where the joints are too many. A skin that
-/// follows its joints is a start of its own, which merging need not find.
-fn following(
+/// Returns the maps of the joints, filled up with maps of groups to P maps; `None` if there are more than P joints.
+/// Merging may not find the motion of a skin that follows its joints, so the joints are a separate start.
+fn joint_start(
     surface: &Surface<'_>,
     tree: &MergeTree,
     joints: &Mat<f64>,
     proxies: usize,
 ) -> Option<Maps> {
-    let more = (4 * proxies).checked_sub(joints.ncols()).filter(|_| joints.ncols() > 0)? / 4;
-    let groups = match more {
+    let group_len = (4 * proxies).checked_sub(joints.ncols()).filter(|_| joints.ncols() > 0)? / 4;
+    let groups = match group_len {
         0 => Mat::zeros(joints.nrows(), 0),
-        _ => group_maps(surface, &tree.cut(more)).columns,
+        _ => group_maps(surface, &tree.cut(group_len)).columns,
     };
     Some(Maps { width: 4, columns: faer::concat![[joints, groups]] })
 }
 
-/// Doubles P until the error is met, then halves the bracket.
+/// Finds the smallest P within an error: doubles P until the error is reached, then bisects.
 fn fewest(
     at: &mut impl FnMut(usize) -> Proxies,
     most: usize,
@@ -158,7 +163,7 @@ fn fewest(
     Ok(found)
 }
 
-/// The affine map of each group of triangles, through its corners and points along its normals.
+/// Fits an affine map to each group of triangles: to their corners, and to points along their normals.
 pub(super) fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
     let count = group_of.iter().max().map_or(0, |&g| g + 1);
     let rank = surface.vertices.nrows();
@@ -221,7 +226,7 @@ mod tests {
         assert!(fewer.rms > 0.001, "{} proxies would do", fewer.len());
         assert!(found.trials.len() > 2);
 
-        // The error in coordinates is the error of the skinned vertices.
+        // The error in coordinates equals the error of the skinned vertices.
         let maps = &basis.vectors * &found.maps.columns;
         let targets = Targets {
             rest: &rest,
@@ -233,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_out_of_reach_says_what_was_reached() {
+    fn an_unreachable_error_reports_the_error_that_was_reached() {
         let examples = demo(&DemoOptions { vertices: 100, poses: 10, held_out: 0, seed: 1 });
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();

@@ -1,28 +1,36 @@
-//! Reduction of the Poisson reconstruction to `t = c1 d + c2 q` (METHOD §1.7.3, S3 §2.3, Eq. 6).
+//! Reduction of the Poisson reconstruction to `t = c1 d + c2 q` (METHOD §1.7.3, S3 §2.3, Eq. 6), and the refinement of
+//! c1 and c2 on the training meshes.
 //!
-//! The three coordinates separate, so c1 is 4P x 3P and c2 4P x 4J; S3's C1 and C2 are c1 ⊗ I₃ and
-//! c2 ⊗ I₃.
+//! The three coordinates are independent, so c1 is 4P x 3P and c2 4P x 4J; S3's C1 and C2 are c1 ⊗ I₃ and c2 ⊗ I₃.
+//!
+//! **Refinement.** The Poisson reconstruction takes the predicted gradients as exact. Systematic errors of the
+//! prediction show in the training meshes. The refinement adds a correction Δ to `[c1 c2]`: a ridge regression of the
+//! reconstruction's residual on gradients and joints. The form and the cost of the evaluation do not change. Δ acts on
+//! `d - I` and `q - rest`. The root's block of c2 multiplies a constant and absorbs the subtracted terms, so the rest
+//! pose stays exact.
 
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::stacked::in_poses;
 use crate::numeric::affine::homogeneous;
+use crate::numeric::columns::solve_ridge;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use serde::Serialize;
 
-/// What is reduced.
+/// Inputs of the reduction.
 #[derive(Clone, Copy)]
 pub struct Reduction<'a> {
-    /// V rest positions, in units of the diagonal.
+    /// Rest positions, V, in units of the diagonal.
     pub rest: &'a [[f64; 3]],
-    /// T triangles; which vertex is first matters.
+    /// Triangles, T; the two edges of a triangle start at its first vertex.
     pub triangles: &'a [[usize; 3]],
-    /// α: the vertices' weights on the P proxies.
+    /// α: weights of the vertices on the P proxies.
     pub proxies: &'a Weights,
-    /// β: the triangles' weights on the P keys.
+    /// β: weights of the triangles on the P keys.
     pub keys: &'a Weights,
-    /// w: the vertices' LBS weights on the J joints.
+    /// w: LBS weights of the vertices on the J joints.
     pub joints: &'a Weights,
     /// P.
     pub proxy_len: usize,
@@ -30,16 +38,16 @@ pub struct Reduction<'a> {
     pub joint_len: usize,
     /// F: the near-rigid vertices, V flags.
     pub fixed: &'a [bool],
-    /// What keeps F in place and the system regular.
+    /// Anchors, which hold F in place and make the system regular; `None` as published.
     pub anchors: Option<Anchors>,
 }
 
-/// Strength of the two anchors, both without unit.
+/// Strengths of the two anchors, without unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Anchors {
-    /// γ: pulls each vertex of F to its LBS position; relative to the mean squared edge.
+    /// γ: pulls each vertex of F to its LBS position. Relative to the mean squared edge.
     pub near_rigid: f64,
-    /// μ: pulls each proxy to its patch's LBS map; relative to the proxy's share of the edges.
+    /// μ: pulls each proxy to the LBS map of its patch. Relative to the proxy's share of the edges.
     pub patch: f64,
 }
 
@@ -62,10 +70,22 @@ pub struct NormalEquations {
     pub b2: Mat<f64>,
 }
 
+/// Regression of a palette's residual on the deviations of its inputs from rest.
+#[derive(Clone)]
+pub struct Regression {
+    gram: Mat<f64>,
+    right: Mat<f64>,
+    /// Number of equations.
+    rows: f64,
+    /// Columns of the gradients, 3P.
+    keys: usize,
+    root: usize,
+}
+
 impl Reduction<'_> {
-    /// Solves for c1 and c2: by Cholesky, or with the least norm where there are no anchors.
+    /// Solves for c1 and c2: by Cholesky, or with the least norm if there are no anchors.
     ///
-    /// Returns `None` where the anchors are too weak to make the system regular.
+    /// Returns `None` if the system is singular because the anchors are too weak.
     pub fn run(&self) -> Option<Reduced> {
         let equations = self.equations();
         let (b1, b2) = (&equations.b1, &equations.b2);
@@ -77,7 +97,7 @@ impl Reduction<'_> {
         Some(Reduced { c1: factor.solve(b1), c2: factor.solve(b2) })
     }
 
-    /// Builds the normal equations with their anchors.
+    /// Builds the normal equations, anchors included.
     pub fn equations(&self) -> NormalEquations {
         let p = self.proxy_len;
         let mut e = NormalEquations {
@@ -97,9 +117,10 @@ impl Reduction<'_> {
         e
     }
 
-    /// One edge of a triangle: the free ends' proxies against the key gradient and the fixed end.
+    /// Adds the equation of one edge: the proxies of its free ends on the left, the key gradient and the fixed ends on
+    /// the right.
     fn add_edge(&self, e: &mut NormalEquations, triangle: usize, first: usize, last: usize) {
-        // φ_j - φ_1 with the fixed ends left out, which covers F0, F1 and F2 at once.
+        // φ_j - φ_1 without fixed ends. This covers edges with no, one and two ends in F (S3: F0, F1, F2).
         let mut free = Vec::with_capacity(2 * self.proxies.most());
         let mut known = Vec::with_capacity(self.joints.most());
         for (vertex, sign) in [(last, 1.0), (first, -1.0)] {
@@ -126,7 +147,7 @@ impl Reduction<'_> {
         }
     }
 
-    /// γ Σ_{a∈F} |φ_aᵀt - ψ_aᵀq|².
+    /// Adds γ Σ_{a∈F} |φ_aᵀt - ψ_aᵀq|².
     fn add_near_rigid_anchor(&self, e: &mut NormalEquations, strength: f64) {
         let gamma = strength * self.mean_squared_edge();
         for vertex in (0..self.rest.len()).filter(|&v| self.fixed[v]) {
@@ -141,8 +162,8 @@ impl Reduction<'_> {
         }
     }
 
-    /// μ |T_l - T_l^LBS|² over four points around each patch's centroid, which also holds planar
-    /// patches, floating parts and proxies of fixed vertices alone.
+    /// Adds μ |T_l - T_l^LBS|² over four points around the centroid of each patch. This also determines the maps of
+    /// flat patches, of floating parts, and of proxies that move only fixed vertices.
     fn add_patch_anchor(&self, e: &mut NormalEquations, strength: f64) {
         let p = self.proxy_len;
         let mut mass = vec![0.0; p];
@@ -183,11 +204,13 @@ impl Reduction<'_> {
         }
     }
 
+    /// Returns φ of a vertex: `α [x̂ 1]` for each of its proxies.
     fn phi(&self, vertex: usize) -> impl Iterator<Item = (usize, Vector4<f64>)> + '_ {
         let h = homogeneous(&self.rest[vertex]);
         self.proxies.of(vertex).map(move |(l, alpha)| (l, h * alpha))
     }
 
+    /// Returns ψ of a vertex: `w [x̂ 1]` for each of its joints.
     fn psi(&self, vertex: usize) -> impl Iterator<Item = (usize, Vector4<f64>)> + '_ {
         let h = homogeneous(&self.rest[vertex]);
         self.joints.of(vertex).map(move |(j, w)| (j, h * w))
@@ -203,7 +226,7 @@ impl Reduction<'_> {
 }
 
 impl Reduced {
-    /// The same with the joints' own transforms after the proxies': `[t; q] = [c1; 0] d + [c2; I] q`.
+    /// Appends the joints' transforms to the palette, after the proxies: `[t; q] = [c1; 0] d + [c2; I] q`.
     #[must_use]
     pub fn and_joints(&self) -> Self {
         let (rows, joints) = (self.c2.nrows(), self.c2.ncols());
@@ -215,15 +238,16 @@ impl Reduced {
         Self { c1, c2 }
     }
 
-    /// Evaluates `t = c1 d + c2 q` of n poses: gradients 3n x 3P (columns 3l..3l+3 are key l) to
-    /// maps 3n x 4P (columns 4l..4l+4 are proxy l).
+    /// Evaluates `t = c1 d + c2 q` in n poses. Returns maps, 3n x 4P; columns 4l..4l+4 belong to proxy l.
+    ///
+    /// - `gradients`: 3n x 3P; columns 3l..3l+3 belong to key l.
     pub fn palette(&self, gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
         gradients * self.c1.transpose() + poses.stacked() * self.c2.transpose()
     }
 }
 
 impl NormalEquations {
-    /// Returns the ratio of a's largest to its smallest eigenvalue.
+    /// Returns the ratio of the largest to the smallest eigenvalue of a; infinite if a is singular.
     pub fn condition(&self) -> f64 {
         match self.a.self_adjoint_eigenvalues(Side::Lower) {
             Ok(values) => match (values.first(), values.last()) {
@@ -235,7 +259,67 @@ impl NormalEquations {
     }
 }
 
-/// Σ h hᵀ over the corners of a regular tetrahedron of a given radius about a centre.
+impl Regression {
+    /// Sums the normal equations over all poses except those in `left_out`.
+    ///
+    /// - `gradients`: 3n x 3P.
+    /// - `residual`: residual maps, 3n x 4P.
+    pub fn new(
+        gradients: &Mat<f64>,
+        poses: &Poses,
+        residual: &Mat<f64>,
+        left_out: &[usize],
+    ) -> Self {
+        let all = features(gradients, poses);
+        let (mut gram, mut right) = (all.transpose() * &all, all.transpose() * residual);
+        let [x, r] = [&all, residual].map(|all| in_poses(all, left_out));
+        gram -= x.transpose() * &x;
+        right -= x.transpose() * &r;
+        let rows = (all.nrows() - x.nrows()) as f64;
+        Self { gram, right, rows, keys: gradients.ncols(), root: poses.root() }
+    }
+
+    /// Adds Δ to c1 and c2.
+    ///
+    /// - `strength`: ridge per equation.
+    pub fn refine(&self, reduced: &Reduced, strength: f64) -> Reduced {
+        let ridge = strength * self.rows;
+        let delta = solve_ridge(&mut self.gram.clone(), self.right.clone(), ridge);
+        let mut refined = reduced.clone();
+        for row in 0..refined.c1.nrows() {
+            for column in 0..delta.nrows() {
+                let value = delta[(column, row)];
+                // At rest d = I and q = [I 0]: subtract the rest value in the root's block.
+                let axis = if column < self.keys {
+                    refined.c1[(row, column)] += value;
+                    column % 3
+                } else {
+                    let column = column - self.keys;
+                    refined.c2[(row, column)] += value;
+                    column % 4
+                };
+                if axis < 3 {
+                    refined.c2[(row, 4 * self.root + axis)] -= value;
+                }
+            }
+        }
+        refined
+    }
+}
+
+/// Returns the deviations from rest `[d - I, q - rest]`, 3n x (3P + 4J).
+fn features(gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
+    let (keys, joints) = (gradients.ncols(), poses.stacked());
+    Mat::from_fn(gradients.nrows(), keys + joints.ncols(), |row, column| {
+        let identity = |axis: usize| f64::from(u8::from(row % 3 == axis));
+        match column.checked_sub(keys) {
+            None => gradients[(row, column)] - identity(column % 3),
+            Some(column) => joints[(row, column)] - identity(column % 4),
+        }
+    })
+}
+
+/// Returns Σ h hᵀ over the corners of a regular tetrahedron around a centre.
 fn tetrahedron_moment(centre: &Vector3<f64>, radius: f64) -> Matrix4<f64> {
     let step = radius / 3f64.sqrt();
     [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]

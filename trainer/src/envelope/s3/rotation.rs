@@ -1,34 +1,33 @@
-//! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2). Here the joint
-//! b that a key follows is chosen and, where it helps, the residual joint c.
+//! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2). Chooses the joint b that a
+//! key follows and, if it lowers the error, a residual joint c.
 
 use crate::envelope::lbs::poses::Poses;
 use crate::numeric::so3;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
-/// How W and u are found.
+/// Solver for W and u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
-    /// The global optimum over both signs of u, preferring W near I where axes leave it open.
+    /// The global optimum over both signs of u. Prefers W near I if the axes do not determine W.
     ClosedForm,
-    /// S3's coordinate descent from S3's start; reaches u ≥ 0 only.
+    /// Coordinate descent of S3 from the start of S3; finds only u ≥ 0.
     Alternation,
 }
 
-/// Rounds in which ρ may change its representative at the branch at π.
+/// Maximum number of rounds in which ρ may change its representative (the branch at π).
 const BRANCH_ROUNDS: usize = 3;
-/// Share of the first singular value that pulls W towards I.
+/// Strength of the preference for W near I, as a share of the first singular value.
 const PREFERENCE: f64 = 1e-3;
-/// Gain, relative to Σ|ρ|², that a mirroring u < 0 must bring.
+/// Minimum gain of a mirroring u < 0, relative to Σ|ρ|².
 const MIRROR_GAIN: f64 = 1e-6;
-/// Error, relative to one joint's, below which a second joint is kept.
+/// A residual joint is kept if its error is below this share of the error of one joint.
 const RESIDUAL_GAIN: f64 = 0.98;
-
-/// Largest |u|: a joint that hardly moved in training explains noise with any u, which would spin
-/// the surface once it moves.
+/// Maximum |u|. If a joint hardly moved in training, the fit explains noise by a large u. The surface would then spin
+/// when the joint moves.
 const MAX_SCALE: f64 = 4.0;
 
-/// One axis and one scale: the matrix u W.
+/// The matrix u W: a rotation and a scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Twist {
     /// u, real.
@@ -50,13 +49,14 @@ pub struct RotationPredictor {
     pub residual: Option<(usize, Matrix3<f64>)>,
     /// Σ|R - R_pred|² of each joint as b, J.
     pub errors: Vec<f64>,
-    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
     pub residual_errors: Vec<f64>,
 }
 
 impl RotationPredictor {
-    /// Fits the joint, its twist and, where it helps, a residual joint to rotations relative to
-    /// the root, one per pose; every joint is tried.
+    /// Fits the joint, its twist and, if it lowers the error, a residual joint. Tries every joint.
+    ///
+    /// - `rotations`: relative to the root, one per pose.
     pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], solver: Solver) -> Self {
         let joints = 0..poses.joint_len();
         let (twists, errors): (Vec<_>, Vec<_>) = joints
@@ -98,12 +98,13 @@ impl RotationPredictor {
     }
 }
 
+/// Returns the index of the smallest error.
 fn least(errors: &[f64]) -> usize {
     let order = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
     order.map_or(0, |(index, _)| index)
 }
 
-/// Fits one joint on top of given base rotations; returns u W and Σ|R - R_pred|².
+/// Fits one joint after given base rotations, one per pose; returns u W and Σ|R - R_pred|².
 fn candidate(
     poses: &Poses,
     joint: usize,
@@ -124,13 +125,22 @@ fn candidate(
     (twist, error)
 }
 
-/// Fits `ρ = u W θ`, choosing for each ρ the representative nearest the prediction.
+/// Fits `ρ = u W θ`. For each ρ, the representative nearest to the prediction is chosen.
 ///
-/// `rho` is left with the representatives chosen.
+/// - `theta`, `rho`: radians, one per pose. `rho` receives the chosen representatives.
 pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], solver: Solver) -> Twist {
-    let fit = |rho: &[Vector3<f64>]| match solver {
-        Solver::ClosedForm => closed_form(theta, rho),
-        Solver::Alternation => alternation(theta, rho),
+    let fit = |rho: &[Vector3<f64>]| {
+        let moments = Moments::new(theta, rho);
+        if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
+            return moments.zero();
+        }
+        match solver {
+            Solver::ClosedForm => moments.closed_form(),
+            Solver::Alternation => {
+                let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
+                moments.alternation(lengths / moments.theta)
+            }
+        }
     };
     let mut twist = fit(rho);
     for _ in 0..BRANCH_ROUNDS {
@@ -156,8 +166,11 @@ pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], solver: Solve
 }
 
 struct Moments {
+    /// Σ ρ θᵀ.
     m: Matrix3<f64>,
+    /// Σ|θ|².
     theta: f64,
+    /// Σ|ρ|².
     rho: f64,
 }
 
@@ -170,50 +183,46 @@ impl Moments {
         }
     }
 
-    fn still(&self) -> Twist {
+    /// Returns the twist u = 0.
+    fn zero(&self) -> Twist {
         Twist { u: 0.0, w: Matrix3::identity(), error: self.rho }
     }
 
-    /// The best u for a rotation W, kept on one side of zero.
+    /// Fits u to a rotation W.
+    ///
+    /// - `side`: sign of u, 1 or -1; u is 0 if the best u has the other sign.
     fn scale(&self, w: Matrix3<f64>, side: f64) -> Twist {
         let trace = (w.transpose() * self.m).trace();
         let u = if trace * side > 0.0 { trace / self.theta } else { 0.0 };
         let u = u.clamp(-MAX_SCALE, MAX_SCALE);
         Twist { u, w, error: (self.rho - 2.0 * u * trace + u * u * self.theta).max(0.0) }
     }
-}
 
-fn closed_form(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
-    let moments = Moments::new(theta, rho);
-    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
-        return moments.still();
+    /// Finds the global optimum over both signs of u.
+    fn closed_form(&self) -> Twist {
+        let largest = self.m.singular_values()[0];
+        let towards_identity = Matrix3::identity() * (PREFERENCE * largest);
+        let positive = self.scale(procrustes(&(self.m + towards_identity), 1.0), 1.0);
+        let negative = self.scale(procrustes(&(self.m - towards_identity), -1.0), -1.0);
+        if negative.error < positive.error - MIRROR_GAIN * self.rho { negative } else { positive }
     }
-    let largest = moments.m.singular_values()[0];
-    let towards_identity = Matrix3::identity() * (PREFERENCE * largest);
-    let same = moments.scale(procrustes(&(moments.m + towards_identity), 1.0), 1.0);
-    let mirrored = moments.scale(procrustes(&(moments.m - towards_identity), -1.0), -1.0);
-    if mirrored.error < same.error - MIRROR_GAIN * moments.rho { mirrored } else { same }
-}
 
-fn alternation(theta: &[Vector3<f64>], rho: &[Vector3<f64>]) -> Twist {
-    const ROUNDS: usize = 100;
-    let moments = Moments::new(theta, rho);
-    if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
-        return moments.still();
-    }
-    let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
-    let mut twist = Twist { u: lengths / moments.theta, ..moments.still() };
-    for _ in 0..ROUNDS {
-        let last = twist.error;
-        twist = moments.scale(procrustes(&(moments.m * twist.u), 1.0), 1.0);
-        if twist.u == 0.0 || last - twist.error <= 1e-14 * moments.rho {
-            break;
+    /// Fits W and u in turn from a start of u (S3 §1.2).
+    fn alternation(&self, u: f64) -> Twist {
+        const ROUNDS: usize = 100;
+        let mut twist = Twist { u, ..self.zero() };
+        for _ in 0..ROUNDS {
+            let last = twist.error;
+            twist = self.scale(procrustes(&(self.m * twist.u), 1.0), 1.0);
+            if twist.u == 0.0 || last - twist.error <= 1e-14 * self.rho {
+                break;
+            }
         }
+        twist
     }
-    twist
 }
 
-/// The rotation W that maximises (side = 1) or minimises (side = -1) tr(WᵀM).
+/// Returns the rotation W that maximises (side = 1) or minimises (side = -1) tr(WᵀM).
 fn procrustes(m: &Matrix3<f64>, side: f64) -> Matrix3<f64> {
     let svd = m.svd(true, true);
     let (Some(u), Some(vt)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
@@ -251,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_rotation_has_negative_u_only_where_it_pays() {
+    fn a_counter_rotation_has_negative_u_only_if_it_lowers_the_error() {
         let theta = seeded(40, 2);
         let mut rho: Vec<_> = theta.iter().map(|t| -t * 0.4).collect();
         assert!(fit_twist(&theta, &mut rho, Solver::ClosedForm).u < 0.0);
@@ -259,7 +268,7 @@ mod tests {
         let hinge: Vec<_> = (1..20).map(|i| Vector3::new(0.0, 0.0, 0.1 * f64::from(i))).collect();
         let mut against: Vec<_> = hinge.iter().map(|t| -t * 0.4).collect();
         let fit = fit_twist(&hinge, &mut against, Solver::ClosedForm);
-        assert!(fit.error < 1e-12, "a hinge's counter rotation is exact with either sign");
+        assert!(fit.error < 1e-12, "a counter rotation of a hinge is exact with either sign");
     }
 
     #[test]
@@ -277,7 +286,7 @@ mod tests {
             let mut rho = seeded(12, 900 + seed);
             let alternated = fit_twist(&theta, &mut rho.clone(), Solver::Alternation);
             let closed = fit_twist(&theta, &mut rho, Solver::ClosedForm);
-            // ε buys W near I for at most its own square of the error.
+            // The preference for W near I costs at most its square, as a share of the error.
             let slack = 1e-5 * rho.iter().map(Vector3::norm_squared).sum::<f64>();
             assert!(closed.error <= alternated.error + slack, "seed {seed}");
         }

@@ -1,33 +1,35 @@
-//! The moving surface in coordinates on its trajectory basis: what proxies and keys are fitted to.
+//! The moving surface: coordinates on its trajectory basis, and deformation gradients of its triangles (METHOD §1.3, S3
+//! §1). Proxies and keys are fitted to these coordinates.
 
-use super::gradient::edge_frame;
 use crate::examples::Importance;
 use crate::numeric::basis::Basis;
 use crate::numeric::columns;
 use faer::Mat;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Rest mesh, and the coordinates of its vertices' and normals' trajectories.
+/// A rest mesh, and the trajectories of its vertices and normals in coordinates on a basis.
 pub struct Surface<'a> {
-    /// n, the frames of the trajectories.
+    /// n, number of frames in the trajectories.
     pub frames: usize,
     /// V rest positions.
     pub rest: &'a [[f64; 3]],
-    /// Triangles, T, each of some area.
+    /// T triangles, each with a positive area.
     pub triangles: Vec<[usize; 3]>,
-    /// Coordinates of the vertices, r x V.
+    /// Coordinates of the vertices' trajectories, r x V.
     pub vertices: &'a Mat<f64>,
-    /// n̂ of each triangle, of about an edge's length.
+    /// n̂ of each triangle, T; about as long as an edge.
     pub rest_normals: Vec<Vector3<f64>>,
-    /// Coordinates of the triangles' normals, r x T, as far as the basis spans them.
+    /// Coordinates of the normals' trajectories, projected onto the basis, r x T.
     pub normals: Mat<f64>,
-    /// How much each vertex counts.
+    /// Weight of each vertex in the fits.
     pub importance: Importance<'a>,
 }
 
 impl<'a> Surface<'a> {
-    /// Projects a mesh with trajectories (3n x V) on their basis.
+    /// Projects the trajectories of a mesh onto their basis.
+    ///
+    /// - `trajectories`: 3n x V.
     pub fn new(
         rest: &'a [[f64; 3]],
         triangles: Vec<[usize; 3]>,
@@ -55,7 +57,7 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Returns how much a triangle counts: as its corners do on average.
+    /// Returns the weight of a triangle: the mean weight of its corners.
     pub fn triangle_importance(&self, triangle: usize) -> f64 {
         self.triangles[triangle].map(|vertex| self.importance.of(vertex)).iter().sum::<f64>() / 3.0
     }
@@ -84,6 +86,22 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// Returns the frame `[e1 e2 n]` of a triangle: n = (e1 x e2)/√|e1 x e2|, or 0 if the triangle has no area.
+pub fn edge_frame(corners: [&[f64; 3]; 3]) -> Matrix3<f64> {
+    let [a, b, c] = corners.map(|p| Vector3::from(*p));
+    let (e1, e2) = (b - a, c - a);
+    let cross = e1.cross(&e2);
+    let length = cross.norm();
+    let normal = if length > 0.0 { cross / length.sqrt() } else { Vector3::zeros() };
+    Matrix3::from_columns(&[e1, e2, normal])
+}
+
+/// Returns the deformation gradient from a rest triangle to a posed triangle; `None` if the rest triangle has no area.
+pub fn gradient(rest: [&[f64; 3]; 3], posed: [&[f64; 3]; 3]) -> Option<Matrix3<f64>> {
+    edge_frame(rest).try_inverse().map(|inverse| edge_frame(posed) * inverse)
+}
+
+/// Returns the normals of a triangle in n frames, 3n, from the trajectories of its corners.
 fn posed_normals(corners: [&[f64]; 3]) -> faer::Col<f64> {
     let mut all = faer::Col::zeros(corners[0].len());
     for frame in 0..corners[0].len() / 3 {
@@ -94,4 +112,39 @@ fn posed_normals(corners: [&[f64]; 3]) -> faer::Col<f64> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::so3;
+
+    const REST: [[f64; 3]; 3] = [[0.1, 0.0, 0.0], [1.0, 0.2, 0.0], [0.0, 1.0, 0.3]];
+
+    fn moved(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+        REST.map(|p| (m * Vector3::from(p) + Vector3::new(5.0, -2.0, 1.0)).into())
+    }
+
+    #[test]
+    fn a_similarity_is_its_own_gradient() {
+        let m = so3::exp(&Vector3::new(0.4, -1.0, 2.0)) * 1.7;
+        let d = gradient(REST.each_ref(), moved(&m).each_ref()).unwrap();
+        assert!((d - m).amax() < 1e-12);
+    }
+
+    #[test]
+    fn an_affine_map_is_found_on_the_edges() {
+        let m = Matrix3::new(1.0, 0.3, 0.0, -0.2, 0.8, 0.1, 0.0, 0.5, 1.4);
+        let d = gradient(REST.each_ref(), moved(&m).each_ref()).unwrap();
+        for corner in &REST[1..] {
+            let edge = Vector3::from(*corner) - Vector3::from(REST[0]);
+            assert!((d * edge - m * edge).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_flat_rest_triangle_has_no_gradient() {
+        let flat = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        assert!(gradient(flat.each_ref(), REST.each_ref()).is_none());
+    }
 }

@@ -1,8 +1,9 @@
-//! Cross-validation inside the training split, by folds (METHOD §1.1).
+//! Cross-validation inside the training split, by folds (METHOD §1.1). Chooses near-rigid vertices and anchors by their
+//! errors (METHOD §1.6, §1.7), then the refinement: its ridge, and predictors with or without scale and shear.
 
-use super::predictor::{self, GradientPredictor};
-use super::reduce::Reduced;
-use super::refine::Regression;
+use super::keys::{GradientPredictor, predict_stacked};
+use super::reduce::{Anchors, Reduced, Reduction, Regression};
+use crate::envelope::FitError;
 use crate::envelope::folds::Folds;
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::poses::Poses;
@@ -13,30 +14,46 @@ use crate::regression::outputs::Block;
 use faer::Mat;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
+use serde::Serialize;
 
-/// Key gradients of every training pose, predicted without each fold in turn.
+/// Candidate fractions of vertices in F; at 1 all proxies follow LBS.
+const FRACTIONS: [f64; 11] = [0.05, 0.1, 0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85, 0.95, 1.0];
+/// Candidate γ, tried at the best fraction.
+const NEAR_RIGID: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
+/// Candidate μ, tried at the best γ.
+const PATCH: [f64; 4] = [1e-6, 1e-4, 1e-3, 1e-2];
+/// Anchors of the first trials.
+const START: Anchors = Anchors { near_rigid: 10.0, patch: 1e-4 };
+/// Candidate ridges of the refinement, the largest first.
+const RIDGES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+
+/// Cross-validation of key predictors: each fold is predicted by fits without the fold.
 pub struct Validation<'a> {
     projection: &'a Projection,
     poses: &'a Poses,
     folds: Vec<FoldPrediction>,
 }
 
+/// Key gradients of all poses by fits without one fold.
 struct FoldPrediction {
     fold: Block,
     /// Predictors fitted without the fold, P.
     predictors: Vec<GradientPredictor>,
-    /// What they predict of all poses, 3n x 3P.
+    /// Predicted gradients of all poses, 3n x 3P.
     predicted: Mat<f64>,
 }
 
 impl FoldPrediction {
     fn new(fold: Block, predictors: Vec<GradientPredictor>, poses: &Poses) -> Self {
-        Self { predicted: predictor::predict_stacked(&predictors, poses), fold, predictors }
+        Self { predicted: predict_stacked(&predictors, poses), fold, predictors }
     }
 }
 
 impl<'a> Validation<'a> {
-    /// Fits the predictors of P key sequences once a fold, by a function of the poses that are left and a sequence in them.
+    /// Fits the predictors of P key sequences once per fold.
+    ///
+    /// - `sequences`: gradients of each key in the n poses.
+    /// - `predictor`: fits a predictor to the remaining poses and the sequence in these poses.
     pub fn new(
         projection: &'a Projection,
         poses: &'a Poses,
@@ -65,7 +82,7 @@ impl<'a> Validation<'a> {
         Self { projection, poses, folds }
     }
 
-    /// The same by predictors without scale and shear.
+    /// Returns this cross-validation with predictors without scale and shear.
     #[must_use]
     pub fn without_shear(&self) -> Self {
         let of = |of: &FoldPrediction| {
@@ -75,24 +92,25 @@ impl<'a> Validation<'a> {
         Self { folds: self.folds.par_iter().map(of).collect(), ..*self }
     }
 
-    /// RMS error of the poses, each predicted without its fold.
+    /// Returns the RMS error of the poses, each predicted by a fit without its fold.
     pub fn score(&self, reduced: &Reduced) -> f64 {
         self.score_maps(&self.unrefined(reduced))
     }
 
-    /// RMS error of the poses after refinement at a ridge, each pose refined and predicted without its fold.
+    /// Returns the RMS error after refinement. Each pose is refined and predicted by fits without its fold.
     ///
-    /// - `regressions`: of each fold.
+    /// - `regressions`: one per fold, as [`Self::regressions`] returns them.
+    /// - `ridge`: per equation.
     pub fn score_refined(&self, reduced: &Reduced, regressions: &[Regression], ridge: f64) -> f64 {
         self.score_maps(&self.refined(reduced, regressions, ridge))
     }
 
-    /// The maps of all poses, 3n x 4P, by fits that have not seen each fold.
+    /// Computes the maps of all poses without each fold: one matrix per fold, 3n x 4P.
     pub fn unrefined(&self, reduced: &Reduced) -> Vec<Mat<f64>> {
         self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses)).collect()
     }
 
-    /// The same, refined at a ridge.
+    /// Computes the refined maps of all poses without each fold: one matrix per fold, 3n x 4P.
     pub fn refined(
         &self,
         reduced: &Reduced,
@@ -105,7 +123,7 @@ impl<'a> Validation<'a> {
         self.folds.par_iter().zip(regressions).map(of).collect()
     }
 
-    /// What refines a reconstruction, by the poses outside each fold.
+    /// Sums the regressions that refine a reconstruction: one per fold, over the poses outside the fold.
     pub fn regressions(&self, reduced: &Reduced) -> Vec<Regression> {
         let of = |of: &FoldPrediction| {
             let FoldPrediction { fold, predicted, .. } = of;
@@ -121,7 +139,7 @@ impl<'a> Validation<'a> {
         self.projection.rms(&self.join(maps))
     }
 
-    /// Joins the folds' own rows of the maps of all folds.
+    /// Joins the maps of the folds, 3n x 4P: a pose's rows come from the fit without its fold.
     pub fn join(&self, maps: &[Mat<f64>]) -> Mat<f64> {
         let columns = maps.first().map_or(0, Mat::ncols);
         let mut joined = Mat::zeros(3 * self.poses.len(), columns);
@@ -134,7 +152,207 @@ impl<'a> Validation<'a> {
     }
 }
 
-/// Largest distance between two skinnings of the marked vertices over the poses.
+/// A candidate for F, γ and μ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setting {
+    /// Fraction of the vertices in F: the vertices with the smallest LBS errors.
+    pub near_rigid_fraction: f64,
+    /// γ and μ.
+    pub anchors: Anchors,
+}
+
+/// A candidate for F, γ and μ, and its error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SettingTrial {
+    /// The candidate.
+    pub choice: Setting,
+    /// Cross-validated RMS error as a share of the diagonal; `None` if the system is singular.
+    pub rms: Option<f64>,
+}
+
+/// Inputs of the choice of F, γ and μ.
+pub struct Candidates<'a> {
+    /// Reduction; each candidate replaces F and the anchors.
+    pub reduction: Reduction<'a>,
+    /// Squared LBS error of each vertex, V.
+    pub lbs_errors: &'a [f64],
+    /// Scores the candidates.
+    pub validation: &'a Validation<'a>,
+}
+
+impl Candidates<'_> {
+    /// Tries fractions of F, then γ, then μ; returns the best candidate and all trials in order.
+    ///
+    /// # Errors
+    /// [`FitError::Singular`]: the system of every candidate is singular.
+    pub fn choose(
+        &self,
+        progress: &dyn Progress,
+    ) -> Result<(Setting, Vec<SettingTrial>), FitError> {
+        progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
+        let mut search = Sweep { candidates: self, trials: Vec::new(), best: None, progress };
+        for near_rigid_fraction in FRACTIONS {
+            search.attempt(Setting { near_rigid_fraction, anchors: START });
+        }
+        for near_rigid in NEAR_RIGID {
+            let best = search.best()?;
+            search.attempt(Setting { anchors: Anchors { near_rigid, ..best.anchors }, ..best });
+        }
+        for patch in PATCH {
+            let best = search.best()?;
+            search.attempt(Setting { anchors: Anchors { patch, ..best.anchors }, ..best });
+        }
+        Ok((search.best()?, search.trials))
+    }
+
+    /// Reduces the reconstruction with the F and the anchors of a candidate; `None` if the system is singular.
+    pub fn reduce(&self, choice: &Setting) -> Option<Reduced> {
+        let fixed = near_rigid(self.lbs_errors, choice.near_rigid_fraction);
+        Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
+    }
+}
+
+/// Marks F among V vertices: the given fraction with the smallest LBS errors.
+pub fn near_rigid(lbs_errors: &[f64], fraction: f64) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..lbs_errors.len()).collect();
+    order.sort_by(|&a, &b| lbs_errors[a].total_cmp(&lbs_errors[b]).then(a.cmp(&b)));
+    let mut fixed = vec![false; lbs_errors.len()];
+    let count = (fraction * lbs_errors.len() as f64).round() as usize;
+    for &vertex in order.iter().take(count) {
+        fixed[vertex] = true;
+    }
+    fixed
+}
+
+/// Search for F, γ and μ.
+struct Sweep<'a> {
+    candidates: &'a Candidates<'a>,
+    trials: Vec<SettingTrial>,
+    /// Best candidate so far, and its error.
+    best: Option<(Setting, f64)>,
+    progress: &'a dyn Progress,
+}
+
+impl Sweep<'_> {
+    fn attempt(&mut self, choice: Setting) {
+        self.progress.advance(1);
+        if self.trials.iter().any(|trial| trial.choice == choice) {
+            return;
+        }
+        let reduced = self.candidates.reduce(&choice);
+        let rms = reduced.map(|reduced| self.candidates.validation.score(&reduced));
+        self.trials.push(SettingTrial { choice, rms });
+        if let Some(rms) = rms.filter(|rms| self.best.is_none_or(|best| *rms < best.1)) {
+            self.best = Some((choice, rms));
+        }
+    }
+
+    fn best(&self) -> Result<Setting, FitError> {
+        self.best.map(|best| best.0).ok_or(FitError::Singular)
+    }
+}
+
+/// A candidate refinement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Refinement {
+    /// Ridge of its regression, per equation.
+    pub ridge: f64,
+    /// Whether keys scale and shear.
+    pub shear: bool,
+}
+
+/// A candidate refinement, and its error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RefinementTrial {
+    /// The candidate; `None` keeps c1 and c2 of the Poisson reconstruction.
+    pub choice: Option<Refinement>,
+    /// Cross-validated RMS error as a share of the diagonal.
+    pub rms: f64,
+}
+
+/// Predictors of one kind: with or without scale and shear.
+pub struct Keyed<'a> {
+    /// Predictors fitted to all training poses, P.
+    pub predictors: Vec<GradientPredictor>,
+    /// Predictors fitted without each fold.
+    pub validation: Validation<'a>,
+}
+
+impl Keyed<'_> {
+    /// Returns these predictors without scale and shear.
+    #[must_use]
+    pub fn without_shear(&self) -> Self {
+        Self {
+            predictors: self.predictors.iter().map(GradientPredictor::without_shear).collect(),
+            validation: self.validation.without_shear(),
+        }
+    }
+}
+
+/// A reconstruction by predictors of one kind, and the regressions that refine it.
+pub struct Refining<'a> {
+    unrefined: &'a Reduced,
+    /// The predictors.
+    pub keyed: &'a Keyed<'a>,
+    /// Regression over all training poses.
+    trained: Regression,
+    /// Regressions over the poses outside each fold.
+    folds: Vec<Regression>,
+}
+
+impl<'a> Refining<'a> {
+    /// Sums the regressions that refine a reconstruction.
+    pub fn new(
+        unrefined: &'a Reduced,
+        keyed: &'a Keyed<'a>,
+        poses: &Poses,
+        projection: &Projection,
+    ) -> Self {
+        let gradients = predict_stacked(&keyed.predictors, poses);
+        let residual = projection.residual(&unrefined.palette(&gradients, poses));
+        Self {
+            trained: Regression::new(&gradients, poses, &residual, &[]),
+            folds: keyed.validation.regressions(unrefined),
+            unrefined,
+            keyed,
+        }
+    }
+
+    /// Returns c1 and c2 after a refinement.
+    pub fn refined(&self, choice: &Refinement) -> Reduced {
+        self.trained.refine(self.unrefined, choice.ridge)
+    }
+
+    /// Computes the refined maps of all poses without each fold: one matrix per fold, 3n x 4P.
+    pub fn maps_of_folds(&self, choice: &Refinement) -> Vec<Mat<f64>> {
+        self.keyed.validation.refined(self.unrefined, &self.folds, choice.ridge)
+    }
+
+    fn attempt(&self, ridge: f64, shear: bool) -> RefinementTrial {
+        let rms = self.keyed.validation.score_refined(self.unrefined, &self.folds, ridge);
+        RefinementTrial { choice: Some(Refinement { ridge, shear }), rms }
+    }
+}
+
+/// Tries no refinement, then every ridge with and without scale and shear. Returns the best refinement, and all trials
+/// in order.
+pub fn choose_refinement(
+    shearing: &Refining<'_>,
+    rigid: &Refining<'_>,
+) -> (Option<Refinement>, Vec<RefinementTrial>) {
+    let rms = shearing.keyed.validation.score(shearing.unrefined);
+    let mut trials = vec![RefinementTrial { choice: None, rms }];
+    for ridge in RIDGES {
+        trials.extend([shearing.attempt(ridge, true), rigid.attempt(ridge, false)]);
+    }
+    let best = trials.iter().min_by(|a, b| a.rms.total_cmp(&b.rms));
+    (best.and_then(|trial| trial.choice), trials)
+}
+
+/// Returns the largest distance between two skinnings of the marked vertices over all poses.
+///
+/// - `a`, `b`: weights of each skinning, and its stacked maps, 3n x 4 per transform.
+/// - `marked`: V flags.
 pub fn largest_distance(
     rest: &[[f64; 3]],
     (a, a_maps): (&Weights, &Mat<f64>),
