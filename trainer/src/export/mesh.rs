@@ -1,8 +1,18 @@
-//! Skinned meshes of a document: what is in their vertices.
+//! Meshes
 
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
+use std::ops::Range;
 
+use super::error::ExportError;
+use super::played::Played;
+use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
+use crate::envelope::posed::{FrameError, rest, skin_on};
+use crate::evaluate::Character;
+use crate::examples::Examples;
+use crate::formats::appearance::{Appearance, Image, image_kind};
 use crate::formats::gltf::write::{ArrayIndex, ArrayKind, Document, F32, SkinIndex, U8, U16};
+use crate::space::Conversion;
 
 /// A mesh of V vertices on a skin, in its bind pose.
 pub(super) struct SkinnedMesh<'a> {
@@ -98,4 +108,156 @@ impl Document {
 fn unit(direction: &[f64; 3]) -> [f32; 3] {
     let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 { direction.map(|x| (x / length) as f32) } else { [0.0, 1.0, 0.0] }
+}
+
+/// A part of a mesh: its name, its vertices, and the triangles of each of its materials.
+pub(super) struct Part<'a> {
+    name: &'a str,
+    vertices: Range<usize>,
+    primitives: Vec<(Option<usize>, Vec<[usize; 3]>)>,
+}
+
+/// Parts a mesh by the ranges of its vertices, or makes one part of it, and each by material, in the order
+/// in which they come. A range without a triangle is left out.
+pub(super) fn parts<'a>(
+    name: &'a str,
+    ranges: &'a [(String, Range<usize>)],
+    vertex_len: usize,
+    triangles: &[[usize; 3]],
+    materials: &[Option<usize>],
+) -> Vec<Part<'a>> {
+    let whole = [(name, 0..vertex_len)];
+    let named = ranges.iter().map(|(name, range)| (name.as_str(), range.clone()));
+    let all: Vec<_> = if ranges.is_empty() { whole.into() } else { named.collect() };
+    let mut parts: Vec<_> = all
+        .into_iter()
+        .map(|(name, vertices)| Part { name, vertices, primitives: Vec::new() })
+        .collect();
+    let materials = materials.iter().copied().chain(std::iter::repeat(None));
+    for (triangle, material) in triangles.iter().zip(materials) {
+        // The meshes that were joined follow one another.
+        let part = parts.partition_point(|part| part.vertices.end <= triangle[0]);
+        let Some(Part { vertices, primitives, .. }) = parts.get_mut(part) else { continue };
+        let own = triangle.map(|vertex| vertex - vertices.start);
+        match primitives.iter_mut().find(|(other, _)| *other == material) {
+            Some((_, triangles)) => triangles.push(own),
+            None => primitives.push((material, vec![own])),
+        }
+    }
+    parts.retain(|part| !part.primitives.is_empty());
+    parts
+}
+
+impl Part<'_> {
+    /// Cuts the part out of the mesh that it is a part of.
+    pub(super) fn of<'a>(&'a self, mesh: &SkinnedMesh<'a>) -> SkinnedMesh<'a> {
+        let own = self.vertices.clone();
+        SkinnedMesh {
+            name: self.name,
+            positions: &mesh.positions[own.clone()],
+            normals: &mesh.normals[own.clone()],
+            uv: mesh.uv.map(|uv| &uv[own.clone()]),
+            influences: &mesh.influences[own],
+            primitives: &self.primitives,
+        }
+    }
+}
+
+impl Document {
+    /// Adds materials, and what they name; textures only where there are coordinates for them.
+    pub(super) fn dress(&mut self, appearance: &Appearance, uv: bool) {
+        let mut appearance = appearance.clone();
+        appearance.keep_uv(uv);
+        let extensions = appearance.extensions();
+        let Appearance { materials, textures, samplers, images, required, .. } = appearance;
+        let picture = |image: Image| {
+            let mut members = image.members;
+            if let Some(kind) = image_kind(&image.bytes) {
+                members.insert("mimeType".to_owned(), json!(kind));
+            }
+            members.insert("bufferView".to_owned(), json!(self.view(image.bytes)));
+            Value::Object(members)
+        };
+        let images: Vec<Value> = images.into_iter().map(picture).collect();
+        for (name, items) in [
+            ("materials", materials),
+            ("textures", textures),
+            ("samplers", samplers),
+            ("images", images),
+            ("extensionsUsed", extensions.into_iter().map(Value::from).collect()),
+            ("extensionsRequired", required.into_iter().map(Value::from).collect()),
+        ] {
+            if !items.is_empty() {
+                self.root.insert(name.to_owned(), Value::Array(items));
+            }
+        }
+    }
+}
+
+/// Further meshes and their weights on the palette.
+#[derive(Default)]
+pub(super) struct Further {
+    levels: Vec<Level>,
+    influences: Vec<Influences>,
+    /// Reports on the meshes, in their order.
+    pub(super) reports: Vec<LevelReport>,
+}
+
+impl Further {
+    /// Finds the weights of meshes, and moves meshes in other axes or another unit.
+    ///
+    /// # Errors
+    /// [`ExportError::Level`] and [`ExportError::Frame`].
+    pub(super) fn new(
+        played: &Played<'_>,
+        examples: &Examples,
+        levels: &[Level],
+    ) -> Result<Self, ExportError> {
+        if levels.is_empty() {
+            return Ok(Self::default());
+        }
+        let own = examples.surface();
+        let Played { character: Character { skin, .. }, palettes, influences, .. } = played;
+        let posed = palettes
+            .par_iter()
+            .enumerate()
+            .map(|(key, palette)| {
+                let [positions, _] = skin_on(skin, palette, key)?;
+                Ok(own.of_first_copies(positions.as_chunks().0))
+            })
+            .collect::<Result<Vec<_>, FrameError>>()?;
+        let surface = SkinSurface {
+            rest: &own.of_first_copies(&rest(skin)),
+            triangles: &examples.solid_triangles(),
+            influences: &own.of_first_copies(influences),
+            most: skin.influence_len(),
+            diagonal: examples.diagonal(),
+            palettes,
+            posed,
+        };
+        let mut levels = levels.to_vec();
+        let (influences, reports) = surface.follow_all(&mut levels)?;
+        Ok(Self { levels, influences, reports })
+    }
+
+    /// Mirrors the meshes.
+    pub(super) fn convert(&mut self, mirror: &Conversion) {
+        self.levels.iter_mut().for_each(|level| level.mesh.convert(mirror));
+    }
+
+    /// Adds the meshes to a document, on a skin.
+    pub(super) fn add(&self, document: &mut Document, skin: SkinIndex) {
+        for (level, influences) in self.levels.iter().zip(&self.influences) {
+            let surface = level.mesh.surface();
+            let mesh = SkinnedMesh {
+                name: &level.name,
+                positions: &surface.copied(&level.mesh.positions),
+                normals: &surface.normals(),
+                uv: surface.uv(),
+                influences: &surface.copied(influences),
+                primitives: &[(None, surface.engine_triangles().to_vec())],
+            };
+            document.mesh(&mesh, skin);
+        }
+    }
 }

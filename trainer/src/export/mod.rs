@@ -5,20 +5,15 @@
 //! palette of each frame, and that is what the animations play.
 
 mod between;
-mod character;
-mod demo;
-mod dress;
 mod error;
-mod further;
 mod into;
 mod mesh;
 mod played;
 mod proxies;
+mod scene;
 mod skeleton;
 mod stretch;
-mod times;
 
-pub use character::{Export, Exported, Stand};
-pub use demo::{by_use, demo_glb};
-pub use error::ExportError;
-pub use into::{ExportInto, Grafted, IntoError};
+pub use error::{ExportError, IntoError};
+pub use into::{ExportInto, Grafted};
+pub use scene::{Export, Exported, Stand, by_use, demo_glb};

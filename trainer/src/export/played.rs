@@ -7,7 +7,7 @@ use sinew_runtime::format::{Handedness, Space};
 use super::between::{Between, Key};
 use super::error::ExportError;
 use super::proxies;
-use super::times::key_times;
+use super::skeleton::key_times;
 use crate::envelope::levels::Influences;
 use crate::envelope::posed::{FrameError, influences, palette, rest};
 use crate::evaluate::{Character, EvaluateError};

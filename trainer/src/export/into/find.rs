@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::error::IntoError;
 use crate::examples::{Matrix3x4, spread};
+use crate::export::error::IntoError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::space::{SCALES, rotations};
 

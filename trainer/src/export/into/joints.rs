@@ -3,11 +3,12 @@
 use nalgebra::{Isometry3, Matrix3, Matrix4, UnitQuaternion, Vector3};
 use serde_json::Value;
 
-use super::error::IntoError;
 use super::find::Found;
 use crate::examples::{Matrix3x4, Skeleton};
-use crate::export::skeleton::{Carrier, continuous, isometry, parents_first, quaternion, square};
-use crate::export::times::track;
+use crate::export::error::IntoError;
+use crate::export::skeleton::{
+    Carrier, continuous, isometry, parents_first, quaternion, square, track,
+};
 use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::formats::scene::{JointNames, mismatch};

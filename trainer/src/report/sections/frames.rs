@@ -1,7 +1,7 @@
 //! Errors and confidence by frame.
 
-use super::series::{entries, legend, length, names};
-use crate::evaluate::{Measured, most_doubting};
+use super::errors::{entries, legend, length, names};
+use crate::evaluate::{Measured, least_confident_joint};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{paragraph, table, text};
@@ -71,12 +71,12 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
             let rms = length(comparison, series.measured.errors_in(place).rms_percent);
             let character = series.model().map(|model| &model.character);
             let examples = comparison.source.examples;
-            let doubting = character.and_then(|c| most_doubting(c, examples, frame));
+            let joint = character.and_then(|c| least_confident_joint(c, examples, frame));
             vec![
                 text(&comparison.source.label(frame)),
                 text(series.name),
                 format!("{:.3}", confidence[place]),
-                text(doubting.unwrap_or_default()),
+                text(joint.unwrap_or_default()),
                 rms,
             ]
         }));

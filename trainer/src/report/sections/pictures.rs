@@ -1,14 +1,17 @@
-//! The sections made of pictures.
+//! Pictures
 
-use super::error::ReportError;
-use crate::evaluate::{Errors, Measured, OWN_WEIGHTS};
+use super::document::ReportError;
+use crate::evaluate::{Character, Errors, Measured, OWN_WEIGHTS};
+use crate::examples::Examples;
+use crate::numeric::columns::largest;
 use crate::page::camera::Camera;
-use crate::page::colour::{Colour, Scale};
+use crate::page::colour::{Colour, Scale, distinct_colours};
 use crate::page::html::{grouped, paragraph, side_by_side, text};
 use crate::report::comparison::{Comparison, Series};
-use crate::report::palette::{dominant_colours, follow_joints};
 use crate::report::pictures::{Paint, Pictures, Shape};
 use crate::space::written;
+use sinew_runtime::{Envelope, Skin};
+use std::collections::BTreeSet;
 
 const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
                       shows the model once more on a scale of its own, all share one. The ring is the worst \
@@ -153,7 +156,7 @@ fn worst_vertices(comparison: &Comparison<'_>, errors: &[f64]) -> String {
 
 fn worst_frame(measured: &Measured, vertex: usize) -> usize {
     let distances: Vec<f64> = measured.frames.iter().map(|f| f.distances[vertex]).collect();
-    measured.frames[crate::evaluate::largest(&distances)].frame
+    measured.frames[largest(&distances)].frame
 }
 
 /// The palette: near-rigid vertices, and the map that each vertex follows most.
@@ -192,10 +195,46 @@ pub(super) fn palette(
     Ok(side_by_side(row.len().max(3), &row))
 }
 
-fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {
+fn maps(envelope: &Envelope<'_>) -> String {
     let proxies = envelope.proxy_len();
     match envelope.palette_len() - proxies {
         0 => format!("{proxies} proxies"),
         joints => format!("{joints} joints and {proxies} helpers"),
     }
+}
+
+/// Colours each vertex by the transform of the palette that it follows most; those that meet on the surface
+/// get hues that differ.
+fn dominant_colours(character: &Character<'_>, examples: &Examples) -> Vec<Colour> {
+    let firsts = examples.surface().first_copies().into_iter();
+    let dominant: Vec<usize> = firsts.map(|copy| strongest(&character.skin, copy)).collect();
+    let mut meet = vec![BTreeSet::new(); character.skin.palette_len()];
+    for corners in &examples.triangles {
+        let own = corners.map(|vertex| dominant[vertex]);
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            if own[a] != own[b] {
+                meet[own[a]].insert(own[b]);
+                meet[own[b]].insert(own[a]);
+            }
+        }
+    }
+    let neighbours: Vec<Vec<usize>> = meet.into_iter().map(Vec::from_iter).collect();
+    let colours = distinct_colours(&neighbours);
+    dominant.into_iter().map(|index| colours[index]).collect()
+}
+
+/// Marks the V vertices of a kernel model that follow joints alone; none for models without joints
+/// in their palette.
+fn follow_joints(character: &Character<'_>, examples: &Examples) -> Option<Vec<bool>> {
+    let Character { envelope, skin, .. } = character;
+    let joints = envelope.palette_len() - envelope.proxy_len();
+    let alone =
+        |vertex| skin.influences(vertex).all(|(index, weight)| index < joints || weight == 0.0);
+    let firsts = examples.surface().first_copies().into_iter();
+    (joints > 0).then(|| firsts.map(alone).collect())
+}
+
+fn strongest(skin: &Skin<'_>, vertex: usize) -> usize {
+    let all = skin.influences(vertex);
+    all.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best }).0
 }

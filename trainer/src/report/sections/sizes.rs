@@ -1,6 +1,6 @@
 //! What more or fewer proxies would give.
 
-use super::series::{ERRORS, errors as cells, legend};
+use super::errors::{ERROR_HEADS, error_cells, legend};
 use crate::envelope::FitError;
 use crate::evaluate::Errors;
 use crate::page::chart::{Chart, Range};
@@ -105,11 +105,11 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
 }
 
 fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
-    let head = [&["proxies"][..], &ERRORS, &["forecast", "file", "training"]].concat();
+    let head = [&["proxies"][..], &ERROR_HEADS, &["forecast", "file", "training"]].concat();
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let row = |name: String, errors: &Errors, forecast: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
-        row.extend(cells(errors));
+        row.extend(error_cells(errors));
         let forecast = format!("{} %{}", percent(forecast), below(comparison.mm(forecast)));
         row.extend([forecast, format!("{} B", grouped(bytes)), seconds]);
         row
