@@ -197,7 +197,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     for absent in ["More or fewer proxies", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
         assert!(!html.contains(absent), "{absent}");
     }
-    for record in ::csv::Reader::from_reader(&outputs::frames_csv(&comparison).unwrap()[..]).records()
+    for record in
+        ::csv::Reader::from_reader(&outputs::frames_csv(&comparison).unwrap()[..]).records()
     {
         assert_eq!(&record.unwrap()[8], vertex.to_string());
     }

@@ -1,4 +1,4 @@
-//! Why an export could not be made.
+//! Errors of an export.
 
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
@@ -7,29 +7,29 @@ use crate::examples::Clip;
 use crate::formats::{FileError, GlbError};
 use crate::space::SpaceError;
 
-/// An export that could not be made.
+/// Reasons why an export fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The model is refused, or does not fit the examples.
+    /// The model is refused or does not fit the examples.
     #[error(transparent)]
     Model(#[from] EvaluateError),
-    /// There is no clip, or one without frames.
+    /// There is no clip, or a clip has no frames.
     #[error("there is no frame to export: {clip}")]
     NoFrames {
-        /// The clip.
+        /// Message about the clip.
         clip: String,
     },
-    /// The times of a clip's frames do not ascend from zero on in single precision.
+    /// A clip's times do not ascend from zero in single precision.
     #[error(
         "clip {clip}: frame {frame} plays at {time} s, expected times from 0 on that ascend by more \
          than single precision rounds"
     )]
     Times {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
-        /// The frame, counted from the clip's first.
+        /// The frame, counted from the clip's first frame.
         frame: usize,
-        /// Its time in seconds.
+        /// Time of the frame in seconds.
         time: f64,
     },
     /// A further mesh cannot follow the model.
@@ -38,22 +38,22 @@ pub enum ExportError {
     /// The runtime refuses a frame.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The space that is asked for cannot be, or not be reached.
+    /// The requested space is impossible or cannot be reached.
     #[error(transparent)]
     Space(#[from] SpaceError),
-    /// A space that is asked for is not that of the format.
+    /// The requested space is left-handed.
     #[error("glTF is right-handed: leave out --to-hand left, engines mirror it as they import it")]
     LeftHanded,
-    /// An artist's file cannot take it.
+    /// An artist's file cannot hold the model.
     #[error(transparent)]
     Into(#[from] IntoError),
-    /// The file cannot be put together.
+    /// The file cannot be written.
     #[error(transparent)]
     Glb(#[from] GlbError),
 }
 
 impl ExportError {
-    /// Calls the frame that it points at as its source does, of frames of these clips.
+    /// Replaces the frame index with the source's frame number.
     pub fn called(self, clips: &[Clip]) -> Self {
         match self {
             Self::Model(error) => Self::Model(error.called(clips)),
@@ -63,50 +63,50 @@ impl ExportError {
     }
 }
 
-/// A file that a model cannot be put into.
+/// Reasons why an artist's file cannot hold a model.
 #[derive(Debug, thiserror::Error)]
 pub enum IntoError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// None of its vertices is one of the model's.
+    /// No mesh of the file has the model's vertices.
     #[error(
-        "no mesh has its vertices where the model's are, within 1e-4 of the diagonal, in any axes and \
+        "no mesh has the model's vertices, within 1e-4 of the diagonal, in any axes and \
          unit: give the character that the model was trained on, in its rest pose"
     )]
     NoMesh,
-    /// None of its nodes has the name of a joint, but would with other names.
-    #[error("has none of the model's joints, by name: {}; {mismatch}", joints.join(", "))]
+    /// No node has the name of a joint; other names would match.
+    #[error("no node has the name of one of the model's joints: {}; {mismatch}", joints.join(", "))]
     OtherJoints {
-        /// The model's.
+        /// Names of the model's joints.
         joints: Vec<String>,
-        /// What keeps the names from matching, and the option that mends it.
+        /// Reason why the names do not match, and the option that fixes them.
         mismatch: String,
     },
-    /// Some vertices of a mesh are the model's, and others are not.
+    /// A mesh has some of the model's vertices and other vertices.
     #[error(
-        "mesh {mesh}: vertex {vertex} at {at:?} is none of the model's, {found} of {len} are: train on \
-         the mesh as it is, or part what was added to it into a mesh of its own"
+        "mesh {mesh}: vertex {vertex} at {at:?} is not in the model, {found} of {len} are: train on \
+         the mesh as it is, or move the added vertices to a separate mesh"
     )]
     Partly {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// Its first vertex that was not found.
+        /// The first vertex that the model lacks.
         vertex: usize,
-        /// Where that is in the file.
+        /// Position of the vertex in the file.
         at: [f64; 3],
-        /// Vertices that were found.
+        /// Number of vertices that the model has.
         found: usize,
-        /// Its vertices.
+        /// Number of vertices of the mesh.
         len: usize,
     },
-    /// A joint cannot be placed by a move, a turn and an even scale.
+    /// A joint needs more than a translation, a rotation and an even scale.
     #[error(
         "joint {joint} hangs under nodes that scale unevenly: apply the scale of the armature before \
          exporting"
     )]
     Uneven {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Meshes
+//! Skinned meshes of a document: the model's mesh, its parts by name and material, and further meshes on the palette.
 
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -16,17 +16,17 @@ use crate::space::Conversion;
 
 /// A mesh of V vertices on a skin, in its bind pose.
 pub(super) struct SkinnedMesh<'a> {
-    /// Its name, and that of its node.
+    /// Name of the mesh and of its node.
     pub(super) name: &'a str,
     /// Positions, V.
     pub(super) positions: &'a [[f64; 3]],
-    /// Normals, V; those of no length become any direction, as glTF wants one.
+    /// Normals, V; zero normals get an arbitrary direction, because glTF requires unit vectors.
     pub(super) normals: &'a [[f64; 3]],
     /// Texture coordinates, V, v upward.
     pub(super) uv: Option<&'a [[f64; 2]]>,
-    /// Joint of the skin and weight, V lists.
+    /// Joints of the skin with weights, V lists.
     pub(super) influences: &'a [Vec<(usize, f64)>],
-    /// Vertex numbers of the triangles of each primitive, and its material.
+    /// Material of each primitive, and its triangles by vertex.
     pub(super) primitives: &'a [(Option<usize>, Vec<[usize; 3]>)],
 }
 
@@ -59,14 +59,14 @@ impl Document {
         };
         let primitives: Vec<_> = mesh.primitives.iter().map(primitive).collect();
         self.meshes.push(json!({ "name": mesh.name, "primitives": primitives }));
-        // A skin moves the mesh by itself: under another node, that node's place would be ignored.
+        // The skin alone moves the mesh. Under another node, that node's transform would be ignored.
         let node = json!({ "name": mesh.name, "mesh": self.meshes.len() - 1, "skin": skin });
         self.nodes.push(node);
         self.show(self.nodes.len() - 1);
     }
 
-    /// Adds the joints and weights of vertices, by the names of their attributes. Weights are divided by
-    /// their sum; four influences fill a set, and there are as many sets as the longest list needs.
+    /// Adds the joints and weights of vertices, and returns the attributes by name. Weights are divided by their sum.
+    /// Four influences fill a set; the longest list determines the number of sets.
     pub(super) fn influences(
         &mut self,
         influences: &[Vec<(usize, f64)>],
@@ -104,21 +104,21 @@ impl Document {
     }
 }
 
-/// Rounds a direction to a unit vector.
+/// Normalises a direction and rounds it to single precision; +y for a zero vector.
 fn unit(direction: &[f64; 3]) -> [f32; 3] {
     let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 { direction.map(|x| (x / length) as f32) } else { [0.0, 1.0, 0.0] }
 }
 
-/// A part of a mesh: its name, its vertices, and the triangles of each of its materials.
+/// A part of a mesh: name, vertices, and the triangles of each material.
 pub(super) struct Part<'a> {
     name: &'a str,
     vertices: Range<usize>,
     primitives: Vec<(Option<usize>, Vec<[usize; 3]>)>,
 }
 
-/// Parts a mesh by the ranges of its vertices, or makes one part of it, and each by material, in the order
-/// in which they come. A range without a triangle is left out.
+/// Splits a mesh by the ranges of its vertices and by material, both in order. Without ranges the mesh is one part.
+/// Ranges without triangles are left out.
 pub(super) fn parts<'a>(
     name: &'a str,
     ranges: &'a [(String, Range<usize>)],
@@ -135,7 +135,7 @@ pub(super) fn parts<'a>(
         .collect();
     let materials = materials.iter().copied().chain(std::iter::repeat(None));
     for (triangle, material) in triangles.iter().zip(materials) {
-        // The meshes that were joined follow one another.
+        // The joined meshes follow one another.
         let part = parts.partition_point(|part| part.vertices.end <= triangle[0]);
         let Some(Part { vertices, primitives, .. }) = parts.get_mut(part) else { continue };
         let own = triangle.map(|vertex| vertex - vertices.start);
@@ -149,7 +149,7 @@ pub(super) fn parts<'a>(
 }
 
 impl Part<'_> {
-    /// Cuts the part out of the mesh that it is a part of.
+    /// Returns the part of a mesh.
     pub(super) fn of<'a>(&'a self, mesh: &SkinnedMesh<'a>) -> SkinnedMesh<'a> {
         let own = self.vertices.clone();
         SkinnedMesh {
@@ -164,7 +164,7 @@ impl Part<'_> {
 }
 
 impl Document {
-    /// Adds materials, and what they name; textures only where there are coordinates for them.
+    /// Adds materials with their textures, samplers and images. Without texture coordinates, textures are left out.
     pub(super) fn dress(&mut self, appearance: &Appearance, uv: bool) {
         let mut appearance = appearance.clone();
         appearance.keep_uv(uv);
@@ -196,15 +196,15 @@ impl Document {
 
 /// Further meshes and their weights on the palette.
 #[derive(Default)]
-pub(super) struct Further {
+pub(super) struct FurtherMeshes {
     levels: Vec<Level>,
     influences: Vec<Influences>,
-    /// Reports on the meshes, in their order.
+    /// Reports on the meshes, in order.
     pub(super) reports: Vec<LevelReport>,
 }
 
-impl Further {
-    /// Finds the weights of meshes, and moves meshes in other axes or another unit.
+impl FurtherMeshes {
+    /// Computes the weights of further meshes. Meshes in other axes or units are converted.
     ///
     /// # Errors
     /// [`ExportError::Level`] and [`ExportError::Frame`].

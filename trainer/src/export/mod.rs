@@ -1,8 +1,8 @@
-//! A model and a clip as binary glTF, which plays in any engine without our runtime.
+//! Exports a model and its clips as binary glTF, which plays in any engine without our runtime.
 //!
-//! The skeleton's joints become nodes under one armature, and the proxies under them; what is in the
-//! palette are the joints of one skin, and every mesh hangs on it. The f32 runtime predicts the
-//! palette of each frame, and that is what the animations play.
+//! The skeleton's joints become nodes under one armature, and the proxies become nodes under the joints. The palette
+//! becomes the joints of one skin, and every mesh uses this skin. The f32 runtime predicts the palette of each frame
+//! for the animations.
 
 mod between;
 mod error;

@@ -1,7 +1,8 @@
-//! Scene
+//! Whole scenes: a character that plays a model, with skeleton, proxies, meshes and an animation for each clip; and the
+//! demo character as an artist would deliver it.
 
 use super::error::ExportError;
-use super::mesh::{Further, SkinnedMesh, parts};
+use super::mesh::{FurtherMeshes, SkinnedMesh, parts};
 use super::played::Played;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
@@ -13,69 +14,69 @@ use crate::formats::gltf::write::{Document, Placed};
 use crate::space::{Conversion, SpaceRequest};
 use sinew_runtime::format::{Axis, Handedness, Space};
 
-/// What a file says of itself.
+/// Note in an exported file.
 const NOTE: &str = "The skin follows nodes called proxy_N under the skeleton's joints. A proxy's outer \
     node moves, turns and scales it; its inner node turns the axes of the scale back. The keys \
     were predicted from the skeleton's pose.";
 
-/// How the file's scene stands to the model.
+/// Orientation and scale of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stand {
-    /// As the model does.
+    /// As in the model.
     AsModel,
-    /// Turned from z up to y up, about x.
+    /// Rotated from z up to y up, about x.
     Upright,
-    /// In this space, as far as it is said; the armature turns and scales the character.
+    /// In the given space, where it is stated; the armature rotates and scales the character.
     In(SpaceRequest),
 }
 
 /// An exported file.
 pub struct Exported {
-    /// Its bytes.
+    /// Bytes of the file.
     pub glb: Vec<u8>,
-    /// How the further meshes follow, in their order.
+    /// Reports on the further meshes, in order.
     pub levels: Vec<LevelReport>,
 }
 
-/// Bakes clips of the examples into a GLB: an animation a clip, of the palettes that the f32
-/// runtime predicts, with the model's mesh and further ones on one skin.
+/// Exports clips of the examples as a GLB with an animation for each clip. The animations are the palettes that the f32
+/// runtime predicts. The model's mesh and further meshes use one skin.
 #[derive(Clone, Copy)]
 pub struct Export<'a> {
-    /// A model's file.
+    /// Bytes of a model's file.
     pub model: &'a [u8],
-    /// The skin whose mesh plays; the model's first where none is named.
+    /// Name of the exported skin; the model's first if `None`.
     pub skin: Option<&'a str>,
     /// The poses, and the mesh's triangles and texture coordinates.
     pub examples: &'a Examples,
-    /// The clips of its frames.
+    /// The clips of the frames.
     pub clips: &'a [Clip],
-    /// Whether what lies between frames counts: helpers get more keys, so that the skin is within 0.1 % of the diagonal of
-    /// the model's there.
+    /// Whether helpers get more keys between frames. Between frames the skin is then within 0.1 % of the diagonal of
+    /// the model's skin.
     pub between: bool,
     /// Further meshes.
     pub levels: &'a [Level],
-    /// What the mesh looks like; it has a mesh and a primitive for each name and material that is known.
+    /// Materials and names of the mesh. Each known name becomes a mesh, each known material a primitive.
     pub appearance: &'a Appearance,
-    /// How it stands.
+    /// Orientation and scale of the scene.
     pub stand: Stand,
 }
 
 impl Export<'_> {
-    /// Makes the file.
+    /// Writes the file.
     ///
     /// # Errors
-    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
-    ///   character, or refuses a pose.
+    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, belongs to another character, or
+    ///   refuses a pose.
     /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
-    /// - [`ExportError::Level`]: a further mesh lies elsewhere.
-    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
-    /// - [`ExportError::Glb`]: the file cannot be made.
+    /// - [`ExportError::Level`]: a further mesh does not lie on the model's skin.
+    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: the requested space is impossible.
+    /// - [`ExportError::Glb`]: the file cannot be written.
     pub fn run(&self) -> Result<Exported, ExportError> {
         let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
         let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
         let skin = &played.character.skin;
-        let mut further = Further::new(&played, examples, levels)?;
+        let mut further = FurtherMeshes::new(&played, examples, levels)?;
 
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
@@ -92,9 +93,10 @@ impl Export<'_> {
         let joints = JointNodes::new(&mut document, armature, &right.skeleton);
         let proxies =
             ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
-        let shown = played.shown();
-        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
-        let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
+        let first_proxy = played.first_proxy();
+        let nodes: Vec<_> =
+            joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
+        let inverse_binds = [&joints.inverse_binds[..first_proxy], &proxies.inverse_binds].concat();
         let palette_skin = document.skin(armature, &nodes, &inverse_binds);
         document.dress(appearance, own.uv().is_some());
         let mesh = SkinnedMesh {
@@ -122,7 +124,7 @@ impl Export<'_> {
     }
 }
 
-/// Places the armature of a right-handed model, so that the character stands as asked.
+/// Returns the armature's transform, which puts the right-handed model into the requested space.
 fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
     let conversion = match stand {
         Stand::AsModel => None,
@@ -143,11 +145,11 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
     }))
 }
 
-/// What the file says of itself.
+/// Note in the demo's file.
 const DEMO_NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with the weights of \
     linear blend skinning. The meshes that its flesh really takes are in the point cache beside it.";
 
-/// Orders frames by use, so that each use is one clip: training frames, held-out, extreme ones.
+/// Sorts frames by use, so that each use is one clip: training, held-out and extreme frames.
 pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
     let (mut frames, mut clips) = (Vec::new(), Vec::new());
     for split in [Split::Train, Split::HeldOut, Split::Extreme] {
@@ -166,11 +168,11 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
     (examples, clips)
 }
 
-/// Writes examples as a rigged character: its skeleton, its rest mesh with four LBS weights a vertex,
-/// fitted to the training frames, and an animation a clip. The rest pose is the bind pose.
+/// Writes examples as a rigged character: the skeleton, the rest mesh with four LBS weights a vertex, fitted to the
+/// training frames, and an animation for each clip. The rest pose is the bind pose.
 ///
 /// # Errors
-/// [`ExportError::Glb`].
+/// [`ExportError::NoFrames`], [`ExportError::Times`] and [`ExportError::Glb`].
 pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
     let weights = weights::baseline(examples);
     let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();

@@ -45,7 +45,7 @@ pub struct Comparison<'a> {
 
 /// A model and its errors.
 pub struct MeasuredModel<'a> {
-    /// Its file.
+    /// The model's file.
     pub file: NamedModel<'a>,
     /// The measured envelope and skin.
     pub character: Character<'a>,

@@ -1,4 +1,4 @@
-//! The page
+//! The page and its sections, from top to bottom.
 
 use super::{errors, frames, pictures, sizes};
 use crate::evaluate::{EvaluateError, Frames, OWN_WEIGHTS};
@@ -11,17 +11,17 @@ use crate::report::sizes::Sizes;
 use crate::space::written;
 use png::EncodingError;
 
-/// A report on what was measured.
+/// The page of a comparison.
 pub struct Page<'a> {
-    /// What was measured.
+    /// The models and their errors.
     pub comparison: &'a Comparison<'a>,
-    /// How the pictures are taken.
+    /// Options of the pictures.
     pub options: PictureOptions,
-    /// Whether the model's predictor is trained again with more and with fewer proxies.
+    /// Whether the model's predictor is trained again with more and fewer proxies.
     pub sizes: bool,
 }
 
-/// A page that could not be made.
+/// Reasons why a page cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A frame could not be skinned.
@@ -35,8 +35,8 @@ pub enum ReportError {
 impl Page<'_> {
     /// Writes the page: one HTML file that needs neither network nor script.
     ///
-    /// The same comparison gives the same bytes for any number of threads, but for the seconds that the
-    /// trainings took, which it tells where there are any.
+    /// The same comparison gives the same bytes for any number of threads, except the seconds of trainings, if there
+    /// are any.
     ///
     /// # Errors
     /// [`ReportError::Evaluate`] and [`ReportError::Picture`].
@@ -57,7 +57,7 @@ impl Page<'_> {
                 &pictures::worst_pose(&pictures, comparison)?,
             ),
             section(
-                "Where it errs, over all frames",
+                "Error by vertex, over all frames",
                 &pictures::all_frames(&pictures, comparison)?,
             ),
             section("Error by frame", &frames::errors(comparison)),
@@ -68,7 +68,7 @@ impl Page<'_> {
                 section("More or fewer proxies", &sizes::errors(comparison, sizes))
             }),
             section(
-                "What moves each vertex",
+                "Transforms that move each vertex",
                 &pictures::palette(&pictures, comparison, near_rigid)?,
             ),
         ];
@@ -126,12 +126,12 @@ fn header(comparison: &Comparison<'_>) -> String {
     )
 }
 
-/// Says in words which frames are measured, and what to think of that.
+/// Says which frames are measured, and whether the training read them.
 fn measured_on(comparison: &Comparison<'_>) -> String {
     let examples = comparison.source.examples;
     let frames = comparison.model.measured.frames.len();
     let count = grouped(frames);
-    let better = "a fit is always better on what it has read than on what it will meet";
+    let better = "a fit is always better on frames that it has read than on new frames";
     match (comparison.frames, comparison.model.read) {
         (Frames::Of(Split::Extreme), None | Some(0)) => format!(
             "measured on {count} extreme frames, beyond the range of motion of the training"
@@ -165,7 +165,7 @@ fn measured_on(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Says how much of what is measured the second model has read, where that is another share than the first has.
+/// Says how many measured frames the second model's training read, if the number differs from the first model's.
 fn read_by_other(comparison: &Comparison<'_>) -> String {
     let Some(other) = &comparison.other else { return String::new() };
     let read = other.read.unwrap_or(0);

@@ -1,11 +1,11 @@
-//! Errors
+//! Sections of errors: accuracy, errors by joint, and a histogram; and cells and legends that all sections share.
 
 use crate::evaluate::{Errors, LBS, OWN_WEIGHTS};
 use crate::page::chart::{Chart, Range, bars};
 use crate::page::html::{below, grouped, paragraph, percent, table, text};
 use crate::report::comparison::{Comparison, Series};
 
-/// Accuracy
+/// A table of the errors of each series, with the model's confidence, palette and file size.
 pub(super) fn accuracy(comparison: &Comparison<'_>) -> String {
     let head = [&[""][..], &ERROR_HEADS, &["confidence", "palette", "file"]].concat();
     let row = |series: &Series<'_>| {
@@ -30,23 +30,23 @@ pub(super) fn accuracy(comparison: &Comparison<'_>) -> String {
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let own_weights = match comparison.baselines.own_weights {
         Some(_) => format!(
-            " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning by all joint weights that come with the mesh; a \
-             vertex without weights takes its fitted ones."
+            " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning with all of the mesh's own joint weights; a \
+             vertex without own weights uses its fitted weights."
         ),
         None => String::new(),
     };
     table(&head, &rows)
         + &paragraph(&format!(
-            "Errors are distances of vertices from where the examples have them, in % of the diagonal \
-             of the rest pose's box; 99 % of them are below the figure under that head. Normals are \
-             compared by angle with the true ones, the area-weighted mean of the true mesh's triangles, \
-             and count by the area of the rest pose. \
+            "Errors are distances of vertices from their positions in the examples, in % of the diagonal \
+             of the rest pose's box; 99 % of the errors are below the figure in that column. Normals are \
+             compared by angle with the true normals, the area-weighted mean of the true mesh's triangles, \
+             and are weighted by the area of the rest pose. \
              \u{201c}{LBS}\u{201d} is linear blend skinning with 4 influences a vertex, fitted to the same \
              training frames.{own_weights} Normals of linear blend skinning are by cofactors."
         ))
 }
 
-/// A row for each joint: vertices, errors, the model's worst frame, bars.
+/// A table with a row for each joint: vertices, errors, the model's worst frame, and bars.
 pub(super) fn by_joint(comparison: &Comparison<'_>) -> String {
     let joints = joint_errors(comparison);
     let series = comparison.series();
@@ -69,15 +69,15 @@ pub(super) fn by_joint(comparison: &Comparison<'_>) -> String {
     };
     let rows: Vec<_> = joints.iter().map(row).collect();
     paragraph(
-        "RMS over the measured frames. Each vertex counts for the joint that LBS lets it follow most; \
+        "RMS over the measured frames. Each vertex counts for the joint that it follows most in LBS; \
          the worst frame is the model's on those vertices.",
     ) + &legend(comparison)
         + &table(&head, &rows)
 }
 
-/// Bins a decade.
+/// Bins in a decade.
 const BINS: f64 = 10.0;
-/// Decades below the largest error; what is smaller counts for the first bin.
+/// Decades below the largest error; the first bin also counts smaller errors.
 const DECADES: f64 = 5.0;
 
 /// A histogram of the errors of every vertex in every frame.
@@ -97,7 +97,7 @@ pub(super) fn histogram(comparison: &Comparison<'_>) -> String {
             let mut counts = vec![0_usize; bins];
             for place in 0..measured.frames.len() {
                 for error in measured.percent_in(place) {
-                    // That of 0 is before the first.
+                    // An error of 0 is in the first bin.
                     let bin = ((BINS * error.log10()).floor() - first).max(0.0) as usize;
                     counts[bin.min(bins - 1)] += 1;
                 }
@@ -124,24 +124,25 @@ pub(super) fn histogram(comparison: &Comparison<'_>) -> String {
         chart.area(series.class, &steps);
         chart.line(series.class, &steps);
     }
-    paragraph("All vertices in all measured frames; the first bar also counts those that err less.")
+    paragraph("All vertices in all measured frames; the first bar also counts smaller errors.")
         + &legend(comparison)
         + &chart.finish("histogram of the errors of all vertices")
 }
 
 /// The vertices of one joint and their errors.
 struct JointErrors {
-    /// The joint.
+    /// Index of the joint.
     joint: usize,
-    /// Its vertices.
+    /// Number of vertices.
     vertices: usize,
     /// RMS error in all frames of each of [`Comparison::series`], in % of the rest diagonal.
     rms_percent: Vec<f64>,
-    /// Number of the frame in which the model errs most on them, and its RMS error there.
+    /// The frame with the model's largest RMS error on these vertices, and the error.
     worst: (usize, f64),
 }
 
-/// Measures the errors of every joint that some vertex counts for, the model's largest first.
+/// Measures the errors of every joint with vertices, the model's largest first. Each vertex counts for the joint that
+/// it follows most in LBS.
 fn joint_errors(comparison: &Comparison<'_>) -> Vec<JointErrors> {
     let examples = comparison.source.examples;
     let mut vertices = vec![Vec::new(); examples.joint_len()];
@@ -168,7 +169,7 @@ fn joint_errors(comparison: &Comparison<'_>) -> Vec<JointErrors> {
     joints
 }
 
-/// RMS, 99th percentile and largest error, then RMS, median and 99th percentile of the normals' angles, as
+/// Formats RMS, 99th percentile and largest error, then RMS, median and 99th percentile of the normals' angles, as
 /// cells.
 pub(super) fn error_cells(errors: &Errors) -> [String; 6] {
     let Errors { rms_percent, p99_percent, max_percent, millimetres, .. } = *errors;
@@ -181,16 +182,16 @@ pub(super) fn error_cells(errors: &Errors) -> [String; 6] {
     [rms, p99, max, normals, median, normals_p99]
 }
 
-/// What heads the cells of [`errors`].
+/// Headings of the cells of [`error_cells`].
 pub(super) const ERROR_HEADS: [&str; 6] =
     ["RMS", "99 %", "largest", "normals, RMS", "median", "99 %"];
 
-/// Names of the columns of all series.
+/// Lists the names of all series, as headings.
 pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {
     comparison.series().iter().map(|series| text(series.name)).collect()
 }
 
-/// A length in % of the diagonal as a cell of a column that says so, with millimetres below it.
+/// Formats a length in % of the diagonal as a cell of a column in %, with millimetres below.
 pub(super) fn length(comparison: &Comparison<'_>, own: f64) -> String {
     percent(own) + &below(comparison.mm(own))
 }

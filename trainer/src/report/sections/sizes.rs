@@ -1,4 +1,4 @@
-//! What more or fewer proxies would give.
+//! Section of trainings with more and fewer proxies.
 
 use super::errors::{ERROR_HEADS, error_cells, legend};
 use crate::envelope::FitError;
@@ -35,7 +35,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
         sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
     let seen = match sizes.seen {
         true => {
-            "They were trained on frames that are measured here, for the model has read no others: there the error falls \
+            "They were trained on the measured frames, because the model has read no others: on these frames the error falls \
              with every proxy. The forecast shows the gain in new poses."
         }
         false => "They have not read the measured frames.",
