@@ -309,7 +309,7 @@ fn free_name(document: &Document, name: &str) -> String {
 
 impl Document {
     /// Frees arrays that nothing uses, and views that only these arrays used, for new content. Their bytes stay.
-    pub(super) fn free_unused(&mut self, arrays: impl IntoIterator<Item = usize>) {
+    fn free_unused(&mut self, arrays: impl IntoIterator<Item = usize>) {
         let mut used = vec![0_usize; self.accessors.len()];
         let primitives = self.meshes.iter().flat_map(|mesh| list(mesh, "primitives"));
         let in_primitives = primitives.flat_map(|primitive| {
