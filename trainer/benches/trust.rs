@@ -10,7 +10,7 @@ use sinew_trainer::envelope::clean::Sound;
 use sinew_trainer::envelope::lbs::poses::Poses;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{Baseline, Character, Measured, MeasuredFrame, Told};
+use sinew_trainer::evaluate::{Baseline, Character, Measured, MeasuredFrame, TrainingRecord};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Source, Split, load};
 use sinew_trainer::progress::Silent;
@@ -332,7 +332,7 @@ fn row(name: &str, examples: &Examples, options: &Options) -> Result<Vec<Frame>,
     };
     let frames = examples.frames_of(Split::HeldOut);
     let character = Character::open(&model, None, examples)?;
-    let baseline: Baseline = Told::of(&model, &character, examples).baseline(examples);
+    let baseline: Baseline = TrainingRecord::of(&model, &character, examples).baseline(examples);
     let measured = Measured::model(&character, examples, &frames)?;
     let lbs = Measured::lbs(&baseline, examples, &frames);
     let (ours, theirs) = (measured.errors(), lbs.errors());

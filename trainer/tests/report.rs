@@ -10,7 +10,7 @@ use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
 use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::report::{Page, PictureOptions, csv, ply};
+use sinew_trainer::report::{Page, PictureOptions, outputs};
 use std::collections::HashMap;
 
 const HELD_OUT: Frames = Frames::Of(Split::HeldOut);
@@ -195,7 +195,9 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     for absent in ["More or fewer proxies", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
         assert!(!html.contains(absent), "{absent}");
     }
-    for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
+    for record in
+        ::csv::Reader::from_reader(&outputs::frames_csv(&comparison).unwrap()[..]).records()
+    {
         assert_eq!(&record.unwrap()[8], vertex.to_string());
     }
     // Without the disturbance, another vertex is the worst.
@@ -228,7 +230,7 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
     let mut comparison =
         Comparison::new(source(&examples, &clips), Some(Frames::All), file(&bytes)).unwrap();
     comparison.compare(file(&other)).unwrap();
-    let table = csv::by_frame(&comparison).unwrap();
+    let table = outputs::frames_csv(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
@@ -282,7 +284,7 @@ fn the_mesh_holds_every_vertex_with_its_error() {
     let bytes = disturbed(&examples, vertex, 0.1);
     let comparison =
         Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
-    let mesh = ply::rest_mesh(&comparison);
+    let mesh = outputs::rest_mesh_ply(&comparison);
     let end = "end_header\n";
     let header_len = mesh.windows(end.len()).position(|w| w == end.as_bytes()).unwrap() + end.len();
     let header = std::str::from_utf8(&mesh[..header_len]).unwrap();
@@ -375,7 +377,7 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
     let uses: Vec<&str> =
         named.map(|row| &*row[1]).filter(|name| !name.contains("sinew")).collect();
     assert!(!uses.is_empty() && uses.iter().all(|name| *name == "held-out"), "{uses:?}");
-    let table = csv::by_frame(&comparison).unwrap();
+    let table = outputs::frames_csv(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     assert!(reader.records().all(|row| &row.unwrap()[3] == "held-out"));
 
@@ -480,7 +482,7 @@ fn own_weights_stand_beside_the_fitted_ones_with_all_their_influences() {
             && html.contains(", own weights by ")
     );
     assert!(html.contains("The vertices with the largest: 123 ("));
-    let table = csv::by_frame(&comparison).unwrap();
+    let table = outputs::frames_csv(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
     for (row, frame) in rows.iter().zip(&own.measured.frames) {

@@ -1,21 +1,21 @@
-//! What to add to the training poses, and what to leave out.
+//! Advice: poses to add to the training, and poses to leave out.
 
-use super::coverage::{Apart, Coverage};
+use super::coverage::{Coverage, JointPair};
 use super::finding::{count, listed, runs};
-use super::thin::Predicted;
-use super::thresholds::{FEW, MUCH};
+use super::redundancy::{Isolated, Predicted};
+use super::thresholds::{ENOUGH_POSES, LARGE_BEND};
 use crate::space::written;
 
-/// Gives the advice that the poses ask for, what matters most first.
+/// Returns the advice, the most important first.
 pub(super) fn advice(
     joints: &[Coverage],
-    apart: &[Apart],
+    never_together: &[JointPair],
     predicted: Option<&Predicted>,
 ) -> Vec<String> {
     let mut advice = Vec::new();
-    advice.extend(beyond(joints));
+    advice.extend(outside(joints));
     advice.extend(few(joints));
-    advice.extend(together(apart));
+    advice.extend(together(never_together));
     if let Some(predicted) = predicted {
         advice.extend(isolated(predicted));
         advice.extend(redundant(predicted));
@@ -23,7 +23,7 @@ pub(super) fn advice(
     advice
 }
 
-fn beyond(joints: &[Coverage]) -> Option<String> {
+fn outside(joints: &[Coverage]) -> Option<String> {
     let mut worst: Vec<&Coverage> =
         joints.iter().filter(|joint| !joint.beyond.is_empty()).collect();
     worst.sort_by(|a, b| b.beyond[0].degrees.total_cmp(&a.beyond[0].degrees));
@@ -41,31 +41,33 @@ fn beyond(joints: &[Coverage]) -> Option<String> {
 }
 
 fn few(joints: &[Coverage]) -> Option<String> {
-    let mut few: Vec<&Coverage> =
-        joints.iter().filter(|j| j.moves() && j.degrees > MUCH && j.distinct < FEW).collect();
+    let mut few: Vec<&Coverage> = joints
+        .iter()
+        .filter(|j| j.moves() && j.degrees > LARGE_BEND && j.distinct < ENOUGH_POSES)
+        .collect();
     few.sort_by_key(|joint| joint.distinct);
     let line = |joint: &&Coverage| {
         let poses = count(joint.distinct, "pose", "poses");
         format!("{} ({poses} over {:.0}°)", joint.joint, joint.degrees)
     };
     (!few.is_empty()).then(|| {
-        format!("add poses between those of joints that have few: {}", listed(few.iter().map(line)))
+        format!("add poses in between for joints with few: {}", listed(few.iter().map(line)))
     })
 }
 
-fn together(apart: &[Apart]) -> Option<String> {
-    let line = |pair: &Apart| format!("{} with {}", pair.joint, pair.parent);
-    (!apart.is_empty()).then(|| {
+fn together(never_together: &[JointPair]) -> Option<String> {
+    let line = |pair: &JointPair| format!("{} with {}", pair.joint, pair.parent);
+    (!never_together.is_empty()).then(|| {
         format!(
-            "add poses that bend both where neighbours never bend together: {}",
-            listed(apart.iter().map(line))
+            "add poses that bend both joints where neighbours never bend together: {}",
+            listed(never_together.iter().map(line))
         )
     })
 }
 
 fn isolated(predicted: &Predicted) -> Option<String> {
-    let line = |isolated: &super::thin::Isolated| {
-        let super::thin::Isolated { frame, joint, percent, mm } = isolated;
+    let line = |isolated: &Isolated| {
+        let Isolated { frame, joint, percent, mm } = isolated;
         let mm = mm.map_or(String::new(), |mm| format!(", {} mm,", written(mm)));
         format!("frame {frame} ({percent:.3} %{mm} off at {joint})")
     };
@@ -84,7 +86,7 @@ fn redundant(predicted: &Predicted) -> Option<String> {
             "{} of {} may be left out together, as the others predict them (give them split 2 in \
              an .npz; whole clips are left out by --clip for the others): {}",
             redundant.len(),
-            predicted.of_compared(),
+            predicted.describe_poses(),
             listed(runs(redundant))
         )
     })
@@ -93,11 +95,10 @@ fn redundant(predicted: &Predicted) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::finding::FrameName;
-    use super::super::thin::Isolated;
     use super::*;
 
     #[test]
-    fn advice_says_how_poses_are_left_out_and_of_how_many() {
+    fn advice_states_how_to_leave_poses_out_and_the_number_of_poses() {
         let name = |frame| FrameName { frame, number: None, clip: None };
         let mut predicted = Predicted {
             poses: 4,

@@ -1,97 +1,101 @@
-//! Whether mesh and skeleton speak of the same space: units, axes and place.
+//! Tests whether mesh and skeleton agree in units, axes, position and vertex order.
 //!
-//! Every vertex of a sample is carried by whichever single joint carries it best. Where that is far
-//! off, the rest mesh, the posed meshes or the joints are tried in other units and axes, and moved.
+//! Each vertex of a sample follows the single joint that fits the vertex best. If the error is large, the rest mesh,
+//! the posed meshes or the joints are tried in other units and axes, and shifted.
 
-use super::finding::{Finding, Kind, Severity};
-use super::thresholds::{MISPLACED, RIGHTED};
-use crate::examples::{Examples, Split, spread};
+use super::context::{Context, worst_first};
+use super::finding::{Finding, Kind, Severity, count};
+use super::thresholds::{MISPLACED, REMEDIED};
+use crate::envelope::clean::stands;
+use crate::envelope::lbs::residuals::Residuals;
+use crate::examples::{Examples, Split, is_shuffled, spread};
 use crate::numeric::affine::from_rows;
 use crate::space::{axis_names, rotations};
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rayon::prelude::*;
 
-/// Vertices and frames of the sample: enough to tell a hundredfold error from a bend.
+/// Vertices and frames of the sample: enough to tell a wrong unit from a bend.
 const SAMPLE: (usize, usize) = (120, 8);
 
-/// Factors of length between usual units.
+/// Length ratios of usual units.
 const SCALES: [f64; 5] = [1.0, 0.01, 0.1, 10.0, 100.0];
 
-/// What may have been exported otherwise than the rest.
+/// The part of the examples that may have been exported with other settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Odd {
+enum Part {
     Joints,
     Rest,
     Posed,
 }
 
-const ODD: [Odd; 3] = [Odd::Joints, Odd::Rest, Odd::Posed];
-/// The same where other clips are right: there is but one rest mesh.
-const ODD_IN_A_CLIP: [Odd; 2] = [Odd::Posed, Odd::Joints];
+const PARTS: [Part; 3] = [Part::Joints, Part::Rest, Part::Posed];
+/// The same for a single clip if the other clips are right; all clips share the rest mesh.
+const PARTS_OF_A_CLIP: [Part; 2] = [Part::Posed, Part::Joints];
 
-/// What puts it right: its points go to `turn x + shift`.
+/// A remedy of one part: its points go to `turn x + shift`.
 #[derive(Clone, Copy, Debug)]
 struct Remedy {
-    odd: Odd,
+    part: Part,
     turn: Matrix3<f64>,
     shift: Vector3<f64>,
 }
 
-/// How mesh and skeleton lie to each other.
-enum Lie {
-    /// As they are to.
-    Together,
-    /// Apart, but for a remedy.
-    Odd(Convention),
-    /// Apart for another reason.
-    Apart,
+/// Whether mesh and skeleton fit together.
+enum Alignment {
+    /// They fit.
+    Aligned,
+    /// They fit after a remedy.
+    Fixable(Convention),
+    /// They do not fit, for an unknown reason.
+    Unknown,
 }
 
-/// What would put mesh and skeleton together.
+/// A remedy that makes mesh and skeleton fit.
 pub(super) struct Convention {
     kind: Kind,
-    /// What should be otherwise, in words.
-    pub(super) what: String,
-    /// What the best single joint of each vertex leaves with that and without, RMS in diagonals of the posed mesh.
-    leaves: [f64; 2],
+    /// The remedy in words.
+    pub(super) change: String,
+    /// Error of the best single joint of each vertex with the remedy and without, RMS in diagonals of the posed
+    /// mesh.
+    errors: [f64; 2],
 }
 
 impl Convention {
-    /// Tells of it.
+    /// Makes the finding.
     ///
-    /// - `place`: where, if not everywhere.
+    /// - `place`: prefix of the text; empty for all clips.
     pub(super) fn finding(self, place: &str) -> Finding {
-        let Self { kind, what, leaves } = self;
-        let [with, without] = leaves.map(|share| 100.0 * share);
+        let Self { kind, change, errors } = self;
+        let [with, without] = errors.map(|share| 100.0 * share);
         Finding {
             kind,
             severity: Severity::Warning,
             text: format!(
-                "{place}{what}: with that, the best single joint of each vertex leaves {with:.2} % of the diagonal \
-                 instead of {without:.0} %; nothing below is to be trusted until it is exported so"
+                "{place}{change}: the error of the best single joint of each vertex is then {with:.2} % of the diagonal \
+                 instead of {without:.0} %; do not rely on the findings below until this is fixed"
             ),
             places: Vec::new(),
         }
     }
 }
 
-/// Tells of other units, axes and places; and returns whether mesh and skeleton lie apart for another reason.
+/// Reports different units, axes and positions. Returns whether mesh and skeleton do not fit for an unknown reason.
 pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
-    match Sample::new(examples, &examples.frames_of(Split::Train)).lie(&ODD) {
-        Lie::Together => false,
-        Lie::Odd(convention) => {
+    match Sample::new(examples, &examples.frames_of(Split::Train)).align(&PARTS) {
+        Alignment::Aligned => false,
+        Alignment::Fixable(convention) => {
             findings.push(convention.finding(""));
             false
         }
-        Lie::Apart => true,
+        Alignment::Unknown => true,
     }
 }
 
-/// Finds other units, axes and places of a clip, where others are right.
+/// Returns the remedy of a clip's units, axes or position if the other clips are right.
 pub(super) fn of_clip(examples: &Examples, frames: &[usize]) -> Option<Convention> {
-    match Sample::new(examples, frames).lie(&ODD_IN_A_CLIP) {
-        Lie::Odd(convention) => Some(convention),
-        Lie::Together | Lie::Apart => None,
+    match Sample::new(examples, frames).align(&PARTS_OF_A_CLIP) {
+        Alignment::Fixable(convention) => Some(convention),
+        Alignment::Aligned | Alignment::Unknown => None,
     }
 }
 
@@ -128,48 +132,48 @@ impl Sample {
         }
     }
 
-    /// Tries remedies, each for one of what may be odd.
-    fn lie(&self, odd: &[Odd]) -> Lie {
+    /// Tries remedies, each of one part.
+    fn align(&self, parts: &[Part]) -> Alignment {
         let as_it_is =
-            Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
+            Remedy { part: Part::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
         let error = self.error(&as_it_is);
         if error < MISPLACED * self.unit {
-            return Lie::Together;
+            return Alignment::Aligned;
         }
         let mut remedies = Vec::new();
-        for &odd in odd {
+        for &part in parts {
             for scale in SCALES {
                 let turns = rotations();
-                remedies.extend(turns.map(|turn| Remedy { odd, turn: turn * scale, ..as_it_is }));
+                remedies.extend(turns.map(|turn| Remedy { part, turn: turn * scale, ..as_it_is }));
             }
         }
-        remedies.extend(odd.iter().map(|&odd| self.shift(odd)));
+        remedies.extend(parts.iter().map(|&part| self.shift(part)));
         let errors: Vec<f64> = remedies.par_iter().map(|remedy| self.error(remedy)).collect();
         let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
-        if errors[best] > RIGHTED * error {
-            return Lie::Apart;
+        if errors[best] > REMEDIED * error {
+            return Alignment::Unknown;
         }
-        Lie::Odd(Convention {
+        Alignment::Fixable(Convention {
             kind: remedies[best].kind(),
-            what: remedies[best].describe(),
-            leaves: [errors[best], error].map(|error| error / self.unit),
+            change: remedies[best].describe(),
+            errors: [errors[best], error].map(|error| error / self.unit),
         })
     }
 
-    /// RMS distance, in units of the posed meshes, of the vertices from where a remedy takes them.
+    /// Returns the RMS distance of vertices from their positions after a remedy, in units of the posed meshes.
     fn error(&self, remedy: &Remedy) -> f64 {
-        let Remedy { odd, turn, shift } = *remedy;
+        let Remedy { part, turn, shift } = *remedy;
         let apply = |x: &Vector3<f64>| turn * x + shift;
-        let rest = |v: usize| match odd {
-            Odd::Posed => self.rest[v],
+        let rest = |v: usize| match part {
+            Part::Posed => self.rest[v],
             _ => apply(&self.rest[v]),
         };
-        let scale = match odd {
-            Odd::Rest => 1.0,
+        let scale = match part {
+            Part::Rest => 1.0,
             _ => turn.column(0).norm(),
         };
-        let posed = |frame: usize, v: usize| match odd {
-            Odd::Rest => self.posed[frame][v],
+        let posed = |frame: usize, v: usize| match part {
+            Part::Rest => self.posed[frame][v],
             _ => apply(&self.posed[frame][v]),
         };
         let sum: f64 = (0..self.rest.len())
@@ -186,43 +190,43 @@ impl Sample {
         (sum / (self.rest.len() * self.posed.len()).max(1) as f64).sqrt() / scale
     }
 
-    /// The median of the shifts that each vertex asks for with the joint that then carries it best.
-    fn shift(&self, odd: Odd) -> Remedy {
-        let wanted: Vec<Vector3<f64>> = (0..self.rest.len())
+    /// Returns the median of the vertices' shifts, each with the joint that then fits the vertex best.
+    fn shift(&self, part: Part) -> Remedy {
+        let shifts: Vec<Vector3<f64>> = (0..self.rest.len())
             .into_par_iter()
             .filter_map(|v| {
-                let of = |joint| self.shift_of(odd, v, joint);
+                let of = |joint| self.shift_of(part, v, joint);
                 let all = (0..self.joint_len()).filter_map(of);
                 all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(shift, _)| shift)
             })
             .collect();
         let median = |axis: usize| {
-            let mut along: Vec<f64> = wanted.iter().map(|shift| shift[axis]).collect();
+            let mut along: Vec<f64> = shifts.iter().map(|shift| shift[axis]).collect();
             along.sort_by(f64::total_cmp);
             along.get(along.len() / 2).copied().unwrap_or(0.0)
         };
-        Remedy { odd, turn: Matrix3::identity(), shift: Vector3::from_fn(|axis, _| median(axis)) }
+        Remedy { part, turn: Matrix3::identity(), shift: Vector3::from_fn(|axis, _| median(axis)) }
     }
 
-    /// The shift with which a joint carries a vertex best, and the squared error it leaves; none
-    /// where the joint leaves the shift open.
-    fn shift_of(&self, odd: Odd, v: usize, joint: usize) -> Option<(Vector3<f64>, f64)> {
+    /// Returns the shift with which a joint fits a vertex best, and the squared error; `None` if the joint does not
+    /// determine the shift.
+    fn shift_of(&self, part: Part, v: usize, joint: usize) -> Option<(Vector3<f64>, f64)> {
         let equations: Vec<(Matrix3<f64>, Vector3<f64>)> = (0..self.posed.len())
             .map(|frame| {
                 let map = &self.joints[frame][joint];
                 let linear: Matrix3<f64> = map.fixed_columns::<3>(0).into();
                 let gap = self.posed[frame][v] - map * self.rest[v].push(1.0);
-                let factor = match odd {
-                    Odd::Joints => linear - Matrix3::identity(),
-                    Odd::Rest => linear,
-                    Odd::Posed => -Matrix3::identity(),
+                let factor = match part {
+                    Part::Joints => linear - Matrix3::identity(),
+                    Part::Rest => linear,
+                    Part::Posed => -Matrix3::identity(),
                 };
                 (factor, gap)
             })
             .collect();
         let normal: Matrix3<f64> = equations.iter().map(|(a, _)| a.transpose() * a).sum();
         let right: Vector3<f64> = equations.iter().map(|(a, gap)| a.transpose() * gap).sum();
-        // A joint that hardly turns is moved alike by every shift.
+        // If a joint hardly turns, every shift has the same effect.
         let eigen = normal.symmetric_eigen();
         if eigen.eigenvalues.min() < 1e-2 * self.posed.len() as f64 {
             return None;
@@ -252,16 +256,16 @@ impl Remedy {
         self.turn.column(0).norm()
     }
 
-    /// Says what is odd: against the skeleton, or what of the mesh.
+    /// Describes the remedy: the changed part and the parts that it then fits.
     fn describe(&self) -> String {
-        let (what, against) = match self.odd {
-            Odd::Joints => ("the joints", "the meshes"),
-            Odd::Rest => ("the rest mesh", "joints and posed meshes"),
-            Odd::Posed => ("the posed meshes", "joints and rest mesh"),
+        let (what, against) = match self.part {
+            Part::Joints => ("the joints", "the meshes"),
+            Part::Rest => ("the rest mesh", "joints and posed meshes"),
+            Part::Posed => ("the posed meshes", "joints and rest mesh"),
         };
         // For the joints, the remedy was applied to the meshes.
-        let (turn, shift, scale) = match self.odd {
-            Odd::Joints => (self.turn.transpose(), -self.shift, 1.0 / self.scale()),
+        let (turn, shift, scale) = match self.part {
+            Part::Joints => (self.turn.transpose(), -self.shift, 1.0 / self.scale()),
             _ => (self.turn, self.shift, self.scale()),
         };
         if self.kind() == Kind::Shifted {
@@ -277,4 +281,48 @@ impl Remedy {
             _ => format!("{what} should have the axes {axes} to fit {against}"),
         }
     }
+}
+
+/// Reports another vertex order, for meshes that do not fit the joints for an unknown reason.
+pub(super) fn vertex_order(examples: &Examples) -> Option<Finding> {
+    let Examples { rest, transforms, vertices: posed, .. } = examples;
+    is_shuffled(rest, transforms, posed).then(|| Finding {
+        kind: Kind::VertexOrder,
+        severity: Severity::Warning,
+        text: "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
+               do not rely on the findings below until this is fixed"
+            .to_owned(),
+        places: Vec::new(),
+    })
+}
+
+/// Share of a frame's squared error that may remain after the offset is removed. The bound is loose because the many
+/// displaced frames distort LBS.
+const LEFT: f64 = 0.25;
+
+/// Reports an offset of the meshes in most training frames. If fewer frames are displaced, the others show it
+/// ([`super::frames::broken`]).
+pub(super) fn offset(context: &Context<'_>) -> Option<Finding> {
+    let Context { training, residuals: left, dominant, .. } = context;
+    let stands = stands(Residuals { training, left, dominant });
+    let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
+    let worst = worst_first(places, |pose| stands[pose].moved);
+    if 2 * worst.len() < stands.len() {
+        return None;
+    }
+    let farthest = *worst.first()?;
+    Some(Finding {
+        kind: Kind::Elsewhere,
+        severity: Severity::Warning,
+        text: format!(
+            "{} of {} a mesh with an offset from the joints as a whole, by up to {} in frame {}: perhaps the root moves only \
+             in the meshes or only in the joints, all meshes are displaced, or the meshes belong to other frames; do not \
+             rely on the findings below until this is fixed",
+            worst.len(),
+            count(stands.len(), "training frame has", "training frames have"),
+            context.length(stands[farthest].moved),
+            context.frame(farthest)
+        ),
+        places: context.frames(worst.iter().copied()),
+    })
 }

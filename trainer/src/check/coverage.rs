@@ -1,9 +1,8 @@
-//! What the training poses do with each joint, and which other frames go beyond.
+//! Range of each joint in the training poses, and other frames that leave the range.
 
-use super::context::Context;
+use super::context::{Context, Turn, Turns, worst_first};
 use super::finding::FrameName;
-use super::thresholds::{BENT, BEYOND, DISTINCT, MUCH, STILL};
-use super::turns::{Turn, Turns};
+use super::thresholds::{BENT, DISTINCT, LARGE_BEND, OUTSIDE_RANGE, SLIDE, STILL};
 use crate::envelope::correction::features::Features;
 use crate::envelope::lbs::poses::Poses;
 use crate::examples::Split;
@@ -11,46 +10,46 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// A joint in the training poses, against its parent; angles are degrees from the rest pose.
+/// Range of a joint in the training poses, relative to its parent. Angles are in degrees from the rest pose.
 #[derive(Clone, Debug, Serialize)]
 pub struct Coverage {
-    /// Its name.
+    /// Name of the joint.
     pub joint: String,
-    /// Vertices that follow it most.
+    /// Number of vertices that follow the joint most.
     pub vertices: usize,
-    /// RMS error of LBS over them in the training frames, in % of the diagonal.
+    /// RMS error of LBS over these vertices in the training frames, in % of the diagonal.
     pub lbs_percent: f64,
-    /// That error in millimetres; `None` where the unit is not known.
+    /// The error in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lbs_mm: Option<f64>,
     /// Largest angle.
     pub degrees: f64,
-    /// Axis of most of its rotation, in the rest pose's model axes.
+    /// Axis of most of the rotation, in the rest pose's model axes.
     pub axis: [f64; 3],
-    /// Least and largest angle about that axis.
+    /// Smallest and largest angle about the axis.
     pub twist: [f64; 2],
-    /// Largest angle beside that axis.
+    /// Largest angle across the axis.
     pub swing: f64,
-    /// Largest displacement of its origin, in % of the diagonal.
+    /// Largest displacement of the joint's origin, in % of the diagonal.
     pub slide_percent: f64,
-    /// Poses of it that differ by more than a tenth of its largest angle.
+    /// Number of poses that differ by more than a tenth of the largest angle.
     pub distinct: usize,
-    /// Held-out and extreme frames that bend it where no training frame does.
-    pub beyond: Vec<Beyond>,
+    /// Held-out and extreme frames that bend the joint outside the trained range.
+    pub beyond: Vec<FrameOutside>,
 }
 
-/// A frame that bends a joint where no training frame does.
+/// A frame that bends a joint outside the trained range.
 #[derive(Clone, Debug, Serialize)]
-pub struct Beyond {
+pub struct FrameOutside {
     /// The frame.
     pub frame: FrameName,
-    /// How far the nearest training frame is, in degrees.
+    /// Distance of the nearest training frame, in degrees.
     pub degrees: f64,
 }
 
 /// A joint and its parent that both move a lot, but never together in training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Apart {
+pub struct JointPair {
     /// The joint.
     pub joint: String,
     /// Its parent.
@@ -58,13 +57,13 @@ pub struct Apart {
 }
 
 impl Coverage {
-    /// Whether the joint moves in training.
+    /// Returns whether the joint moves in training.
     pub fn moves(&self) -> bool {
-        self.degrees > STILL || super::thresholds::SLIDE * self.slide_percent > 100.0 * STILL
+        self.degrees > STILL || SLIDE * self.slide_percent > 100.0 * STILL
     }
 }
 
-/// Measures every joint, in their order; the reference root has no parent that it could move against.
+/// Measures every joint, in order. The reference root has no parent and does not move.
 pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
     let others: Vec<usize> = (0..context.examples.frame_len())
         .filter(|&frame| context.examples.split[frame] != Split::Train)
@@ -90,14 +89,14 @@ fn of(
     let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     let twists = || about.iter().map(|(twist, _)| *twist);
-    let mut beyond: Vec<Beyond> = others
+    let mut beyond: Vec<FrameOutside> = others
         .iter()
         .enumerate()
-        .map(|(i, &frame)| Beyond {
+        .map(|(i, &frame)| FrameOutside {
             frame: FrameName::new(context.clips, frame),
             degrees: context.turns.nearest(joint, turns.of(i, joint)),
         })
-        .filter(|beyond| beyond.degrees > BEYOND)
+        .filter(|beyond| beyond.degrees > OUTSIDE_RANGE)
         .collect();
     beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
     let lbs_percent = 100.0 * context.rms_of(skin);
@@ -111,12 +110,12 @@ fn of(
         twist: [least(&mut twists()), twists().fold(f64::NEG_INFINITY, f64::max)],
         swing: most(&mut about.iter().map(|(_, swing)| *swing)),
         slide_percent: 100.0 * most(&mut training.iter().map(|turn| turn.slide.norm())),
-        distinct: distinct(&training, DISTINCT * context.turns.farthest(joint)),
+        distinct: distinct(&training, DISTINCT * context.turns.largest_bend(joint)),
         beyond,
     }
 }
 
-/// The axis that carries most of the rotation, pointing so that most of it is positive.
+/// Returns the axis of most of the rotation, with a positive sum of angles.
 fn main_axis(turns: &[&Turn]) -> Vector3<f64> {
     let angles: Vec<Vector3<f64>> = turns.iter().map(|turn| turn.rotation.scaled_axis()).collect();
     let spread: Matrix3<f64> = angles.iter().map(|angle| angle * angle.transpose()).sum();
@@ -126,7 +125,7 @@ fn main_axis(turns: &[&Turn]) -> Vector3<f64> {
     if sum < 0.0 { -axis } else { axis }
 }
 
-/// Angles about an axis and beside it, in degrees.
+/// Returns the angles about an axis and across the axis, in degrees.
 fn twist_and_swing(turn: &Turn, axis: &Vector3<f64>) -> (f64, f64) {
     let q = turn.rotation.quaternion();
     let (w, along) =
@@ -147,22 +146,22 @@ fn distinct(turns: &[&Turn], gap: f64) -> usize {
     kept.len()
 }
 
-/// Lists joints that never bend together with their parent, those whose skin errs most first.
-pub(super) fn apart(context: &Context<'_>) -> Vec<Apart> {
+/// Lists joints that never bend together with their parents, the largest error of LBS first.
+pub(super) fn never_together(context: &Context<'_>) -> Vec<JointPair> {
     let parents = &context.examples.skeleton.parents;
     let skins = context.skins();
     let error = |joint: usize| context.rms_of(&skins[joint]);
     let pairs = (0..parents.len()).filter(|&joint| {
         let Some(parent) = parents[joint] else { return false };
-        let both = [joint, parent].map(|j| (j, context.turns.usual(j)));
+        let both = [joint, parent].map(|j| (j, context.turns.usual_bend(j)));
         let bent = |i: usize| both.iter().all(|&(j, most)| context.turns.bend(i, j) > BENT * most);
-        both.iter().all(|&(_, most)| most > MUCH) && !(0..context.turns.len()).any(bent)
+        both.iter().all(|&(_, most)| most > LARGE_BEND) && !(0..context.turns.len()).any(bent)
     });
-    super::context::worst_first(pairs, error)
+    worst_first(pairs, error)
         .into_iter()
         .filter_map(|joint| {
             let parent = context.joint(parents[joint]?).to_owned();
-            Some(Apart { joint: context.joint(joint).to_owned(), parent })
+            Some(JointPair { joint: context.joint(joint).to_owned(), parent })
         })
         .collect()
 }

@@ -1,21 +1,26 @@
-//! The faces at rest: area, winding, edges, pieces.
+//! Triangles, at rest and in the training frames: area, winding, edges, pieces, and triangles that collapse, fold or
+//! flip.
 
+use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
-use super::thresholds::LOOSE;
-use crate::examples::{Examples, Split, Warning};
+use super::thresholds::{COLLAPSED, FLIPPED, LOOSE, MANY};
+use crate::examples::{Examples, Split, Warning, spread};
+use crate::numeric::affine::cofactors;
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 
-/// What the faces are.
+/// Counts of the surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Faces {
-    /// Edges.
+    /// Number of edges.
     pub edges: usize,
-    /// Edges of one triangle alone.
+    /// Number of edges with one triangle.
     pub border_edges: usize,
-    /// Parts that share no vertex.
+    /// Number of parts that share no vertex.
     pub pieces: usize,
-    /// Parts that are left when vertices that stand and move together are one.
+    /// Number of parts after vertices with a common position in all frames are merged.
     pub welded_pieces: usize,
 }
 
@@ -65,11 +70,11 @@ pub(super) fn faces(
     faces
 }
 
-/// A triangle that uses an edge, and whether from the smaller vertex to the larger.
+/// A triangle at an edge, and whether its winding goes from the smaller vertex to the larger.
 type Use = (usize, bool);
 
-/// The triangles at each edge, of those that name no vertex twice.
-pub(super) fn edges(examples: &Examples) -> BTreeMap<[usize; 2], Vec<Use>> {
+/// Lists the triangles at each edge. Triangles with a repeated vertex are skipped.
+fn edges(examples: &Examples) -> BTreeMap<[usize; 2], Vec<Use>> {
     let mut edges: BTreeMap<[usize; 2], Vec<Use>> = BTreeMap::new();
     for (number, &[a, b, c]) in examples.triangles.iter().enumerate() {
         if a != b && b != c && c != a {
@@ -90,19 +95,19 @@ fn winding(edges: &BTreeMap<[usize; 2], Vec<Use>>) -> Option<Finding> {
             _ => None,
         })
         .collect();
-    // The triangle that disagrees with most of its neighbours is the one to turn.
-    let mut against: BTreeMap<usize, usize> = BTreeMap::new();
+    // The triangle that disagrees with most of its neighbours has the wrong winding.
+    let mut opposed: BTreeMap<usize, usize> = BTreeMap::new();
     for triangle in pairs.iter().flatten() {
-        *against.entry(*triangle).or_default() += 1;
+        *opposed.entry(*triangle).or_default() += 1;
     }
-    let mut triangles: Vec<(usize, usize)> = against.into_iter().collect();
+    let mut triangles: Vec<(usize, usize)> = opposed.into_iter().collect();
     triangles.sort_by_key(|&(triangle, count)| (std::cmp::Reverse(count), triangle));
     let lines = triangles.iter().map(|(triangle, _)| triangle);
     (!pairs.is_empty()).then(|| Finding {
         kind: Kind::Winding,
         severity: Severity::Warning,
         text: format!(
-            "{} triangles that look to opposite sides: make the winding consistent; at triangles {}",
+            "{} triangles that face opposite sides: make the winding consistent; at triangles {}",
             count(pairs.len(), "edge joins", "edges join"),
             listed(lines.clone())
         ),
@@ -152,24 +157,22 @@ fn unwelded(welded: &[usize], faces: &Faces) -> Option<Finding> {
     })
 }
 
-/// The first vertex that stands where each does, at rest and in some training frames.
+/// Returns for each vertex the first vertex with the same position, at rest and in some training frames.
 fn welded(examples: &Examples) -> Vec<usize> {
     const FRAMES: usize = 3;
     let training = examples.frames_of(Split::Train);
-    let frames: Vec<&[[f64; 3]]> = crate::examples::spread(training.len(), FRAMES)
-        .into_iter()
-        .map(|i| examples.frame(training[i]))
-        .collect();
+    let frames: Vec<&[[f64; 3]]> =
+        spread(training.len(), FRAMES).into_iter().map(|i| examples.frame(training[i])).collect();
     let mut first = HashMap::new();
     let place = |v: usize| -> Vec<[u64; 3]> {
         let all = std::iter::once(&examples.rest[v]).chain(frames.iter().map(|f| &f[v]));
-        // Single precision, in which most exporters write.
+        // Positions are compared in single precision, which most exporters write.
         all.map(|x| x.map(|x| u64::from((x as f32 + 0.0).to_bits()))).collect()
     };
     (0..examples.vertex_len()).map(|v| *first.entry(place(v)).or_insert(v)).collect()
 }
 
-/// Counts the parts of the surface that share no vertex.
+/// Counts the parts of the surface that share no vertex. `vertex` maps each vertex to the vertex that replaces it.
 fn pieces(examples: &Examples, vertex: &[usize]) -> usize {
     fn root(parents: &mut [usize], mut v: usize) -> usize {
         while parents[v] != v {
@@ -189,4 +192,163 @@ fn pieces(examples: &Examples, vertex: &[usize]) -> usize {
         [a, b, c].into_iter().for_each(|v| used[v] = true);
     }
     (0..vertex.len()).filter(|&v| used[v] && parents[v] == v).count()
+}
+
+pub(super) fn in_poses(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let surface = RestFaces::new(context);
+    let frames: Vec<Faults> =
+        (0..context.frames.len()).into_par_iter().map(|i| surface.faults(context, i)).collect();
+    let part = |of: fn(&Faults) -> &Vec<usize>| frames.iter().map(of).cloned().collect::<Vec<_>>();
+    let flipped = FaultKind {
+        kind: Kind::Flipped,
+        words: ["triangle faces", "triangles face"],
+        meaning: "away from the direction given by the joints, as in a mirrored or inverted mesh",
+    };
+    let folded = FaultKind {
+        kind: Kind::Folded,
+        words: ["triangle folds", "triangles fold"],
+        meaning: "over a neighbour, as skin does in deep bends",
+    };
+    let collapsed = FaultKind {
+        kind: Kind::Collapsed,
+        words: ["triangle keeps", "triangles keep"],
+        meaning: "less than a hundredth of the area at rest",
+    };
+    let len = surface.triangles.len();
+    findings.extend(flipped.report(context, len, &part(|faults| &faults.flipped)));
+    findings.extend(folded.report(context, len, &part(|faults| &faults.folded)));
+    findings.extend(collapsed.report(context, len, &part(|faults| &faults.collapsed)));
+}
+
+/// The triangles with an area at rest.
+struct RestFaces {
+    triangles: Vec<usize>,
+    /// Pairs of triangles that share an edge without a crease, by index in the list.
+    neighbours: Vec<[usize; 2]>,
+    /// Twice the area at rest, along the normal.
+    rest: Vec<Vector3<f64>>,
+}
+
+/// Faulty triangles of one frame, by number.
+struct Faults {
+    flipped: Vec<usize>,
+    folded: Vec<usize>,
+    collapsed: Vec<usize>,
+}
+
+impl RestFaces {
+    fn new(context: &Context<'_>) -> Self {
+        let examples = context.examples;
+        let mut place = vec![None; examples.triangles.len()];
+        let flat = examples.degenerate_triangles();
+        let triangles: Vec<usize> =
+            (0..place.len()).filter(|t| flat.binary_search(t).is_err()).collect();
+        triangles.iter().enumerate().for_each(|(k, &t)| place[t] = Some(k));
+        let rest: Vec<_> =
+            triangles.iter().map(|&t| normal(&examples.rest, examples.triangles[t])).collect();
+        let neighbours = edges(examples)
+            .into_values()
+            .filter_map(|uses| match uses[..] {
+                [(a, one), (b, other)] if one != other => Some([place[a]?, place[b]?]),
+                _ => None,
+            })
+            .filter(|&[a, b]| rest[a].dot(&rest[b]) > 0.0)
+            .collect();
+        Self { triangles, neighbours, rest }
+    }
+
+    fn faults(&self, context: &Context<'_>, i: usize) -> Faults {
+        let (examples, weights) = (context.examples, &context.training.lbs.weights);
+        let posed = examples.frame(context.frames[i]);
+        let pose = examples.pose(context.frames[i]);
+        let linear = |joint: usize| Matrix3::from_fn(|r, c| pose[joint][r][c]);
+        let of = |&t: &usize| normal(posed, examples.triangles[t]);
+        let now: Vec<Vector3<f64>> = self.triangles.iter().map(of).collect();
+        let collapsed: Vec<bool> =
+            now.iter().zip(&self.rest).map(|(n, r)| n.norm() < COLLAPSED * r.norm()).collect();
+        let flipped = |k: usize| {
+            let blended: Matrix3<f64> = examples.triangles[self.triangles[k]]
+                .into_iter()
+                .flat_map(|vertex| weights.of(vertex))
+                .map(|(joint, weight)| linear(joint) * weight)
+                .sum();
+            !collapsed[k] && opposed(&now[k], &(cofactors(&blended) * self.rest[k]))
+        };
+        let flipped: Vec<bool> = (0..now.len()).map(flipped).collect();
+        let mut folded = vec![false; now.len()];
+        for &[a, b] in &self.neighbours {
+            if opposed(&now[a], &now[b]) {
+                folded[a] |= flipped[a];
+                folded[b] |= flipped[b];
+            }
+        }
+        let many = flipped.iter().filter(|flipped| **flipped).count() as f64
+            > MANY * self.triangles.len() as f64;
+        let named = |at_fault: &[bool]| {
+            let places = (0..at_fault.len()).filter(|&k| at_fault[k]);
+            places.map(|k| self.triangles[k]).collect()
+        };
+        Faults {
+            // A few flipped triangles without a fold are a bend that LBS does not predict.
+            flipped: if many { named(&flipped) } else { Vec::new() },
+            folded: if many { Vec::new() } else { named(&folded) },
+            collapsed: named(&collapsed),
+        }
+    }
+}
+
+/// Returns whether two directions differ by more than any bulge.
+fn opposed(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
+    a.dot(b) < FLIPPED * a.norm() * b.norm()
+}
+
+/// Returns the normal times twice the area.
+fn normal(points: &[[f64; 3]], triangle: [usize; 3]) -> Vector3<f64> {
+    let [a, b, c] = triangle.map(|vertex| Vector3::from(points[vertex]));
+    (b - a).cross(&(c - a))
+}
+
+/// A kind of fault and its words.
+struct FaultKind {
+    kind: Kind,
+    words: [&'static str; 2],
+    meaning: &'static str,
+}
+
+impl FaultKind {
+    fn report(
+        &self,
+        context: &Context<'_>,
+        triangle_len: usize,
+        frames: &[Vec<usize>],
+    ) -> Option<Finding> {
+        let mut times = vec![0usize; context.examples.triangles.len()];
+        frames.iter().flatten().for_each(|&triangle| times[triangle] += 1);
+        let at_fault = (0..times.len()).filter(|&triangle| times[triangle] > 0);
+        let triangles = worst_first(at_fault, |triangle| times[triangle] as f64);
+        let in_frame = |i: usize| frames[i].len() as f64;
+        let order = worst_first((0..frames.len()).filter(|&i| !frames[i].is_empty()), in_frame);
+        let &worst = order.first()?;
+        let many = in_frame(worst) > MANY * triangle_len as f64;
+        let [one, more] = self.words;
+        let line = |&triangle: &usize| format!("{triangle} ({})", times[triangle]);
+        Some(Finding {
+            kind: self.kind,
+            severity: if many { Severity::Warning } else { Severity::Note },
+            text: format!(
+                "{} {}, in {}, most of them ({}) in frame {}; triangles (in frames): {}",
+                count(triangles.len(), one, more),
+                self.meaning,
+                count(order.len(), "training frame", "training frames"),
+                frames[worst].len(),
+                context.frame(worst),
+                listed(triangles.iter().map(line))
+            ),
+            places: triangles
+                .iter()
+                .map(|&triangle| Place::Triangle(triangle))
+                .chain(context.frames(order))
+                .collect(),
+        })
+    }
 }

@@ -1,46 +1,46 @@
-//! What a check finds, with its place.
+//! Findings of a check and their places, and helpers for their texts.
 
 pub use crate::examples::{FrameName, Severity};
 use serde::Serialize;
 use std::fmt;
 
-/// The part of a check that a finding belongs to.
+/// The part of the examples that a finding is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Topic {
-    /// Size and place.
+    /// Size and position of the mesh.
     Size,
-    /// The rest mesh against joints and poses.
+    /// The rest mesh, compared with joints and poses.
     Rest,
-    /// The joints by themselves.
+    /// Single joints.
     Joints,
     /// The faces.
     Faces,
-    /// The frames against each other.
+    /// Frames, compared with each other.
     Frames,
 }
 
-/// What was found.
+/// The kind of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// The mesh stands far from the origin.
+    /// The mesh is far from the origin.
     FarAway,
-    /// It stands so far that single precision is too coarse.
+    /// The mesh is so far from the origin that single precision is too coarse.
     TooFar,
-    /// The largest extent suits a character in no usual unit.
+    /// In no usual unit does the largest extent suit a character.
     OddSize,
-    /// Mesh and skeleton have other units.
+    /// Mesh and skeleton have different units.
     OtherUnits,
-    /// Mesh and skeleton have other axes.
+    /// Mesh and skeleton have different axes.
     OtherAxes,
-    /// Mesh and skeleton stand apart.
+    /// The mesh is shifted against the skeleton.
     Shifted,
-    /// Most meshes stand elsewhere than their joints.
+    /// Most meshes have a rigid offset from their joints.
     Elsewhere,
-    /// The posed meshes' vertices have another order than the rest mesh's.
+    /// The posed meshes have another vertex order than the rest mesh.
     VertexOrder,
-    /// The meshes near rest are not the rest mesh.
+    /// The meshes near rest differ from the rest mesh.
     RestDiffers,
     /// No frame is near rest.
     RestUntested,
@@ -48,39 +48,39 @@ pub enum Kind {
     NonRigid,
     /// A joint never moves in training.
     Still,
-    /// A joint comes near a half turn.
+    /// A joint turns by nearly 180°.
     HalfTurn,
     /// A joint moves no vertex.
     Idle,
-    /// The joint weights that come with the mesh mislead about a joint's skin.
+    /// The mesh's own joint weights are wrong for the skin of a joint.
     Weights,
-    /// Triangles without area at rest.
+    /// Triangles without area in the rest mesh.
     NoArea,
-    /// Neighbouring triangles look to opposite sides.
+    /// Neighbouring triangles face opposite sides.
     Winding,
-    /// Edges of more than two triangles.
+    /// Edges shared by more than two triangles.
     NonManifold,
-    /// Vertices of no triangle.
+    /// Vertices without a triangle.
     Unreferenced,
-    /// Vertices that stand and move together.
+    /// Vertices that share their positions in all frames.
     Unwelded,
     /// Triangles that lose their area in a pose.
     Collapsed,
     /// Triangles that fold over a neighbour in a pose.
     Folded,
-    /// Triangles that look to the other side than their joints take them, too many for a fold.
+    /// Triangles that face away from the direction given by their joints, too many for a fold.
     Flipped,
-    /// Frames of one pose and one mesh.
+    /// Frames with the same pose and the same mesh.
     Repeated,
-    /// Frames of one pose and different meshes.
+    /// Frames with the same pose and different meshes.
     Contradicting,
-    /// Meshes that belong to the frame before or after.
+    /// Meshes that belong to an earlier or later frame.
     OutOfStep,
-    /// Meshes that follow the clips in another order.
+    /// Meshes in another order of clips.
     ClipOrder,
-    /// A clip whose meshes are not of its joints.
+    /// A clip whose meshes do not belong to its joints.
     WrongClip,
-    /// Clips that no weights fit together.
+    /// Clips that no common set of weights fits.
     UnlikeClips,
     /// Meshes that do not belong to their poses.
     Broken,
@@ -89,8 +89,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The part of a check that it belongs to.
-    pub fn subject(self) -> Topic {
+    /// Returns the topic of the kind.
+    pub fn topic(self) -> Topic {
         match self {
             Self::FarAway | Self::TooFar | Self::OddSize => Topic::Size,
             Self::OtherUnits
@@ -139,23 +139,23 @@ pub enum Place {
     Edge([usize; 2]),
 }
 
-/// Something that an artist should know.
+/// A fact about the examples that an artist should know.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// What.
+    /// The kind.
     pub kind: Kind,
-    /// How much it matters.
+    /// The severity.
     pub severity: Severity,
-    /// A line that says it, with the worst places.
+    /// The text, one line, with the worst places.
     pub text: String,
-    /// All its places, the worst first.
+    /// All places, the worst first.
     pub places: Vec<Place>,
 }
 
-/// Places that a line names before it only counts.
+/// Number of places that a text names; further places are counted.
 pub const LISTED: usize = 5;
 
-/// Joins the first few of some words and counts the rest.
+/// Joins the first [`LISTED`] words and counts the rest.
 pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
     let mut words = words.into_iter();
     let mut out: Vec<String> = words.by_ref().take(LISTED).map(|word| word.to_string()).collect();
@@ -166,13 +166,13 @@ pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
     out.join(", ")
 }
 
-/// Names frames in order, runs as `first-last`, by what their source calls them, where it does.
+/// Names frames in order. Runs become `first-last`. Names are the source's frame numbers if there are any.
 pub fn runs(frames: &[FrameName]) -> Vec<String> {
     let mut frames: Vec<&FrameName> = frames.iter().collect();
     frames.sort_unstable_by_key(|frame| frame.frame);
     let mut runs: Vec<[&FrameName; 2]> = Vec::new();
     for frame in frames {
-        // Numbers may begin anew with a clip.
+        // Numbers may start again with a clip.
         let follows = |last: &FrameName| {
             last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
         };
@@ -188,7 +188,7 @@ pub fn runs(frames: &[FrameName]) -> Vec<String> {
     runs.into_iter().map(run).collect()
 }
 
-/// Writes a length with as many places as it needs to be read.
+/// Formats a length with three significant digits.
 pub fn short(length: f64) -> String {
     if length >= 100.0 {
         format!("{length:.0}")
@@ -199,7 +199,7 @@ pub fn short(length: f64) -> String {
     }
 }
 
-/// Counts things, in the singular where there is one.
+/// Formats a number of things, with the singular for one.
 pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }

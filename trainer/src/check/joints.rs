@@ -1,9 +1,10 @@
-//! Joints by themselves: rigidity, half turns, and those that do nothing.
+//! Single joints: rigid maps, half turns, joints without motion or skin, and joint weights that are wrong for the skin.
 
 use super::context::{Context, worst_first};
-use super::finding::{Finding, Kind, Place, Severity, count, listed};
-use super::thresholds::{IDLE, SCALED, STILL};
+use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
+use super::thresholds::{IDLE, MISLEADS, SCALED, STILL, VISIBLE};
 use crate::envelope::choose::report::SEAM;
+use crate::envelope::lbs::prior;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
 
@@ -17,7 +18,7 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
     half_turns(context, findings);
     let joints = 0..context.examples.joint_len();
     let root = context.examples.skeleton.root();
-    let still = |&j: &usize| j != root && context.turns.farthest(j) < STILL;
+    let still = |&j: &usize| j != root && context.turns.largest_bend(j) < STILL;
     let still: Vec<usize> = joints.clone().filter(still).collect();
     if !still.is_empty() {
         findings.push(Finding {
@@ -40,7 +41,7 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
     for vertex in 0..weights.len() {
         weights.of(vertex).for_each(|(joint, weight)| used[joint] |= weight > IDLE);
     }
-    // Of a joint that never moves, no fit can tell what follows it.
+    // For a joint that never moves, the frames do not show its skin.
     let idle: Vec<usize> = joints.filter(|j| !used[*j] && !still.contains(j)).collect();
     if !idle.is_empty() {
         findings.push(Finding {
@@ -68,7 +69,7 @@ fn non_rigid(
         None => &context.examples.skeleton.rest[number],
     };
     let mut places = vec![Place::Joint(joint.to_owned())];
-    let frame = worst_frame.map(|frame| super::finding::FrameName::new(context.clips, frame));
+    let frame = worst_frame.map(|frame| FrameName::new(context.clips, frame));
     places.extend(frame.map(Place::Frame));
     let warning = warning.clone().called(context.clips);
     Finding {
@@ -79,7 +80,7 @@ fn non_rigid(
     }
 }
 
-/// Tells a scale from a stretch.
+/// Says whether a joint's map is scaled evenly or stretched.
 fn stretch(map: &Matrix3x4) -> String {
     let linear = Matrix3::from_fn(|row, column| map[row][column]);
     let sigma = linear.singular_values();
@@ -127,10 +128,43 @@ fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
     });
 }
 
-pub(super) fn names(context: &Context<'_>, joints: &[usize]) -> String {
+fn names(context: &Context<'_>, joints: &[usize]) -> String {
     listed(joints.iter().map(|&joint| context.joint(joint)))
 }
 
-pub(super) fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
+fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
     joints.iter().map(|&joint| context.joint_place(joint)).collect()
+}
+
+/// Warns of joints where painted weights have several times the error of fitted weights.
+pub(super) fn misleading_weights(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let Some(painted) = prior::painted(context.examples) else { return };
+    let training = &context.training;
+    let left = training.targets(&painted).residuals(&training.poses.stacked());
+    // Errors below the RMS error of all skin do not count.
+    let unseen = context.lbs_rms().max(VISIBLE).powi(2) * training.poses.len() as f64;
+    let joint_len = context.examples.joint_len();
+    // Squared errors of painted and of fitted weights.
+    let mut sums = vec![[0.0; 2]; joint_len];
+    for (vertex, fitted) in training.lbs.errors.iter().enumerate() {
+        let Some(joint) = painted.strongest(vertex) else { continue };
+        sums[joint][0] += left.col(vertex).squared_norm_l2();
+        sums[joint][1] += fitted.max(unseen);
+    }
+    let misleads = |&joint: &usize| sums[joint][0] > MISLEADS.powi(2) * sums[joint][1];
+    let joints: Vec<usize> = (0..joint_len).filter(misleads).collect();
+    if joints.is_empty() {
+        return;
+    }
+    findings.push(Finding {
+        kind: Kind::Weights,
+        severity: Severity::Warning,
+        text: format!(
+            "the mesh's own joint weights are wrong for the skin of {}: their error is far larger than that of \
+             fitted weights; check that they belong to this mesh and these joints, and are more than an automatic binding: {}",
+            count(joints.len(), "joint", "joints"),
+            names(context, &joints)
+        ),
+        places: places(context, &joints),
+    });
 }

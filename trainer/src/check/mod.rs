@@ -1,28 +1,19 @@
-//! Tells, before a training, whether examples are good: what is wrong with them, and which poses to
-//! add or to leave out.
+//! Checks examples before a training: finds faults, and names poses to add or to leave out.
 //!
-//! Held-out and extreme frames are read for their poses alone, to compare them with training.
+//! Of held-out and extreme frames only the poses are read, to compare them with the training poses.
 
 mod advice;
-mod broken;
-mod clips;
 mod context;
-pub mod convention;
+mod convention;
 pub mod coverage;
-mod elsewhere;
 pub mod faces;
 pub mod finding;
-mod folded;
+mod frames;
 mod joints;
-mod order;
-mod painted;
-mod repeats;
+pub mod redundancy;
 pub mod rest;
-pub mod size;
 mod step;
-pub mod thin;
 pub mod thresholds;
-mod turns;
 
 use crate::envelope::FitError;
 use crate::envelope::clean::Sound;
@@ -36,70 +27,70 @@ use context::{Context, worst_first};
 use finding::{Finding, FrameName, Kind, Severity};
 use serde::Serialize;
 
-/// What a check tells of examples.
+/// The result of a check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
-    /// Scale and place.
-    pub size: size::MeshSize,
-    /// How the rest mesh was tested.
+    /// Size and position of the rest mesh.
+    pub size: rest::MeshSize,
+    /// How far the rest mesh was tested.
     pub rest: rest::Rest,
-    /// What the faces are.
+    /// Counts of the surface.
     pub faces: faces::Faces,
-    /// What LBS leaves.
+    /// Error of LBS.
     pub lbs: Floor,
-    /// Every joint but the reference root.
+    /// Range of every joint except the reference root.
     pub joints: Vec<coverage::Coverage>,
-    /// Joints that never bend together with their parent.
-    pub never_together: Vec<coverage::Apart>,
-    /// How the training poses predict each other; none where LBS leaves nothing.
-    pub predicted: Option<thin::Predicted>,
-    /// What was found, warnings first.
+    /// Joints that never bend together with their parents.
+    pub never_together: Vec<coverage::JointPair>,
+    /// How well the training poses predict each other; `None` if LBS is exact or no joint moves.
+    pub predicted: Option<redundancy::Predicted>,
+    /// Findings, warnings first.
     pub findings: Vec<Finding>,
-    /// What to add and to leave out.
+    /// Poses to add and to leave out.
     pub advice: Vec<String>,
 }
 
-/// What LBS with 4 influences leaves of the training frames, in % of the diagonal: the floor that a
-/// training starts from.
+/// Error of LBS with 4 influences a vertex in the training frames, in % of the diagonal: a training starts from this
+/// error.
 #[derive(Clone, Debug, Serialize)]
 pub struct Floor {
     /// RMS.
     pub rms_percent: f64,
-    /// RMS in millimetres; `None` where the unit is not known.
+    /// RMS in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_mm: Option<f64>,
-    /// RMS of LBS by the joint weights that come with the mesh; `None` where there are none. A vertex without weights
-    /// takes its fitted ones.
+    /// RMS of LBS with the mesh's own joint weights; `None` without own weights. A vertex without own weights uses its
+    /// fitted weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights_percent: Option<f64>,
-    /// That RMS in millimetres; `None` where the unit is not known.
+    /// The RMS of own weights in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights_mm: Option<f64>,
-    /// The worst frames with their RMS.
+    /// The worst frames and the RMS of each.
     pub frames: Vec<(FrameName, f64)>,
-    /// The worst vertices with their RMS.
+    /// The worst vertices and the RMS of each.
     pub vertices: Vec<(usize, f64)>,
 }
 
-/// A check that could not be made.
+/// Reasons why a check fails.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
-    /// The examples are at fault.
+    /// The examples are invalid.
     #[error(transparent)]
     Examples(#[from] ExamplesError),
-    /// LBS could not be fitted.
+    /// LBS cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
 }
 
-/// Worst frames and vertices that are kept.
+/// Number of worst frames, and of worst vertices, in a result.
 const WORST: usize = 5;
 
-/// Checks examples whose frames come from some clips.
+/// Checks examples whose frames come from these clips.
 ///
 /// # Errors
-/// [`CheckError::Examples`] where they are not valid, [`CheckError::Fit`] where LBS cannot be
-/// fitted to the training frames.
+/// [`CheckError::Examples`] if the examples are invalid, [`CheckError::Fit`] if LBS cannot be fitted to the training
+/// frames.
 pub fn check(
     examples: &Examples,
     clips: &[Clip],
@@ -108,10 +99,11 @@ pub fn check(
     judge(examples, clips, progress).map(|(check, _)| check)
 }
 
-/// Checks examples as [`check`] does, and returns the judged training frames too, for a training on these.
+/// Checks examples as [`check`] does, and also returns the training frames with the judgement of each, for a training
+/// on these frames.
 ///
 /// # Errors
-/// As [`check`].
+/// The errors of [`check`].
 pub fn judge<'a>(
     examples: &'a Examples,
     clips: &[Clip],
@@ -119,12 +111,12 @@ pub fn judge<'a>(
 ) -> Result<(Check, Sound<'a>), CheckError> {
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
-    let size = size::size(examples, &mut findings);
+    let size = rest::size(examples, &mut findings);
     let given = Sound::new(examples, progress)?;
     progress.step("steps", 1);
     let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
-    // One cause, one finding: what late meshes look like otherwise is not told too.
+    // Late meshes would cause other findings too, so the rest of the check uses the meshes in step.
     let in_step = step::steps(examples, clips, &left_out, &mut findings);
     let stepped;
     let sound = match &in_step {
@@ -135,45 +127,45 @@ pub fn judge<'a>(
         None => &given,
     };
     let examples = sound.training.examples;
-    let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
-    let mut named =
-        (!doubted.is_empty()).then(|| broken::broken(sound, clips, examples.diagonal_mm()));
-    // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
-    // told of every one.
+    let wrong: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
+    let mut broken =
+        (!wrong.is_empty()).then(|| frames::broken(sound, clips, examples.diagonal_mm()));
+    // The rest mesh, units, axes and orders are tested on the frames that a training uses. Faults of single frames are
+    // searched in all training frames.
     let (others, whole, all);
-    let (learnt, all) = if sound.left_out().is_empty() {
+    let (used, all) = if sound.left_out().is_empty() {
         (examples, None)
     } else {
-        others = examples.without(&doubted);
+        others = examples.without(&wrong);
         whole = Training::new(examples, progress)?;
         all = Context::new(clips, &whole);
         (&others, Some(&all))
     };
     progress.step("units and axes", 1);
     let before = findings.len();
-    let apart = convention::convention(learnt, &mut findings);
-    findings.extend(order::of_clips(learnt, clips));
+    let misplaced = convention::convention(used, &mut findings);
+    findings.extend(frames::clip_order(used, clips));
     let by_clip = match findings.len() == before {
-        true => clips::clips(examples, clips, &doubted),
+        true => frames::clips(examples, clips, &wrong),
         false => Vec::new(),
     };
     let context = Context::new(clips, &sound.training);
-    if apart && findings.len() == before && by_clip.is_empty() {
-        let order = order::of_vertices(learnt);
-        findings.extend(order.or_else(|| elsewhere::elsewhere(&context)));
+    if misplaced && findings.len() == before && by_clip.is_empty() {
+        let order = convention::vertex_order(used);
+        findings.extend(order.or_else(|| convention::offset(&context)));
     }
     if sound.stay && findings.len() > before {
-        // So many do not belong because the whole does not.
-        named = None;
+        // The fault of all frames explains the many wrong frames.
+        broken = None;
     }
     findings.extend(by_clip);
-    let faces = faces::faces(learnt, &warnings, &mut findings);
+    let faces = faces::faces(used, &warnings, &mut findings);
     let all = all.unwrap_or(&context);
     let rest = rest::rest(&context, &mut findings);
-    painted::misleading(&context, &mut findings);
+    joints::misleading_weights(&context, &mut findings);
     joints::joints(&context, &warnings, &mut findings);
     progress.step("faces in poses", 1);
-    folded::folded(all, &mut findings);
+    faces::in_poses(all, &mut findings);
     progress.step("frames", 1);
     if context.training.poses.are_one() {
         findings.push(Finding {
@@ -183,20 +175,20 @@ pub fn judge<'a>(
             places: Vec::new(),
         });
     }
-    repeats::repeats(all, &mut findings);
-    findings.extend(named);
+    frames::repeats(all, &mut findings);
+    findings.extend(broken);
     let joints = coverage::coverage(&context);
-    let never_together = coverage::apart(&context);
+    let never_together = coverage::never_together(&context);
     progress.step("poses", 1);
-    let mut predicted = thin::predict(&context);
+    let mut predicted = redundancy::predict(&context);
     if let Some(predicted) = &mut predicted {
-        predicted.isolated.retain(|pose| !doubted.contains(&pose.frame.frame));
+        predicted.isolated.retain(|pose| !wrong.contains(&pose.frame.frame));
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let lbs = floor(&context);
     let advice = match lbs.rms_percent > NOTHING {
         true => advice::advice(&joints, &never_together, predicted.as_ref()),
-        // Poses teach nothing where LBS leaves nothing.
+        // Where LBS is exact, more poses teach nothing.
         false => Vec::new(),
     };
     let check =
@@ -210,7 +202,7 @@ impl Check {
         self.findings.iter().filter(|finding| finding.severity == severity).count()
     }
 
-    /// Returns the finding of a kind, where there is one.
+    /// Returns the first finding of a kind.
     pub fn find(&self, kind: Kind) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.kind == kind)
     }
@@ -234,11 +226,11 @@ fn floor(context: &Context<'_>) -> Floor {
     }
 }
 
-/// RMS error of LBS by the joint weights that come with the mesh, in diagonals, where there are any.
+/// Returns the RMS error of LBS with the mesh's own joint weights, in diagonals; `None` without own weights.
 fn own_weights_rms(context: &Context<'_>) -> Option<f64> {
     let training = context.training;
     let own = own_weights(context.examples, &training.lbs.weights)?;
-    // Every vertex counts the same, as for the fitted weights.
+    // Every vertex has weight 1, as for the fitted weights.
     let targets = Targets { importance: Importance::ALIKE, ..training.targets(&own) };
     Some(targets.rms(&training.poses.stacked()))
 }

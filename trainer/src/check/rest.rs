@@ -1,29 +1,130 @@
-//! Whether the rest mesh belongs to the poses: near rest, the joints alone must give the meshes.
+//! The rest mesh: size and position, and whether the rest mesh belongs to the poses. Near rest, LBS must reproduce the
+//! posed meshes.
 
 use super::context::{Context, worst_first};
-use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
-use super::thresholds::{NEAR_REST, REST_ERROR, ROUNDED, VISIBLE};
+use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed, short};
+use super::thresholds::{FAR, GROUND, NEAR_REST, REST_ERROR, ROUNDED, TALL, VISIBLE};
 use crate::envelope::clean::HOPS;
 use crate::envelope::correction::features::near;
 use crate::envelope::lbs::weights::Lbs;
-use crate::space::written;
+use crate::envelope::{COARSE, FitError};
+use crate::examples::Examples;
+use crate::space::{millimetres, written};
 use serde::Serialize;
 
-/// How the rest mesh was tested.
+/// The mesh's size at rest, in units of the input.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeshSize {
+    /// Extents along x, y and z.
+    pub extents: [f64; 3],
+    /// Diagonal of the bounding box.
+    pub diagonal: f64,
+    /// The axis on whose zero the mesh stands, if there is exactly one.
+    pub ground: Option<char>,
+    /// The axis of the largest extent.
+    pub longest: char,
+    /// Largest extent in metres; `None` if the unit is unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metres: Option<f64>,
+    /// Units in which the largest extent suits a character, and the extent in metres.
+    pub units: Vec<(&'static str, f64)>,
+    /// Bits of an f32 that the distance from the origin costs.
+    pub bits_lost: f64,
+}
+
+const AXES: [char; 3] = ['x', 'y', 'z'];
+const UNITS: [(&str, f64); 3] = [("metres", 1.0), ("centimetres", 0.01), ("millimetres", 0.001)];
+
+pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize {
+    let [low, high] = examples.bounds();
+    let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    let longest = (0..3).rev().max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0);
+    let stands = |&axis: &usize| low[axis].abs() < GROUND * extents[axis];
+    let ground: Vec<usize> = (0..3).filter(stands).collect();
+    let candidates = UNITS.map(|(unit, metres)| (unit, metres * extents[longest]));
+    let diagonal = examples.diagonal();
+    let distance = examples.centroid().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = MeshSize {
+        extents,
+        diagonal,
+        ground: if let [axis] = ground[..] { Some(AXES[axis]) } else { None },
+        longest: AXES[longest],
+        metres: millimetres(&examples.space).map(|unit| 1e-3 * unit * extents[longest]),
+        units: candidates.into_iter().filter(|m| is_usual(m.1)).collect(),
+        bits_lost: (distance / diagonal).max(1.0).log2(),
+    };
+    if let Some(error) = FitError::too_far(examples, COARSE.1) {
+        findings.push(Finding {
+            kind: Kind::TooFar,
+            severity: Severity::Warning,
+            text: error.to_string(),
+            places: Vec::new(),
+        });
+    } else if distance > FAR.0 * diagonal {
+        findings.push(Finding {
+            kind: Kind::FarAway,
+            severity: if distance > FAR.1 * diagonal { Severity::Warning } else { Severity::Note },
+            text: format!(
+                "the mesh stands {:.0} diagonals from the origin, which costs {:.0} of the 24 bits \
+                 of its positions: move mesh and skeleton to the origin before export",
+                distance / diagonal,
+                size.bits_lost
+            ),
+            places: Vec::new(),
+        });
+    }
+    let odd = match size.metres {
+        Some(metres) if !is_usual(metres) => Some(unusual_size(metres, &size.units)),
+        None if size.units.is_empty() => Some(format!(
+            "{} units are no usual length of a character in metres, centimetres or millimetres; \
+             a training works all the same",
+            short(extents[longest])
+        )),
+        _ => None,
+    };
+    if let Some(text) = odd {
+        findings.push(Finding {
+            kind: Kind::OddSize,
+            severity: Severity::Note,
+            text,
+            places: Vec::new(),
+        });
+    }
+    size
+}
+
+/// Returns whether a character may be this long, in metres.
+fn is_usual(metres: f64) -> bool {
+    (TALL.0..=TALL.1).contains(&metres)
+}
+
+/// Says that a mesh in a known unit has an unusual size, and names units in which the size is usual.
+fn unusual_size(metres: f64, units: &[(&'static str, f64)]) -> String {
+    let other =
+        units.iter().map(|(unit, metres)| format!(" (in {unit} it would be {metres:.2} m)"));
+    format!(
+        "the mesh is {} m long in the unit of its file, an unusual length for a character{}: errors in millimetres use this \
+         unit; a training works all the same",
+        short(metres),
+        other.collect::<String>()
+    )
+}
+
+/// How far the rest mesh was tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rest {
-    /// The training frame whose joints are nearest to rest.
+    /// The training frame nearest to rest.
     pub nearest: FrameName,
     /// The largest angle of its joints, in degrees.
     pub nearest_degrees: f64,
-    /// RMS error of LBS in it, in % of the diagonal.
+    /// RMS error of LBS in this frame, in % of the diagonal.
     pub nearest_lbs_percent: f64,
-    /// That error in millimetres; `None` where the unit is not known.
+    /// The error in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nearest_lbs_mm: Option<f64>,
-    /// Joints with skin of their own.
+    /// Number of joints with skin.
     pub joints: usize,
-    /// Of them, those near rest, with their neighbours, in some training frame.
+    /// Number of these joints that are near rest, with their neighbours, in some training frame.
     pub tested: usize,
 }
 
@@ -35,7 +136,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let all: Vec<usize> = (0..context.dominant.len()).collect();
 
     let seen = VISIBLE.max(ROUNDED * context.examples.coarseness());
-    // By weights that the poses alone decide: painted ones may be off near rest too.
+    // The fitted weights ignore painted weights, which may be wrong near rest too.
     let training = &context.training;
     let Lbs { weights, errors, .. } = training.free_lbs();
     let left = training.targets(&weights).residuals(&training.poses.stacked());
@@ -46,7 +147,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         joints += 1;
         let around = near(&context.training.skeleton.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
-        // One frame with the rest mesh is enough: in others muscles may tense without a joint.
+        // One frame with the rest mesh is enough: in other frames muscles may tense while the joints rest.
         let squared = |i: usize, v: usize| left.col(v).subrows(3 * i, 3).squared_norm_l2();
         let error = |&i: &usize| rms(skin.iter().map(|&v| squared(i, v)).sum(), skin.len());
         let near_rest = poses.clone().filter(|&i| bend(i) <= NEAR_REST);
@@ -70,19 +171,19 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
             kind: Kind::RestDiffers,
             severity: Severity::Warning,
             text: format!(
-                "no mesh near rest is the rest mesh, as if that were another sculpt; the nearest: {}",
+                "no mesh near rest matches the rest mesh, which may be another sculpt; differences: {}",
                 listed(order.iter().map(line))
             ),
             places: order.iter().map(|&k| context.joint_place(off[k].0)).collect(),
         });
     }
-    // Where LBS leaves nothing, every frame shows that the rest mesh belongs to the poses.
+    // If LBS is exact, every frame shows that the rest mesh belongs to the poses.
     if tested == 0 && context.lbs_rms() > seen {
         findings.push(Finding {
             kind: Kind::RestUntested,
             severity: Severity::Note,
             text: format!(
-                "no training frame is near rest (the nearest is frame {}, {:.0}° away), so that \
+                "no training frame is near rest (the nearest is frame {}, {:.0}° away), so \
                  nothing shows whether the rest mesh belongs to the poses: add the rest pose",
                 context.frame(nearest),
                 bend(nearest)
@@ -102,7 +203,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
 }
 
 impl Rest {
-    /// Tells what was tested, in a line.
+    /// Describes the tests in one line.
     pub fn describe(&self) -> String {
         let mm = self.nearest_lbs_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
         format!(

@@ -1,4 +1,4 @@
-//! Whether the meshes belong to their frames, or to those before or after, in whole clips or in a part.
+//! Tests whether the meshes belong to their frames, or to earlier or later frames, in a whole clip or a part.
 
 use super::finding::{Finding, FrameName, Kind, Place, Severity, runs};
 use super::thresholds::{SHIFT_FRAMES, SHIFT_RUN, SHIFTED, SHIFTS, VISIBLE};
@@ -10,17 +10,17 @@ use crate::examples::{Clip, Examples, Importance, Split};
 use crate::space::beside;
 use sinew_runtime::format::Space;
 
-/// Vertices that are looked at.
+/// Number of vertices in a test.
 const VERTICES: usize = 400;
 
-/// A clip's frames that are looked at.
+/// Number of frames of a clip in a test.
 const FRAMES: usize = 200;
 
-/// How often shifts are found anew, as LBS is fitted to the meshes as they shift them.
+/// Largest number of times that LBS is fitted to the shifted meshes and the shifts are searched again.
 const ROUNDS: usize = 5;
 
-/// Reports clips whose meshes are out of step, in whole or in part. Returns the examples with each mesh at the frame that it
-/// belongs to. Frames without a mesh become extreme.
+/// Reports clips whose meshes are out of step, wholly or partly. Returns the examples with each mesh at its own frame;
+/// frames without a mesh become extreme.
 ///
 /// - `left_out`: training frames whose meshes belong to no pose, in order.
 pub(super) fn steps(
@@ -33,8 +33,8 @@ pub(super) fn steps(
     let mut moved = Vec::new();
     for (number, clip) in clips.iter().enumerate() {
         let end = clips.get(number + 1).map_or(sample.frame_len(), |next| next.first);
-        let of_clip = Steps { sample: &sample, range: clip.first..end, left_out };
-        let Some(found) = of_clip.find() else { continue };
+        let of_clip = ClipFrames { sample: &sample, range: clip.first..end, left_out };
+        let Some(found) = of_clip.find_shift() else { continue };
         findings.push(found.finding(examples, clips, clip));
         moved.extend((clip.first..end).map(|frame| (frame, of_clip.mesh(frame, found.at(frame)))));
     }
@@ -55,38 +55,39 @@ pub(super) fn steps(
     Some(in_step)
 }
 
-/// A clip whose steps are looked at.
-struct Steps<'a> {
+/// A clip that is tested for shifts.
+struct ClipFrames<'a> {
     sample: &'a Examples,
-    /// Its frames.
+    /// Frames of the clip.
     range: std::ops::Range<usize>,
     left_out: &'a [usize],
 }
 
-/// Frames from one on, and by how many frames their meshes are late.
+/// Frames from `first` on, and the delay of their meshes in frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Run {
     first: usize,
     shift: isize,
 }
 
-/// How a clip is out of step.
+/// The shifts of a clip.
 struct Shifted {
-    /// Its runs in order; the shift differs from one to the next.
+    /// Runs of frames in order; neighbouring runs have different shifts.
     runs: Vec<Run>,
-    /// RMS error of LBS, with the meshes as they are and in step, in units of the input.
-    leaves: [f64; 2],
+    /// RMS error of LBS, with the given meshes and with the meshes in step, in units of the input.
+    lbs_errors: [f64; 2],
 }
 
-impl Steps<'_> {
-    /// Returns the training frame whose mesh belongs to a frame that is so late; `None` where the clip has none.
+impl ClipFrames<'_> {
+    /// Returns the training frame that holds the mesh of a frame whose meshes are `shift` frames late; `None` if the
+    /// clip has no such frame.
     fn mesh(&self, frame: usize, shift: isize) -> Option<usize> {
         let mesh = frame.checked_add_signed(shift)?;
         let trains = |frame| self.sample.split[frame] == Split::Train;
         (self.range.contains(&mesh) && trains(frame) && trains(mesh)).then_some(mesh)
     }
 
-    fn find(&self) -> Option<Shifted> {
+    fn find_shift(&self) -> Option<Shifted> {
         let is_seen = |frame: &usize| {
             self.mesh(*frame, 0).is_some() && self.left_out.binary_search(frame).is_err()
         };
@@ -94,12 +95,12 @@ impl Steps<'_> {
         let frames: Vec<usize> =
             spread(frames.len(), FRAMES).into_iter().map(|k| frames[k]).collect();
         let whole = |shift| vec![shift; frames.len()];
-        if self.leaves(&frames, &whole(0))?[0] < VISIBLE * self.sample.diagonal() {
+        if self.lbs_errors(&frames, &whole(0))?[0] < VISIBLE * self.sample.diagonal() {
             return None;
         }
-        // Each start is the whole clip, as it is, late or early.
-        let starts = [0, 1, -1].map(|shift| (self.leaves(&frames, &whole(shift)), shift));
-        let start = starts.into_iter().filter_map(|(leaves, shift)| Some((leaves?, shift)));
+        // The search starts from no shift, one frame late or one frame early for the whole clip.
+        let starts = [0, 1, -1].map(|shift| (self.lbs_errors(&frames, &whole(shift)), shift));
+        let start = starts.into_iter().filter_map(|(lbs_errors, shift)| Some((lbs_errors?, shift)));
         let (_, start) = start.min_by(|a, b| (a.0[1] / a.0[0]).total_cmp(&(b.0[1] / b.0[0])))?;
         let mut shifts = whole(start);
         for _ in 0..ROUNDS {
@@ -109,33 +110,33 @@ impl Steps<'_> {
             }
             shifts = found;
         }
-        let leaves @ [now, then] = self.leaves(&frames, &shifts)?;
-        (then < SHIFTED * now).then(|| Shifted { runs: found_runs(&frames, &shifts), leaves })
+        let lbs_errors @ [now, then] = self.lbs_errors(&frames, &shifts)?;
+        (then < SHIFTED * now).then(|| Shifted { runs: shift_runs(&frames, &shifts), lbs_errors })
     }
 
-    /// Fits LBS to the meshes as they are, and to the meshes with the given shifts. Returns both RMS errors, over the frames
-    /// that have both meshes; `None` where these are too few.
-    fn leaves(&self, frames: &[usize], shifts: &[isize]) -> Option<[f64; 2]> {
+    /// Fits LBS to the given meshes and to the shifted meshes. Returns both RMS errors, over the frames with both
+    /// meshes; `None` for too few frames.
+    fn lbs_errors(&self, frames: &[usize], shifts: &[isize]) -> Option<[f64; 2]> {
         let (frames, meshes) = self.pairs(frames, shifts)?;
         let poses = Poses::new(self.sample, &frames);
         Some([&frames, &meshes].map(|meshes| error(self.sample, meshes, &poses)))
     }
 
-    /// Lists the frames that have a mesh when it is shifted, and the meshes.
+    /// Lists the frames that have a mesh after the shift, and their meshes; `None` for too few frames.
     fn pairs(&self, frames: &[usize], shifts: &[isize]) -> Option<(Vec<usize>, Vec<usize>)> {
         let pair = |(&frame, &shift)| Some((frame, self.mesh(frame, shift)?));
         let pairs: (Vec<usize>, Vec<usize>) = frames.iter().zip(shifts).filter_map(pair).unzip();
         (pairs.0.len() >= SHIFT_FRAMES).then_some(pairs)
     }
 
-    /// Finds how many frames each mesh is late, by LBS that is fitted to the meshes with the given shifts. A change of the
-    /// shift costs [`SHIFT_RUN`] frames of mean error.
+    /// Finds the delay of each mesh in frames, by LBS fitted to the meshes with the given shifts. A change of the shift
+    /// costs [`SHIFT_RUN`] frames of mean error.
     fn shifts(&self, frames: &[usize], shifts: &[isize]) -> Option<Vec<isize>> {
         let (fitted, meshes) = self.pairs(frames, shifts)?;
         let fitted = Poses::new(self.sample, &fitted);
-        let moved = trajectories(self.sample, &meshes, &fitted);
+        let shifted = trajectories(self.sample, &meshes, &fitted);
         let rest = &self.sample.rest;
-        let (weights, _) = weights::fit(rest, &moved, &fitted, BASELINE_INFLUENCES, None);
+        let (weights, _) = weights::fit(rest, &shifted, &fitted, BASELINE_INFLUENCES, None);
         let poses = Poses::new(self.sample, frames);
         let maps = poses.stacked();
         let errors_of = |shift: isize| -> Vec<f64> {
@@ -153,7 +154,7 @@ impl Steps<'_> {
             }
             errors
         };
-        // No shift first: where two do as well it is taken.
+        // No shift is first, so it wins a tie.
         let tried: Vec<isize> =
             std::iter::once(0).chain((1..=SHIFTS).flat_map(|s| [s, -s])).collect();
         let errors: Vec<Vec<f64>> = tried.iter().map(|&shift| errors_of(shift)).collect();
@@ -162,7 +163,7 @@ impl Steps<'_> {
     }
 }
 
-/// Chooses a row for each column: the sum of the entries, plus `change` for each change of the row, is least.
+/// Chooses a row for each column. Minimises the sum of the entries plus `change` for each change of the row.
 fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
     let mut costs = vec![0.0; rows.len()];
     let mut from = Vec::new();
@@ -192,8 +193,8 @@ fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
     rows
 }
 
-/// Gathers the runs of frames of one shift.
-fn found_runs(frames: &[usize], shifts: &[isize]) -> Vec<Run> {
+/// Groups frames into runs with the same shift.
+fn shift_runs(frames: &[usize], shifts: &[isize]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (&first, &shift) in frames.iter().zip(shifts) {
         if runs.last().is_none_or(|run| run.shift != shift) {
@@ -204,7 +205,7 @@ fn found_runs(frames: &[usize], shifts: &[isize]) -> Vec<Run> {
 }
 
 impl Shifted {
-    /// By how many frames the mesh of a frame is late.
+    /// Returns the delay of a frame's mesh, in frames.
     fn at(&self, frame: usize) -> isize {
         let run = self.runs.iter().rev().find(|run| run.first <= frame);
         run.or(self.runs.first()).map_or(0, |run| run.shift)
@@ -225,13 +226,13 @@ impl Shifted {
                 };
                 format!(
                     "{} {}{frames}",
-                    frames_of(run.shift),
+                    frame_count(run.shift),
                     if run.shift > 0 { "late" } else { "early" }
                 )
             })
             .collect();
         let diagonal = examples.diagonal();
-        let [now, then] = self.leaves.map(|left| {
+        let [now, then] = self.lbs_errors.map(|left| {
             let percent = 100.0 * left / diagonal;
             format!("{percent:.3} %{} of the diagonal", beside(percent, examples.diagonal_mm()))
         });
@@ -239,8 +240,8 @@ impl Shifted {
             kind: Kind::OutOfStep,
             severity: Severity::Warning,
             text: format!(
-                "the meshes of clip {} seem to be {}: LBS errs by {now}, and by {then} with each mesh at the frame that it \
-                 belongs to; the rest of this check is of meshes that are moved so: export them in step",
+                "the meshes of clip {} seem to be {}: the error of LBS is {now}, and {then} with each mesh moved to its own \
+                 frame; the rest of this check uses the moved meshes: export them in step",
                 clip.name,
                 parts.join(", and ")
             ),
@@ -249,22 +250,22 @@ impl Shifted {
     }
 }
 
-/// Counts the frames of a shift.
-fn frames_of(shift: isize) -> String {
+/// Formats the length of a shift.
+fn frame_count(shift: isize) -> String {
     match shift.unsigned_abs() {
         1 => "one frame".to_owned(),
         count => format!("{count} frames"),
     }
 }
 
-/// RMS error of LBS fitted to the poses with the meshes of some frames.
+/// Returns the RMS error of LBS fitted to the poses with the meshes of these frames.
 pub(super) fn error(sample: &Examples, meshes: &[usize], poses: &Poses) -> f64 {
-    let moved = trajectories(sample, meshes, poses);
-    let (_, errors) = weights::fit(&sample.rest, &moved, poses, BASELINE_INFLUENCES, None);
+    let trajectories = trajectories(sample, meshes, poses);
+    let (_, errors) = weights::fit(&sample.rest, &trajectories, poses, BASELINE_INFLUENCES, None);
     (errors.iter().sum::<f64>() / (errors.len() * meshes.len()) as f64).sqrt()
 }
 
-/// The examples with few vertices.
+/// Returns the examples with [`VERTICES`] vertices.
 pub(super) fn sample(examples: &Examples) -> Examples {
     let kept = spread(examples.vertex_len(), VERTICES);
     let pick = |points: &[[f64; 3]]| kept.iter().map(|&v| points[v]).collect::<Vec<_>>();

@@ -6,8 +6,8 @@ use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, Skin
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::stacked::{self, map_of};
 use crate::envelope::lbs::training::Training;
-use crate::evaluate::largest;
 use crate::numeric::affine::linear;
+use crate::numeric::columns::largest;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 use std::ops::Range;

@@ -1,19 +1,22 @@
-//! Baselines of a model, on the same frames: LBS by fitted weights, and LBS by the artist's own weights.
+//! Baselines of a model on the same frames: LBS with fitted weights, and LBS with the artist's own weights.
 
-use super::{Baseline, Measured, Told};
+use super::{Measured, TrainingRecord};
+use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::own::own_weights;
+use crate::envelope::lbs::weights;
 use crate::examples::Examples;
+use nalgebra::Vector3;
 
-/// Name of the baseline that is fitted to the training frames.
+/// Name of the baseline with weights fitted to the training frames.
 pub const LBS: &str = "LBS, fitted";
-/// Name of the baseline by the weights that come with the mesh.
+/// Name of the baseline with the mesh's own weights.
 pub const OWN_WEIGHTS: &str = "own weights";
 
 /// A baseline and its errors.
 pub struct MeasuredBaseline {
-    /// Its weights.
+    /// The baseline.
     pub baseline: Baseline,
-    /// Its errors.
+    /// The errors.
     pub measured: Measured,
 }
 
@@ -21,22 +24,57 @@ pub struct MeasuredBaseline {
 pub struct Baselines {
     /// LBS with 4 influences, fitted to the training frames.
     pub lbs: MeasuredBaseline,
-    /// LBS by [`own_weights`]; `None` where the mesh comes without weights.
+    /// LBS with [`own_weights`]; `None` if the mesh comes without weights.
     pub own_weights: Option<MeasuredBaseline>,
 }
 
 impl Baselines {
-    /// Measures the baselines on frames of examples. A model that stores its LBS gives the fitted one.
-    pub fn new(told: &Told, examples: &Examples, frames: &[usize]) -> Self {
+    /// Measures the baselines on frames of the examples. The fitted baseline comes from the model's record if the
+    /// record has LBS weights.
+    pub fn new(record: &TrainingRecord, examples: &Examples, frames: &[usize]) -> Self {
         let measured = |baseline: Baseline| {
             let measured = Measured::lbs(&baseline, examples, frames);
             MeasuredBaseline { baseline, measured }
         };
-        let lbs = told.baseline(examples);
+        let lbs = record.baseline(examples);
         let own = own_weights(examples, &lbs.weights);
         Self {
             own_weights: own.map(|own| measured(Baseline::new(own, examples))),
             lbs: measured(lbs),
         }
+    }
+}
+
+/// A baseline: LBS with some joint weights.
+pub struct Baseline {
+    /// The joint weights of each vertex.
+    pub weights: Weights,
+    normals: Vec<[f64; 3]>,
+}
+
+impl Baseline {
+    /// Fits weights to the training frames, 4 a vertex.
+    pub fn fit(examples: &Examples) -> Self {
+        Self::new(weights::baseline(examples), examples)
+    }
+
+    /// Makes a baseline from joint weights of the V vertices.
+    pub fn new(weights: Weights, examples: &Examples) -> Self {
+        Self { weights, normals: examples.surface().normals() }
+    }
+
+    /// Returns the position and normal of an engine vertex in a frame.
+    ///
+    /// # Panics
+    /// If the examples do not have the frame or the vertex.
+    pub fn vertex(
+        &self,
+        examples: &Examples,
+        frame: usize,
+        vertex: usize,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let normal = &self.normals[vertex];
+        let vertex = examples.surface().copy_of(vertex);
+        weights::skin(&self.weights, examples.pose(frame), vertex, &examples.rest[vertex], normal)
     }
 }

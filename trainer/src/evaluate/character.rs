@@ -1,35 +1,39 @@
-//! A model's envelope and one of its skins, as they were made for the examples' character.
+//! The measured part of a model: an envelope with a skin, the skinned mesh of a frame, and the record of the training.
 
-use super::EvaluateError;
-use crate::envelope::posed::rest;
-use crate::examples::Examples;
+use super::{Baseline, EvaluateError};
+use crate::envelope::lbs::blend::Weights;
+use crate::envelope::posed::{joint_confidences, palette, rest, skin_on};
+use crate::examples::{Examples, is_same};
 use crate::numeric::affine::{apart, apart_unordered};
+use nalgebra::Vector3;
 use sinew_runtime::format::Space;
-use sinew_runtime::{Envelope, Model, Skin};
+use sinew_runtime::{Envelope, Model, Record, Skin};
 
-/// An envelope, and a skin that follows it.
+/// An envelope and a skin that follows the envelope.
 #[derive(Clone, Copy, Debug)]
 pub struct Character<'a> {
-    /// What predicts the palette.
+    /// Predicts the palette.
     pub envelope: Envelope<'a>,
-    /// What follows it.
+    /// Follows the palette.
     pub skin: Skin<'a>,
     /// The space of both.
     pub space: Space,
 }
 
-/// Two rest meshes stand in one space within this share of the diagonal, RMS: other axes and units
-/// are further apart, a sculpt that was changed since shows as an error like any other.
+/// Largest RMS distance between two rest meshes in the same space, as a share of the diagonal. Other axes and units
+/// give a larger distance. A mesh that was sculpted again has a smaller distance and shows as an error.
 const SAME_SPACE: f64 = 0.05;
-/// Vertices stand at the same places within this share of the diagonal, RMS: what single precision leaves.
+/// Largest RMS distance between vertices at the same positions, as a share of the diagonal: the rounding of single
+/// precision.
 const SAME_PLACES: f64 = 1e-4;
 
 impl<'a> Character<'a> {
-    /// Finds a skin of a model's, the first where no name is given, and what it follows.
+    /// Finds a skin by name, or the first skin, and the envelope that the skin follows.
     ///
     /// # Errors
-    /// [`EvaluateError::Format`], [`EvaluateError::NoEnvelope`], [`EvaluateError::PaletteAlone`] and
-    /// [`EvaluateError::NoSkin`].
+    /// - [`EvaluateError::Format`]: the model is refused.
+    /// - [`EvaluateError::NoEnvelope`], [`EvaluateError::PaletteAlone`] and [`EvaluateError::NoSkin`]: the model does
+    ///   not hold the skin or an envelope.
     pub fn find(model: &'a [u8], skin: Option<&str>) -> Result<Self, EvaluateError> {
         let loaded = Model::from_bytes(model)?;
         let found = match skin {
@@ -46,19 +50,20 @@ impl<'a> Character<'a> {
                 _ => EvaluateError::NoEnvelope,
             });
         };
-        // Views borrow the loaded model; what it found does not.
+        // The views borrow the loaded model; opening their layouts borrows the bytes instead.
         let envelope = loaded.envelope_of(&found).and_then(|e| e.layout().open(model));
         let (envelope, skin) =
             envelope.zip(found.layout().open(model)).ok_or(EvaluateError::NoEnvelope)?;
         Ok(Self { envelope, skin, space: loaded.space() })
     }
 
-    /// Finds a skin as [`Character::find`] does, and checks that it was made for the examples'
-    /// character.
+    /// Finds a skin as [`Character::find`] does, and checks that the skin was made for the examples' character.
     ///
     /// # Errors
-    /// Those of [`Character::find`], [`EvaluateError::Vertices`], [`EvaluateError::Joints`],
-    /// [`EvaluateError::JointName`], [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`].
+    /// - The errors of [`Character::find`].
+    /// - [`EvaluateError::Vertices`], [`EvaluateError::Joints`] and [`EvaluateError::JointName`]: a number or name
+    ///   differs.
+    /// - [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`]: the rest mesh differs.
     pub fn open(
         model: &'a [u8],
         skin: Option<&str>,
@@ -92,4 +97,125 @@ impl<'a> Character<'a> {
         }
         Ok(character)
     }
+}
+
+/// The skinned mesh of one frame, as the runtime writes it.
+pub struct SkinnedFrame {
+    positions: Vec<f32>,
+    normals: Vec<f32>,
+    confidence: f64,
+}
+
+impl SkinnedFrame {
+    /// Positions of the skin's vertices, 3E floats.
+    pub fn positions(&self) -> &[f32] {
+        &self.positions
+    }
+
+    /// Normals of the skin's vertices, 3E floats.
+    pub fn normals(&self) -> &[f32] {
+        &self.normals
+    }
+
+    /// Returns the model's confidence in the pose, in [0, 1].
+    pub fn confidence(&self) -> f64 {
+        self.confidence
+    }
+
+    /// Returns the position and normal of a vertex.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn vertex(&self, vertex: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let of = |floats: &[f32]| Vector3::from_fn(|axis, _| f64::from(floats[3 * vertex + axis]));
+        (of(&self.positions), of(&self.normals))
+    }
+}
+
+/// Skins one frame of the examples with the runtime.
+///
+/// # Errors
+/// [`EvaluateError::Frame`].
+pub fn skin(
+    character: &Character<'_>,
+    examples: &Examples,
+    frame: usize,
+) -> Result<SkinnedFrame, EvaluateError> {
+    let (palette, confidence) = palette(&character.envelope, examples.pose(frame), frame)?;
+    let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
+    Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
+}
+
+/// Returns the joint with the lowest confidence in a frame's pose; `None` if all joints are certain.
+pub fn least_confident_joint<'a>(
+    character: &Character<'a>,
+    examples: &Examples,
+    frame: usize,
+) -> Option<&'a str> {
+    let found = joint_confidences(&character.envelope, examples, frame)?;
+    let joint = (0..found.len()).min_by(|&a, &b| found[a].total_cmp(&found[b]))?;
+    if found[joint] < 1.0 { character.envelope.joint_name(joint) } else { None }
+}
+
+/// The record of a model's training, matched to examples.
+#[derive(Default)]
+pub struct TrainingRecord {
+    /// Whether the training read each frame of the examples, N; `None` without a record.
+    read: Option<Vec<bool>>,
+    /// Weights of LBS as the training fitted them.
+    lbs: Option<Weights>,
+}
+
+impl TrainingRecord {
+    /// Reads the record of a character's envelope; empty if the model holds no record.
+    pub fn of(model: &[u8], character: &Character<'_>, examples: &Examples) -> Self {
+        let Ok(loaded) = Model::from_bytes(model) else { return Self::default() };
+        let Some(record) = loaded.record_of(&character.envelope) else { return Self::default() };
+        let marks: Vec<_> = record.frame_marks().collect();
+        let has_read = |frame| {
+            let own = examples.mark(frame);
+            marks.iter().any(|mark| is_same(mark, &own))
+        };
+        Self {
+            read: Some((0..examples.frame_len()).map(has_read).collect()),
+            lbs: weights(&record, examples),
+        }
+    }
+
+    /// Returns whether the training read a frame; `None` without a record.
+    pub fn has_read(&self, frame: usize) -> Option<bool> {
+        self.read.as_ref().and_then(|read| read.get(frame)).copied()
+    }
+
+    /// Counts the frames that the training read; `None` without a record.
+    pub fn read_len(&self, frames: &[usize]) -> Option<usize> {
+        let read = self.read.as_ref()?;
+        Some(frames.iter().filter(|&&frame| read[frame]).count())
+    }
+
+    /// Returns LBS as the training fitted it, or fitted to the examples' training frames if the record has no weights.
+    pub fn baseline(&self, examples: &Examples) -> Baseline {
+        match &self.lbs {
+            Some(weights) => Baseline::new(weights.clone(), examples),
+            None => Baseline::fit(examples),
+        }
+    }
+}
+
+/// Reads joint weights of the examples' vertices; `None` if the record has none or is of another mesh.
+fn weights(record: &Record<'_>, examples: &Examples) -> Option<Weights> {
+    let counts = record.counts();
+    let is_own = counts.vertex_len as usize == examples.vertex_len()
+        && counts.joint_len as usize == examples.joint_len();
+    if !is_own || counts.influence_len == 0 {
+        return None;
+    }
+    let list = |vertex| {
+        let own = record.lbs_influences(vertex)?;
+        let own: Vec<(usize, f64)> = own.map(|(joint, w)| (joint, f64::from(w))).collect();
+        let sum: f64 = own.iter().map(|(_, weight)| weight).sum();
+        Some(own.into_iter().map(|(joint, weight)| (joint, weight / sum)).collect())
+    };
+    let lists: Option<Vec<_>> = (0..examples.vertex_len()).map(list).collect();
+    Some(Weights::from_lists(counts.influence_len as usize, lists?.into_iter()))
 }

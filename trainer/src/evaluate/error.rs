@@ -1,32 +1,32 @@
-//! Why a measurement could not be made.
+//! The error of a measurement.
 
 use crate::envelope::posed::FrameError;
 use crate::examples::{Clip, ExamplesError};
 use sinew_runtime::FileError;
 
-/// A measurement that could not be made.
+/// Reasons why a measurement fails.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// The model's bytes are refused.
+    /// The runtime refuses the model's bytes.
     #[error("the model is refused: {0}")]
     Format(#[from] FileError),
-    /// The model holds no envelope, or a skin that follows none.
+    /// The model holds no envelope, or a skin without an envelope.
     #[error("the model holds no envelope that moves a skin")]
     NoEnvelope,
-    /// The model holds envelopes alone.
+    /// The model holds envelopes but no skin.
     #[error(
         "the model holds a palette alone, without a skin to measure or to play: train one without --no-skin for that"
     )]
     PaletteAlone,
-    /// The model holds no skin of a name.
+    /// The model holds no skin of this name.
     #[error("the model holds no skin called {name}; it has: {has}")]
     NoSkin {
-        /// The name.
+        /// The requested name.
         name: String,
-        /// The names that there are.
+        /// The names in the model.
         has: String,
     },
-    /// The model was made for a mesh of another number of vertices.
+    /// The model's mesh has another number of vertices.
     #[error(
         "the model has {expected} vertices, the examples have {found}: give examples of the file that training had, with its \
          texture's seams where that has them"
@@ -37,7 +37,7 @@ pub enum EvaluateError {
         /// In the examples.
         found: usize,
     },
-    /// The model was made for a skeleton of another number of joints.
+    /// The model's skeleton has another number of joints.
     #[error(
         "the model has {expected} joints, the examples have {found}: give examples of the skeleton that training had"
     )]
@@ -47,17 +47,17 @@ pub enum EvaluateError {
         /// In the examples.
         found: usize,
     },
-    /// A joint of the model has another name in the examples.
+    /// A joint has another name in the examples.
     #[error("joint {joint} is called {expected} in the model, {found} in the examples")]
     JointName {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
         /// In the model.
         expected: String,
         /// In the examples.
         found: String,
     },
-    /// The model was made in another space, or for another mesh of as many vertices.
+    /// The model's rest mesh differs: another space, or another mesh with the same number of vertices.
     #[error(
         "the model's rest mesh is not that of the examples: off by {percent:.1} % of the diagonal; \
          give the examples as they were given in training, with the same --targets, and say what their \
@@ -73,22 +73,22 @@ pub enum EvaluateError {
          the file that training had, or one that has its order"
     )]
     VertexOrder,
-    /// There is no frame to measure.
+    /// The examples have no such frame.
     #[error("the examples have no {split} frame")]
     NoFrames {
-        /// Which were asked for.
+        /// Name of the requested frames.
         split: &'static str,
     },
     /// A frame has a joint that is not rigid.
     #[error(transparent)]
     Examples(#[from] ExamplesError),
-    /// A frame was refused.
+    /// The runtime refuses a frame.
     #[error(transparent)]
     Frame(#[from] FrameError),
 }
 
 impl EvaluateError {
-    /// Calls the frame that it points at as its source does, of frames of these clips.
+    /// Replaces the frame index with the source's frame number.
     pub fn called(self, clips: &[Clip]) -> Self {
         match self {
             Self::Examples(error) => Self::Examples(error.called(clips)),

@@ -1,80 +1,77 @@
-//! What a model was measured to do, on frames of a split.
+//! The result of a measurement, and the choice of its frames.
 
-use super::baselines::Baselines;
-use super::character::Character;
+use super::baselines::{Baseline, Baselines};
+use super::character::{Character, TrainingRecord};
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
-use super::skin::Baseline;
-use super::told::Told;
 use crate::examples::{Examples, Split};
 use serde::Serialize;
 
-/// What a model was measured to do.
+/// The errors of a model and of the baselines on the same frames.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
-    /// Which frames.
+    /// Name of the measured frames.
     pub split: &'static str,
-    /// How many.
+    /// Number of frames.
     pub frames: usize,
-    /// How many of them training has read; none where the file does not tell.
+    /// Number of these frames that the training read; `None` if the file has no record.
     pub read: Option<usize>,
-    /// Vertices of the skin, E.
+    /// Number of vertices of the skin, E.
     pub vertices: usize,
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,
-    /// The diagonal in millimetres; `None` where the unit is not known.
+    /// The diagonal in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diagonal_mm: Option<f64>,
     /// The model's errors.
     #[serde(flatten)]
     pub errors: Errors,
-    /// What the model thinks of the poses.
+    /// The model's confidence in the poses.
     pub confidence: Confidence,
     /// Length of the file.
     pub model_bytes: usize,
-    /// What predicts the palette.
+    /// Name of the predictor.
     pub predictor: &'static str,
-    /// P.
+    /// Number of proxies, P.
     pub proxies: usize,
-    /// RMS errors of the meshes that were joined, where there are several, and of the vertices that follow each
-    /// joint most in LBS.
+    /// RMS errors of parts: each mesh if several were joined, and the vertices that follow each joint most in LBS.
     pub regions: Vec<Region>,
-    /// 4-influence LBS fitted to the training frames, on the same frames.
+    /// LBS with 4 influences a vertex, fitted to the training frames.
     pub lbs: Errors,
-    /// LBS by the joint weights that come with the mesh, on the same frames; `None` where there are none. A vertex
-    /// without weights takes those of `lbs`.
+    /// LBS with the mesh's own joint weights; `None` without own weights. A vertex without own weights uses those of
+    /// `lbs`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights: Option<Errors>,
 }
 
-/// A part of the mesh, and its errors.
+/// A part of the mesh and its errors.
 #[derive(Clone, Debug, Serialize)]
 pub struct Region {
-    /// What it is: `mesh` or `joint`.
+    /// Kind of part: `mesh` or `joint`.
     pub kind: &'static str,
-    /// The name of either.
+    /// Name of the mesh or joint.
     pub name: String,
-    /// How many vertices it has.
+    /// Number of vertices.
     pub vertices: usize,
     /// RMS distance in % of the rest diagonal.
     pub rms_percent: f64,
-    /// RMS distance of LBS, fitted.
+    /// RMS distance of fitted LBS, in % of the rest diagonal.
     pub lbs_rms_percent: f64,
-    /// RMS distance of own weights.
+    /// RMS distance with own weights, in % of the rest diagonal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights_rms_percent: Option<f64>,
-    /// RMS distance in millimetres; `None` where the unit is not known.
+    /// RMS distance in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_mm: Option<f64>,
-    /// RMS distance of LBS, fitted, in millimetres.
+    /// RMS distance of fitted LBS in millimetres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lbs_rms_mm: Option<f64>,
-    /// RMS distance of own weights in millimetres.
+    /// RMS distance with own weights in millimetres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights_rms_mm: Option<f64>,
 }
 
-/// Lists the parts of a mesh that have names: of which kind, the name, and their vertices.
+/// Lists the named parts of a mesh: kind, name, and vertices.
 fn regions(examples: &Examples, lbs: &Baseline) -> Vec<(&'static str, String, Vec<usize>)> {
     let meshes = examples.ranges.iter().filter(|_| examples.ranges.len() > 1);
     let meshes = meshes.map(|(name, range)| ("mesh", name.clone(), range.clone().collect()));
@@ -90,16 +87,16 @@ fn regions(examples: &Examples, lbs: &Baseline) -> Vec<(&'static str, String, Ve
 /// Frames to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
-    /// Those of one split.
+    /// The frames of one split.
     Of(Split),
-    /// Those that the model's training has not read, by what its file tells.
+    /// The frames that the model's training did not read, according to its record.
     New,
-    /// All.
+    /// All frames.
     All,
 }
 
 impl Frames {
-    /// The split's name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Frames::Of(split) => split.name(),
@@ -108,30 +105,34 @@ impl Frames {
         }
     }
 
-    /// Chooses what a model is best measured on: held-out frames, or else those that its training has not read, or
-    /// else those of the training split.
-    pub fn usual(examples: &Examples, told: &Told) -> Self {
+    /// Chooses the best frames to measure a model: held-out frames, else frames that the training did not read, else
+    /// training frames.
+    pub fn usual(examples: &Examples, record: &TrainingRecord) -> Self {
         let split = [Self::Of(Split::HeldOut), Self::New];
-        let first = split.into_iter().find(|frames| !frames.of(examples, told).is_empty());
+        let first = split.into_iter().find(|frames| !frames.of(examples, record).is_empty());
         first.unwrap_or(Self::Of(Split::Train))
     }
 
-    /// The frames' numbers.
-    pub fn of(self, examples: &Examples, told: &Told) -> Vec<usize> {
+    /// Lists the indices of the frames.
+    pub fn of(self, examples: &Examples, record: &TrainingRecord) -> Vec<usize> {
         let all = 0..examples.frame_len();
         match self {
             Frames::Of(split) => examples.frames_of(split),
-            Frames::New => all.filter(|&frame| told.has_read(frame) == Some(false)).collect(),
+            Frames::New => all.filter(|&frame| record.has_read(frame) == Some(false)).collect(),
             Frames::All => all.collect(),
         }
     }
 
-    /// The frames' numbers, of which there must be one at least, and whose joints must be rigid.
+    /// Lists the indices of the frames, and checks that there are frames and that their joints are rigid.
     ///
     /// # Errors
     /// [`EvaluateError::NoFrames`] and [`EvaluateError::Examples`].
-    pub fn measurable(self, examples: &Examples, told: &Told) -> Result<Vec<usize>, EvaluateError> {
-        let frames = self.of(examples, told);
+    pub fn measurable(
+        self,
+        examples: &Examples,
+        record: &TrainingRecord,
+    ) -> Result<Vec<usize>, EvaluateError> {
+        let frames = self.of(examples, record);
         if frames.is_empty() {
             return Err(EvaluateError::NoFrames { split: self.name() });
         }
@@ -140,10 +141,10 @@ impl Frames {
     }
 }
 
-/// Measures a skin of a model, the first where no name is given, on frames of the examples.
+/// Measures a skin of a model on frames of the examples; the first skin if `skin` is `None`.
 ///
 /// # Errors
-/// Those of [`Character::open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
+/// The errors of [`Character::open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
 /// [`EvaluateError::Frame`].
 pub fn evaluate(
     model: &[u8],
@@ -152,32 +153,35 @@ pub fn evaluate(
     frames: Frames,
 ) -> Result<Evaluation, EvaluateError> {
     let character = Character::open(model, skin, examples)?;
-    let told = Told::of(model, &character, examples);
-    Evaluation::of((&character, model.len()), &told, examples, frames)
+    let record = TrainingRecord::of(model, &character, examples);
+    Evaluation::of((&character, model.len()), &record, examples, frames)
 }
 
 impl Evaluation {
-    /// Measures a character in a file of so many bytes, which tells this of its training.
+    /// Measures a character.
+    ///
+    /// - `model_bytes`: length of the character's file.
+    /// - `record`: record of the character's training.
     ///
     /// # Errors
     /// [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and [`EvaluateError::Frame`].
     pub fn of(
         (character, model_bytes): (&Character<'_>, usize),
-        told: &Told,
+        record: &TrainingRecord,
         examples: &Examples,
         frames: Frames,
     ) -> Result<Self, EvaluateError> {
-        let chosen = frames.measurable(examples, told)?;
+        let chosen = frames.measurable(examples, record)?;
         let measured = Measured::model(character, examples, &chosen)?;
-        let baselines = Baselines::new(told, examples, &chosen);
-        let read = told.read_len(&chosen);
+        let baselines = Baselines::new(record, examples, &chosen);
+        let read = record.read_len(&chosen);
         let of_character = (character, model_bytes, &measured);
         Ok(Self::new((frames, read), of_character, examples, &baselines))
     }
 
     /// Summarises the errors of a character and of the baselines.
     ///
-    /// - `read`: number of the measured frames that training has read.
+    /// - `read`: number of the measured frames that the training read.
     /// - `model_bytes`: length of the character's file.
     pub fn new(
         (frames, read): (Frames, Option<usize>),

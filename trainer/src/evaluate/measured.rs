@@ -1,8 +1,9 @@
-//! Distances and angles of a skin from the truth, and every sum, mean and percentile that is made of them.
+//! Distances and angles between a skin and the true meshes, with their sums, means and percentiles.
 
 use super::{Baseline, Character, EvaluateError, skin};
 use crate::envelope::normals::TrueNormals;
 use crate::examples::{Examples, Importance};
+use crate::numeric::columns::largest;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -18,13 +19,13 @@ pub struct Errors {
     pub p99_percent: f64,
     /// Largest distance in % of the rest diagonal.
     pub max_percent: f64,
-    /// The distances in millimetres; `None` where the unit of the examples is not known.
+    /// The distances in millimetres; `None` if the unit of the examples is unknown.
     #[serde(flatten)]
     pub millimetres: Option<Millimetres>,
-    /// RMS angle, over the rest surface's area, between the normals and the true ones: those of the posed mesh,
-    /// the mean of its triangles' by area. In degrees.
+    /// RMS angle between the normals and the true normals, in degrees, weighted by the area of the rest surface. A true
+    /// normal is the area-weighted mean of the posed mesh's triangles.
     pub normal_rms_degrees: f64,
-    /// Angle that half of the area does not exceed, in degrees.
+    /// Median of the angles by area, in degrees.
     pub normal_median_degrees: f64,
     /// 99th percentile of the angles, by area, in degrees.
     pub normal_p99_degrees: f64,
@@ -41,11 +42,12 @@ pub struct Millimetres {
     pub max_mm: f64,
 }
 
-/// RMS error of a baseline, in % of the rest diagonal, below which no error is compared with it.
+/// RMS error in % of the rest diagonal below which a baseline counts as exact; no error is compared with an exact
+/// baseline.
 pub const NOTHING: f64 = 1e-4;
 
 impl Errors {
-    /// Returns the RMS error as a share of a baseline's; `None` where the baseline is exact.
+    /// Returns the RMS error as a share of a baseline's; `None` if the baseline is exact.
     pub fn share_of(&self, baseline: &Self) -> Option<f64> {
         (baseline.rms_percent > NOTHING).then(|| self.rms / baseline.rms)
     }
@@ -54,9 +56,9 @@ impl Errors {
 /// A model's confidence in some frames' poses, in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Confidence {
-    /// On average.
+    /// Mean over the frames.
     pub mean: f64,
-    /// In the frame of which it is least certain.
+    /// Lowest confidence of a frame.
     pub least: f64,
 }
 
@@ -64,34 +66,34 @@ pub struct Confidence {
 pub struct Measured {
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,
-    /// The diagonal in millimetres; `None` where the unit of the examples is not known.
+    /// The diagonal in millimetres; `None` if the unit of the examples is unknown.
     pub diagonal_mm: Option<f64>,
-    /// The frames, in the order in which they were asked for.
+    /// The frames, in the requested order.
     pub frames: Vec<MeasuredFrame>,
-    /// How much each vertex counts, V numbers of mean 1; all alike without.
+    /// Importance of each vertex, V numbers with mean 1; `None` for equal importance.
     importance: Option<Vec<f64>>,
-    /// How much each normal of the engine's vertices counts, E numbers: its share of the rest surface's area, as its
-    /// vertex counts.
+    /// Weight of each engine vertex's normal, E numbers: its share of the rest surface's area times its vertex's
+    /// importance.
     areas: Vec<f64>,
-    /// The vertex that each of the engine's is a copy of, E.
+    /// Vertex that each engine vertex is a copy of, E.
     copy_of: Vec<usize>,
 }
 
 /// A skin's errors in one frame.
 pub struct MeasuredFrame {
-    /// Its number.
+    /// Index of the frame.
     pub frame: usize,
-    /// The model's confidence in its pose; 1 for a baseline.
+    /// The model's confidence in the pose; 1 for a baseline.
     pub confidence: f64,
     /// V distances, in units of the input.
     pub distances: Vec<f64>,
-    /// E angles between the normals of the engine's vertices and the true ones, in radians; none where one of the two
-    /// has no direction.
+    /// E angles between the normals of the engine vertices and the true normals, in radians; `None` if one of the two
+    /// normals is zero.
     pub angles: Vec<Option<f64>>,
 }
 
 impl Measured {
-    /// Measures a model by the runtime.
+    /// Measures a model with the runtime.
     ///
     /// # Errors
     /// [`EvaluateError::Frame`].
@@ -136,21 +138,21 @@ impl Measured {
     /// Summarises all vertices in one of the measured frames.
     ///
     /// # Panics
-    /// If there are no more than `place` of them.
+    /// If `place` is not the index of a measured frame.
     pub fn errors_in(&self, place: usize) -> Errors {
         self.summary(std::slice::from_ref(&self.frames[place]))
     }
 
-    /// RMS distance of some vertices in one of the measured frames, in % of the rest diagonal.
+    /// Returns the RMS distance of vertices in one of the measured frames, in % of the rest diagonal.
     ///
     /// # Panics
-    /// If there are no more than `place` of them.
+    /// If `place` is not the index of a measured frame.
     pub fn rms_percent_in(&self, place: usize, vertices: &[usize]) -> f64 {
         let distances = &self.frames[place].distances;
         self.percent(rms(vertices.iter().map(|&v| (distances[v], self.importance().of(v)))))
     }
 
-    /// RMS distance of some vertices in all frames, in % of the rest diagonal.
+    /// Returns the RMS distance of vertices in all frames, in % of the rest diagonal.
     pub fn rms_percent_of(&self, vertices: &[usize]) -> f64 {
         let of = |frame: &'_ MeasuredFrame| -> Vec<(f64, f64)> {
             vertices.iter().map(|&v| (frame.distances[v], self.importance().of(v))).collect()
@@ -158,22 +160,23 @@ impl Measured {
         self.percent(rms(self.frames.iter().flat_map(of)))
     }
 
-    /// RMS distance of each vertex in all frames, V values in % of the rest diagonal.
+    /// Returns the RMS distance of each vertex over all frames, V values in % of the rest diagonal.
     pub fn vertex_rms_percent(&self) -> Vec<f64> {
         let vertex_len = self.frames.first().map_or(0, |frame| frame.distances.len());
         let of = |vertex| self.frames.iter().map(move |frame| (frame.distances[vertex], 1.0));
         (0..vertex_len).map(|vertex| self.percent(rms(of(vertex)))).collect()
     }
 
-    /// Distance of each vertex in one of the measured frames, V values in % of the rest diagonal.
+    /// Returns the distance of each vertex in one of the measured frames, V values in % of the rest diagonal.
     ///
     /// # Panics
-    /// If there are no more than `place` of them.
+    /// If `place` is not the index of a measured frame.
     pub fn percent_in(&self, place: usize) -> Vec<f64> {
         self.frames[place].distances.iter().map(|&length| self.percent(length)).collect()
     }
 
-    /// RMS angle of each vertex's normals, of all its copies, in all frames, V values in degrees; 0 where it has none.
+    /// Returns the RMS angle of each vertex's normals over all copies and frames, V values in degrees; 0 without
+    /// normals.
     pub fn vertex_rms_degrees(&self) -> Vec<f64> {
         let copies = self.copies();
         let of = |copies: &Vec<usize>| {
@@ -184,26 +187,27 @@ impl Measured {
         copies.iter().map(of).collect()
     }
 
-    /// Largest angle of each vertex's normals, of all its copies, in one of the measured frames, V values in degrees;
-    /// 0 where it has none.
+    /// Returns the largest angle of each vertex's normals over all copies in one of the measured frames, V values in
+    /// degrees; 0 without normals.
     ///
     /// # Panics
-    /// If there are no more than `place` of them.
+    /// If `place` is not the index of a measured frame.
     pub fn degrees_in(&self, place: usize) -> Vec<f64> {
         let angle = |&copy: &usize| self.frames[place].angles[copy].unwrap_or_default();
         let of = |copies: &Vec<usize>| copies.iter().map(angle).fold(0.0, f64::max).to_degrees();
         self.copies().iter().map(of).collect()
     }
 
-    /// Sums the squared angles between normals and true normals over all frames, each times its area. Returns the sum, in
-    /// square radians, and the sum of the areas.
+    /// Sums the squared angles between normals and true normals over all frames, each times its area. Returns the sum
+    /// in square radians, and the sum of the areas.
     pub fn squared_angles(&self) -> (f64, f64) {
-        squares(self.frames.iter().flat_map(|frame| self.counted_angles(frame)))
+        squares(self.frames.iter().flat_map(|frame| self.weighted_angles(frame)))
     }
 
-    /// Finds the frame with the largest RMS distance: its place among those measured.
+    /// Returns the index of the measured frame with the largest RMS distance.
     pub fn worst(&self) -> usize {
-        let all: Vec<f64> = self.frames.iter().map(|frame| rms(self.counted(frame))).collect();
+        let all: Vec<f64> =
+            self.frames.iter().map(|frame| rms(self.weighted_distances(frame))).collect();
         largest(&all)
     }
 
@@ -218,12 +222,12 @@ impl Measured {
 
     fn summary(&self, frames: &[MeasuredFrame]) -> Errors {
         let mut angles: Vec<(f64, f64)> =
-            frames.iter().flat_map(|frame| self.counted_angles(frame)).collect();
+            frames.iter().flat_map(|frame| self.weighted_angles(frame)).collect();
         let mut distances: Vec<(f64, f64)> =
-            frames.iter().flat_map(|frame| self.counted(frame)).collect();
+            frames.iter().flat_map(|frame| self.weighted_distances(frame)).collect();
         let rms = rms(distances.iter().copied());
-        let counted = distances.iter().filter(|(_, counts)| *counts > 0.0);
-        let largest = counted.map(|(distance, _)| *distance).fold(0.0, f64::max);
+        let weighted = distances.iter().filter(|(_, weight)| *weight > 0.0);
+        let largest = weighted.map(|(distance, _)| *distance).fold(0.0, f64::max);
         let p99 = percentile(&mut distances, 0.99);
         let [rms_percent, p99_percent, max_percent] = [rms, p99, largest].map(|d| self.percent(d));
         let millimetres = |diagonal: f64| {
@@ -243,26 +247,29 @@ impl Measured {
         }
     }
 
-    /// Lists the copies of each vertex, V.
+    /// Lists the copies of each vertex, V lists.
     fn copies(&self) -> Vec<Vec<usize>> {
         let mut copies = vec![Vec::new(); self.copy_of.iter().max().map_or(0, |last| last + 1)];
         self.copy_of.iter().enumerate().for_each(|(copy, &vertex)| copies[vertex].push(copy));
         copies
     }
 
-    /// The distances in a frame, each with how much it counts.
-    fn counted<'a>(&'a self, frame: &'a MeasuredFrame) -> impl Iterator<Item = (f64, f64)> + 'a {
-        let counts = move |vertex| self.importance().of(vertex);
-        frame.distances.iter().enumerate().map(move |(vertex, &d)| (d, counts(vertex)))
+    /// Lists the distances in a frame with their weights.
+    fn weighted_distances<'a>(
+        &'a self,
+        frame: &'a MeasuredFrame,
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let weight = move |vertex| self.importance().of(vertex);
+        frame.distances.iter().enumerate().map(move |(vertex, &d)| (d, weight(vertex)))
     }
 
-    /// The angles in a frame, each with how much it counts.
-    fn counted_angles<'a>(
+    /// Lists the angles in a frame with their weights.
+    fn weighted_angles<'a>(
         &'a self,
         frame: &'a MeasuredFrame,
     ) -> impl Iterator<Item = (f64, f64)> + 'a {
         let angles = frame.angles.iter().zip(&self.areas);
-        angles.filter_map(|(angle, counts)| Some(((*angle)?, *counts)))
+        angles.filter_map(|(angle, weight)| Some(((*angle)?, *weight)))
     }
 
     fn importance(&self) -> Importance<'_> {
@@ -284,7 +291,7 @@ impl MeasuredFrame {
         let (surface, positions) = (examples.surface(), examples.frame(frame));
         let mut distances = vec![0.0; positions.len()];
         let mut angles = Vec::with_capacity(surface.engine_len());
-        // Copies of one vertex have one place.
+        // All copies of a vertex have the same position.
         for (copy, expected) in truth.posed(examples.frame(frame)).into_iter().enumerate() {
             let (position, normal) = skinned(copy);
             let vertex = surface.copy_of(copy);
@@ -297,19 +304,13 @@ impl MeasuredFrame {
         Self { frame, confidence: 1.0, distances, angles }
     }
 
-    /// Finds the vertex with the largest distance.
+    /// Returns the vertex with the largest distance.
     pub fn worst_vertex(&self) -> usize {
         largest(&self.distances)
     }
 }
 
-/// Finds the first of the largest values; 0 where there is none.
-pub fn largest(values: &[f64]) -> usize {
-    let all = values.iter().enumerate().rev();
-    all.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(place, _)| place)
-}
-
-/// RMS of errors, each with how much it counts.
+/// Returns the weighted RMS of errors.
 fn rms(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (sum, all) = squares(errors);
     (sum / all.max(f64::MIN_POSITIVE)).sqrt()
@@ -317,16 +318,16 @@ fn rms(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 /// Sums squared errors times their weights, and the weights.
 fn squares(errors: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
-    errors.fold((0.0, 0.0), |(sum, all), (d, counts)| (sum + counts * d * d, all + counts))
+    errors.fold((0.0, 0.0), |(sum, all), (d, weight)| (sum + weight * d * d, all + weight))
 }
 
-/// The least error that this share of all does not exceed, as they count; sorts them.
+/// Returns the weighted percentile: the least error that `share` of the weight does not exceed. Sorts the errors.
 fn percentile(errors: &mut [(f64, f64)], share: f64) -> f64 {
     errors.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    // What rounding leaves of a whole number of vertices is none.
-    let mut left = share * errors.iter().map(|(_, counts)| counts).sum::<f64>() * (1.0 - 1e-12);
-    let found = errors.iter().find(|(_, counts)| {
-        left -= counts;
+    // The factor below 1 absorbs the rounding of a sum of weights.
+    let mut left = share * errors.iter().map(|(_, weight)| weight).sum::<f64>() * (1.0 - 1e-12);
+    let found = errors.iter().find(|(_, weight)| {
+        left -= weight;
         left <= 0.0
     });
     found.map_or(0.0, |(error, _)| *error)

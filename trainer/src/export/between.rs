@@ -1,4 +1,4 @@
-//! Keys between those of a clip, where helpers bend.
+//! Keys between the keys of a clip, where the motion of helpers is not even.
 
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
@@ -8,16 +8,16 @@ use super::stretch::Stretch;
 use crate::envelope::levels::Influences;
 use crate::examples::{Matrix3x4, Skeleton};
 
-/// Farthest that a vertex may be from its place between two keys, over the diagonal: half the bound that `--help` states.
+/// Largest distance of a vertex from its true position between two keys, in diagonals: half the bound in `--help`.
 const NEAR: f64 = 5e-4;
-/// How often the step between two keys may be halved.
+/// Largest number of times that the step between two keys is halved.
 const HALVINGS: u32 = 6;
-/// Where between two keys the skin is compared.
+/// Parts of the step at which the skin is compared.
 const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
 
-/// A moment of a clip.
+/// A key of a clip.
 pub(super) struct Key {
-    /// In seconds.
+    /// Time in seconds.
     pub(super) time: f32,
     /// Maps of the joints from rest to the pose.
     pub(super) pose: Vec<Matrix3x4>,
@@ -25,40 +25,44 @@ pub(super) struct Key {
     pub(super) palette: Vec<sinew_runtime::Matrix3x4>,
 }
 
-/// How an exported skin moves between keys: joints turn evenly under their parents, and proxies move and stretch
-/// evenly under the joints that carry them.
+/// The motion of an exported skin between keys. Joints rotate evenly relative to their parents. Proxies move and
+/// stretch evenly relative to the joints that carry them.
 pub(super) struct Between {
-    /// Joints at rest, and their parents.
+    /// Rest frames of the joints.
     rest: Vec<Matrix4<f64>>,
     parents: Vec<Option<usize>>,
     order: Vec<usize>,
-    /// Centre of each proxy, and the joint that carries it; proxies are the last of the palette.
+    /// Centre of each proxy, and the joint that carries it. Proxies are last in the palette.
     proxies: Vec<(Point3<f64>, usize)>,
     /// Vertices that follow proxies.
     followers: Vec<Follower>,
-    /// Farthest that a vertex may be from its place.
+    /// Largest distance of a vertex from its true position.
     near: f64,
 }
 
-/// A vertex at rest, and the proxies that it follows: numbers and weights.
+/// Rest position of a vertex, and its proxies with weights.
 struct Follower {
     rest: Point3<f64>,
     proxies: Vec<(usize, f64)>,
 }
 
 impl Between {
-    /// Takes the joints, the proxies' centres and what carries them, and the mesh at rest with its weights on `shown` joints
-    /// and the proxies.
+    /// Prepares the test of a skin.
+    ///
+    /// - the proxies: their centres, and the joints that carry them.
+    /// - `mesh`: rest positions and influences on the palette.
+    /// - `first_proxy`: index of the first proxy in the palette.
     pub(super) fn new(
         skeleton: &Skeleton,
         (centres, carriers): (&[[f64; 3]], &[usize]),
         mesh: (&[[f64; 3]], &Influences),
-        shown: usize,
+        first_proxy: usize,
         diagonal: f64,
     ) -> Self {
         let parents = skeleton.own_parents();
         let follower = |(x, list): (&[f64; 3], &Vec<(usize, f64)>)| {
-            let proxies = list.iter().filter_map(|&(map, w)| Some((map.checked_sub(shown)?, w)));
+            let proxies =
+                list.iter().filter_map(|&(map, w)| Some((map.checked_sub(first_proxy)?, w)));
             Follower { rest: Point3::from(*x), proxies: proxies.collect() }
         };
         let followers = mesh.0.iter().zip(mesh.1).map(follower);
@@ -72,10 +76,10 @@ impl Between {
         }
     }
 
-    /// Adds keys to those of a clip until the skin is near its place between any two. A jump has no room for one.
+    /// Adds keys to a clip until the skin between any two keys is within the bound. A jump has no room for keys.
     ///
     /// # Errors
-    /// Those of `palette`, which predicts the palette of a pose.
+    /// The errors of `palette`, which predicts the palette of a pose.
     pub(super) fn refine<E: Send>(
         &self,
         keys: Vec<Key>,
@@ -104,7 +108,7 @@ impl Between {
             let palette = palette(&pose)?;
             Ok(Key { time, pose, palette })
         };
-        let is_near = |part| Ok(self.off(from, to, part, &at(part)?) <= self.near);
+        let is_near = |part| Ok(self.deviation(from, to, part, &at(part)?) <= self.near);
         if PARTS.into_iter().try_fold(true, |near, part| Ok(near && is_near(part)?))? {
             return Ok(Vec::new());
         }
@@ -116,7 +120,7 @@ impl Between {
         Ok(keys)
     }
 
-    /// Interpolates the joints of two keys as linear tracks do.
+    /// Interpolates the joints of two keys like linear tracks.
     fn pose(&self, from: &Key, to: &Key, part: f64) -> Vec<Matrix3x4> {
         let worlds = |key: &Key| -> Vec<Isometry3<f64>> {
             key.pose
@@ -146,8 +150,8 @@ impl Between {
         reached.iter().zip(&self.rest).map(map).collect()
     }
 
-    /// Measures how far a vertex is from its place at most, where tracks go evenly from key to key.
-    fn off(&self, from: &Key, to: &Key, part: f64, truth: &Key) -> f64 {
+    /// Returns the largest distance of a vertex from its true position, with even motion from key to key.
+    fn deviation(&self, from: &Key, to: &Key, part: f64, truth: &Key) -> f64 {
         let first = truth.palette.len() - self.proxies.len();
         let error = |(number, (centre, carrier)): (usize, &(Point3<f64>, usize))| {
             let under = |key: &Key| {

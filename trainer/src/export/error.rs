@@ -1,36 +1,35 @@
-//! Why an export could not be made.
+//! Errors of an export.
 
-use super::into::error::IntoError;
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
 use crate::evaluate::EvaluateError;
 use crate::examples::Clip;
-use crate::formats::GlbError;
+use crate::formats::{FileError, GlbError};
 use crate::space::SpaceError;
 
-/// An export that could not be made.
+/// Reasons why an export fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The model is refused, or does not fit the examples.
+    /// The model is refused or does not fit the examples.
     #[error(transparent)]
     Model(#[from] EvaluateError),
-    /// There is no clip, or one without frames.
+    /// There is no clip, or a clip has no frames.
     #[error("there is no frame to export: {clip}")]
     NoFrames {
-        /// The clip.
+        /// Message about the clip.
         clip: String,
     },
-    /// The times of a clip's frames do not ascend from zero on in single precision.
+    /// A clip's times do not ascend from zero in single precision.
     #[error(
         "clip {clip}: frame {frame} plays at {time} s, expected times from 0 on that ascend by more \
          than single precision rounds"
     )]
     Times {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
-        /// The frame, counted from the clip's first.
+        /// The frame, counted from the clip's first frame.
         frame: usize,
-        /// Its time in seconds.
+        /// Time of the frame in seconds.
         time: f64,
     },
     /// A further mesh cannot follow the model.
@@ -39,22 +38,22 @@ pub enum ExportError {
     /// The runtime refuses a frame.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The space that is asked for cannot be, or not be reached.
+    /// The requested space is impossible or cannot be reached.
     #[error(transparent)]
     Space(#[from] SpaceError),
-    /// A space that is asked for is not that of the format.
+    /// The requested space is left-handed.
     #[error("glTF is right-handed: leave out --to-hand left, engines mirror it as they import it")]
     LeftHanded,
-    /// An artist's file cannot take it.
+    /// An artist's file cannot hold the model.
     #[error(transparent)]
     Into(#[from] IntoError),
-    /// The file cannot be put together.
+    /// The file cannot be written.
     #[error(transparent)]
     Glb(#[from] GlbError),
 }
 
 impl ExportError {
-    /// Calls the frame that it points at as its source does, of frames of these clips.
+    /// Replaces the frame index with the source's frame number.
     pub fn called(self, clips: &[Clip]) -> Self {
         match self {
             Self::Model(error) => Self::Model(error.called(clips)),
@@ -62,4 +61,52 @@ impl ExportError {
             error => error,
         }
     }
+}
+
+/// Reasons why an artist's file cannot hold a model.
+#[derive(Debug, thiserror::Error)]
+pub enum IntoError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// No mesh of the file has the model's vertices.
+    #[error(
+        "no mesh has the model's vertices, within 1e-4 of the diagonal, in any axes and \
+         unit: give the character that the model was trained on, in its rest pose"
+    )]
+    NoMesh,
+    /// No node has the name of a joint; other names would match.
+    #[error("no node has the name of one of the model's joints: {}; {mismatch}", joints.join(", "))]
+    OtherJoints {
+        /// Names of the model's joints.
+        joints: Vec<String>,
+        /// Reason why the names do not match, and the option that fixes them.
+        mismatch: String,
+    },
+    /// A mesh has some of the model's vertices and other vertices.
+    #[error(
+        "mesh {mesh}: vertex {vertex} at {at:?} is not in the model, {found} of {len} are: train on \
+         the mesh as it is, or move the added vertices to a separate mesh"
+    )]
+    Partly {
+        /// Name of the mesh.
+        mesh: String,
+        /// The first vertex that the model lacks.
+        vertex: usize,
+        /// Position of the vertex in the file.
+        at: [f64; 3],
+        /// Number of vertices that the model has.
+        found: usize,
+        /// Number of vertices of the mesh.
+        len: usize,
+    },
+    /// A joint needs more than a translation, a rotation and an even scale.
+    #[error(
+        "joint {joint} hangs under nodes that scale unevenly: apply the scale of the armature before \
+         exporting"
+    )]
+    Uneven {
+        /// Name of the joint.
+        joint: String,
+    },
 }

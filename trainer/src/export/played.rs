@@ -7,56 +7,55 @@ use sinew_runtime::format::{Handedness, Space};
 use super::between::{Between, Key};
 use super::error::ExportError;
 use super::proxies;
-use super::times::key_times;
+use super::skeleton::key_times;
 use crate::envelope::levels::Influences;
 use crate::envelope::posed::{FrameError, influences, palette, rest};
 use crate::evaluate::{Character, EvaluateError};
 use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
 use crate::space::{Conversion, SpaceRequest};
 
-/// How far a proxy reaches about its centre where a joint is looked for to carry it, in diagonals.
+/// Radius around a proxy's centre for the choice of its joint, in diagonals.
 const REACH: f64 = 0.05;
 
-/// A model, and the palettes that it predicts in the keys of clips.
+/// A model and its palettes at the keys of clips.
 pub(super) struct Played<'a> {
-    /// The model.
+    /// The model's envelope and skin.
     pub(super) character: Character<'a>,
-    /// Key times of each clip.
+    /// Key times of each clip, in seconds.
     pub(super) times: Vec<Vec<f32>>,
-    /// Maps of the joints in the keys, one clip after another.
+    /// Maps of the joints at the keys, one clip after another.
     poses: Vec<Vec<Matrix3x4>>,
-    /// The palette of each.
+    /// Palette of each key.
     pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
-    /// What the skin's vertices follow.
+    /// Influences of the skin's vertices.
     pub(super) influences: Influences,
 }
 
-/// The same in the model's space, mirrored where that is left-handed.
+/// The played clips in the model's space, mirrored if the space is left-handed.
 pub(super) struct RightHanded {
-    /// That space.
+    /// The right-handed space.
     pub(super) space: Space,
-    /// What mirrors the model's.
+    /// Conversion from the model's space; `None` if the model is right-handed.
     pub(super) mirror: Option<Conversion>,
     /// Rest positions.
     pub(super) rest: Vec<[f64; 3]>,
     /// The joints.
     pub(super) skeleton: Skeleton,
-    /// Their poses in each frame.
+    /// Poses of the joints at each key.
     pub(super) poses: Vec<Vec<Matrix3x4>>,
-    /// The palette of each.
+    /// Palette of each key.
     pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
-    /// Centre of what each proxy moves.
+    /// Centre of the vertices that each proxy moves.
     pub(super) centres: Vec<[f64; 3]>,
     /// Joint that carries each proxy.
     pub(super) carriers: Vec<usize>,
 }
 
 impl<'a> Played<'a> {
-    /// Predicts every frame of the clips, and, where what lies `between` them counts, as many more as that needs.
+    /// Predicts every frame of the clips and, with `between`, the keys that the motion between frames needs.
     ///
     /// # Errors
-    /// [`ExportError::Model`], [`ExportError::Frame`], [`ExportError::NoFrames`] and
-    /// [`ExportError::Times`].
+    /// [`ExportError::Model`], [`ExportError::Frame`], [`ExportError::NoFrames`] and [`ExportError::Times`].
     pub(super) fn new(
         model: &'a [u8],
         skin: Option<&str>,
@@ -85,7 +84,7 @@ impl<'a> Played<'a> {
         Ok(played)
     }
 
-    /// Adds keys where helpers leave the even way from key to key.
+    /// Adds keys where the motion of helpers is not even between keys.
     fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), FrameError> {
         let Character { envelope, skin, .. } = &self.character;
         let (rest, diagonal) = (rest(skin), examples.diagonal());
@@ -93,7 +92,7 @@ impl<'a> Played<'a> {
         let carriers = proxies::carriers(&self.palettes, &self.poses, &centres, REACH * diagonal);
         let mesh = (&rest[..], &self.influences);
         let proxies = (&centres[..], &carriers[..]);
-        let between = Between::new(&examples.skeleton, proxies, mesh, self.shown(), diagonal);
+        let between = Between::new(&examples.skeleton, proxies, mesh, self.first_proxy(), diagonal);
         let (mut times, mut poses, mut palettes) = (Vec::new(), Vec::new(), Vec::new());
         for ((own, clip), keys) in self.times.iter().zip(clips).zip(self.clips()) {
             let known = self.poses[keys.clone()].iter().zip(&self.palettes[keys]);
@@ -115,7 +114,7 @@ impl<'a> Played<'a> {
         Ok(())
     }
 
-    /// Turns what plays to the right hand.
+    /// Converts the clips to a right-handed space.
     ///
     /// # Errors
     /// [`ExportError::Space`]
@@ -131,7 +130,7 @@ impl<'a> Played<'a> {
             skeleton.rest.iter_mut().for_each(turn);
             poses.iter_mut().flatten().for_each(turn);
             for b in palettes.iter_mut().flatten() {
-                // Exact: entries change places and signs.
+                // Exact: entries only change places and signs.
                 let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
                 *b = turned.map(|row| row.map(|x| x as f32));
             }
@@ -142,13 +141,13 @@ impl<'a> Played<'a> {
         Ok(RightHanded { space, mirror, rest, skeleton, poses, palettes, centres, carriers })
     }
 
-    /// Counts the joints of the palette that are the skeleton's; they are its first.
-    pub(super) fn shown(&self) -> usize {
+    /// Returns the index of the first proxy in the palette; joints come before it.
+    pub(super) fn first_proxy(&self) -> usize {
         let envelope = &self.character.envelope;
         envelope.palette_len() - envelope.proxy_len()
     }
 
-    /// Gives the frames of each clip, as places among those of all.
+    /// Lists the keys of each clip, as ranges of all keys.
     pub(super) fn clips(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
         self.times.iter().scan(0, |begin, times| {
             let own = *begin..*begin + times.len();
@@ -158,7 +157,7 @@ impl<'a> Played<'a> {
     }
 }
 
-/// Gives the centre of what each proxy moves; of the mesh, where it moves nothing.
+/// Returns the centre of the vertices that each proxy moves, or of the mesh if the proxy moves none.
 fn centres(envelope: &Envelope<'_>, rest: &[[f64; 3]], influences: &Influences) -> Vec<[f64; 3]> {
     let first = envelope.palette_len() - envelope.proxy_len();
     let mut sums = vec![[0.0; 4]; envelope.proxy_len()];

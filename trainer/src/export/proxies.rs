@@ -1,4 +1,4 @@
-//! Proxies as nodes: chains of two, which hold what no single node can.
+//! Proxies as nodes: each proxy is a chain of two nodes, because no single node can hold its map.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use rayon::prelude::*;
@@ -10,13 +10,12 @@ use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Trac
 
 /// The proxies of a palette as nodes of a document.
 ///
-/// Each hangs on the joint that carries it best, so that what lies between two keys moves with the
-/// skeleton. A node moves, turns and scales along its own axes. A proxy's map scales along axes of
-/// its own choice: its outer node moves, turns and scales, and its inner node, the joint of the skin,
-/// turns the axes back.
+/// Each proxy is a child of the joint whose motion is nearest, so that the proxy moves with the skeleton between two
+/// keys. A node moves, rotates and scales along its own axes, but a proxy's map scales along other axes. The outer node
+/// moves, rotates and scales. The inner node, the joint of the skin, rotates the axes back.
 pub(super) struct ProxyNodes {
     chains: Vec<Chain>,
-    /// Inverse bind matrices of the inner nodes, as they are where units are 1.
+    /// Inverse bind matrices of the inner nodes, in the model's unit.
     pub(super) inverse_binds: Vec<Matrix3x4>,
 }
 
@@ -29,7 +28,7 @@ struct Chain {
 }
 
 impl ProxyNodes {
-    /// Adds proxies under the joints that carry them, each in the centre of what it moves.
+    /// Adds proxies under the joints that carry them, each at its centre.
     pub(super) fn new(
         document: &mut Document,
         joints: &[Carrier],
@@ -62,13 +61,13 @@ impl ProxyNodes {
         proxies
     }
 
-    /// Gives the joints that the proxies are in a skin.
+    /// Lists the nodes of the proxies in a skin.
     pub(super) fn joints(&self) -> impl Iterator<Item = NodeIndex> + '_ {
         self.chains.iter().map(|chain| chain.inner)
     }
 
-    /// Tracks the proxies through palettes, at whose ends their maps stand, with the skeleton's joints
-    /// in these world frames.
+    /// Makes the tracks of the proxies through palettes, whose last maps are the proxies' maps. `joints` are the world
+    /// frames of the joints.
     pub(super) fn tracks(
         &self,
         palettes: &[Vec<Matrix3x4>],
@@ -88,8 +87,8 @@ impl ProxyNodes {
     }
 }
 
-/// Finds the joint that carries each proxy best: whose maps, P x poses, take points around the
-/// proxy's centre nearest to where the proxy's own maps do.
+/// Finds the joint that carries each proxy best: in the poses, its maps take points around the proxy's centre nearest
+/// to the images under the proxy's maps.
 pub(super) fn carriers(
     palettes: &[Vec<Matrix3x4>],
     poses: &[Vec<crate::examples::Matrix3x4>],
@@ -101,7 +100,7 @@ pub(super) fn carriers(
         for (palette, pose) in palettes.iter().zip(poses) {
             let map = palette[palette.len() - centres.len() + proxy].map(|row| row.map(f64::from));
             for (apart, joint) in apart.iter_mut().zip(pose) {
-                // Of the difference of two maps: where it takes the centre, and how it spreads.
+                // Squared difference of two maps: at the centre, and over the radius.
                 for (map, joint) in map.iter().zip(joint) {
                     let [x, y, z, w] = std::array::from_fn(|column| map[column] - joint[column]);
                     let centre = x * centre[0] + y * centre[1] + z * centre[2] + w;

@@ -1,37 +1,37 @@
-//! Joints as nodes: a skeleton in its rest pose, and what moves it.
+//! Joints as nodes: a skeleton in its rest pose, the keys of its joints, and their times.
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::times::track;
-use crate::examples::{Matrix3x4, Skeleton};
-use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use super::error::ExportError;
+use crate::examples::{Clip, Matrix3x4, Skeleton};
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track, before_jumps};
 use crate::numeric::so3;
 
 /// The joints of a skeleton as nodes of a document.
 pub(super) struct JointNodes {
-    /// Their nodes.
+    /// Nodes of the joints.
     pub(super) nodes: Vec<NodeIndex>,
-    /// Their inverse bind matrices, as the file holds them.
+    /// Inverse bind matrices, as the file holds them.
     pub(super) inverse_binds: Vec<[[f32; 4]; 3]>,
-    /// Inverses of those.
+    /// Inverses of the inverse bind matrices.
     binds: Vec<Matrix4<f64>>,
     parents: Vec<Option<usize>>,
-    /// Every joint after its parent.
+    /// Joints in order, parents before children.
     order: Vec<usize>,
 }
 
-/// A joint that proxies can hang on.
+/// A joint that can be the parent of proxies.
 pub(super) struct Carrier {
-    /// Its node.
+    /// Node of the joint.
     pub(super) node: NodeIndex,
-    /// Its frame in the rest pose, in the space of the palette.
+    /// Frame of the joint in the rest pose, in the space of the palette.
     pub(super) at_rest: Isometry3<f64>,
-    /// Length of the node's unit in that space.
+    /// Length of the node's unit in the space of the palette.
     pub(super) unit: f64,
 }
 
 impl JointNodes {
-    /// Adds the joints under a node, which stands in the model's own space.
+    /// Adds the joints under a node whose space is the model's.
     pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
         let rest: Vec<_> = skeleton.rest.iter().map(|frame| isometry(&square(frame))).collect();
         let parents = skeleton.own_parents();
@@ -42,7 +42,7 @@ impl JointNodes {
             order: parents_first(&parents),
             parents,
         };
-        // What follows makes up for the rounding of the inverse bind matrices.
+        // The nodes compensate for the rounding of the inverse bind matrices.
         joints.binds = joints.inverse_binds.iter().zip(&rest).map(bind).collect();
         let (at_rest, _) = joints.place(&joints.binds);
         let mut nodes = vec![under; rest.len()];
@@ -55,15 +55,15 @@ impl JointNodes {
         joints
     }
 
-    /// Gives the joints as proxies hang on them.
+    /// Returns the joints as parents of proxies.
     pub(super) fn carriers(&self) -> Vec<Carrier> {
         let (_, at_rest) = self.place(&self.binds);
         let carrier = |(&node, at_rest)| Carrier { node, at_rest, unit: 1.0 };
         self.nodes.iter().zip(at_rest).map(carrier).collect()
     }
 
-    /// Tracks the joints through poses at these times: J rigid maps each, from the rest pose. Gives the world
-    /// frames that they reach, too.
+    /// Makes the tracks of the joints through poses at these times. A pose has J rigid maps from the rest pose. Also
+    /// returns the world frames that the rounded keys give.
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
@@ -83,8 +83,8 @@ impl JointNodes {
         (self.nodes.iter().enumerate().flat_map(track).collect(), reached)
     }
 
-    /// Places each joint against where its parent comes to lie in single precision, so that
-    /// rounding does not add up along a chain; gives where each comes to lie.
+    /// Places each joint relative to its parent's rounded frame, so that rounding does not accumulate along a chain.
+    /// Also returns the rounded frames.
     fn place(&self, worlds: &[Matrix4<f64>]) -> (Vec<Placed>, Vec<Isometry3<f64>>) {
         let mut placed = vec![Placed::AT_PARENT; worlds.len()];
         let mut reached = vec![Isometry3::identity(); worlds.len()];
@@ -113,13 +113,13 @@ pub(super) fn parents_first(parents: &[Option<usize>]) -> Vec<usize> {
     order
 }
 
-/// Rounds a rotation, w not negative.
+/// Rounds a rotation to single precision, with w not negative.
 pub(super) fn quaternion(rotation: &UnitQuaternion<f64>) -> [f32; 4] {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
     (rotation.coords * sign).map(|x| x as f32).into()
 }
 
-/// Gives the rotations the signs with which each is near the one before.
+/// Chooses the sign of each rotation that is nearest to the previous rotation.
 pub(super) fn continuous(mut rotations: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
     for key in 1..rotations.len() {
         let [before, here] = [rotations[key - 1], rotations[key]];
@@ -130,12 +130,12 @@ pub(super) fn continuous(mut rotations: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
     rotations
 }
 
-/// Gives the rotation that a matrix is.
+/// Converts a rotation matrix to a quaternion.
 pub(super) fn turned(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*matrix))
 }
 
-/// Gives the rigid map nearest to one that is rigid but for repairable faults.
+/// Returns the nearest rigid map to a nearly rigid map.
 pub(super) fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
     let linear = map.fixed_view::<3, 3>(0, 0).into_owned();
     let rotation = so3::polar(&linear).map_or(Matrix3::identity(), |(rotation, _)| rotation);
@@ -144,7 +144,7 @@ pub(super) fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
 }
 
 fn bind((rounded, exact): (&[[f32; 4]; 3], &Isometry3<f64>)) -> Matrix4<f64> {
-    // A rotation whose entries were rounded still has an inverse.
+    // A rotation with rounded entries still has an inverse.
     square(&rounded.map(|row| row.map(f64::from))).try_inverse().unwrap_or(exact.to_homogeneous())
 }
 
@@ -155,4 +155,70 @@ fn rounded(map: &Isometry3<f64>) -> [[f32; 4]; 3] {
 
 pub(super) fn square([x, y, z]: &Matrix3x4) -> Matrix4<f64> {
     Matrix4::from_row_slice([*x, *y, *z, [0.0, 0.0, 0.0, 1.0]].as_flattened())
+}
+
+/// Two values count as equal within this multiple of the largest value, or of 1: the rounding of single precision.
+const HELD: f32 = 4e-6;
+
+/// Rounds the times of a clip's frames to single precision.
+///
+/// # Errors
+/// [`ExportError::NoFrames`] and [`ExportError::Times`].
+pub(super) fn key_times(clip: &Clip) -> Result<Vec<f32>, ExportError> {
+    let name = || clip.name.clone();
+    if clip.times.is_empty() {
+        return Err(ExportError::NoFrames { clip: format!("clip {} has none", name()) });
+    }
+    let times: Vec<f32> = clip.times.iter().map(|&time| time as f32).collect();
+    let bad = (0..times.len()).find(|&key| {
+        let after = key == 0 || times[key] > times[key - 1];
+        !(after && times[key] >= 0.0 && times[key].is_finite())
+    });
+    match bad {
+        Some(frame) => Err(ExportError::Times { clip: name(), frame, time: clip.times[frame] }),
+        None => Ok(times),
+    }
+}
+
+/// Makes the track of a joint. If the clip jumps, and the values are constant except at the jumps, the track has steps.
+pub(super) fn track(node: NodeIndex, keys: ChannelKeys, times: &[f32]) -> Track {
+    let holds = match &keys {
+        ChannelKeys::Translation(keys) | ChannelKeys::Scale(keys) => hold(keys, times),
+        ChannelKeys::Rotation(keys) => hold(keys, times),
+        ChannelKeys::Weights(keys) => hold(keys, times),
+    };
+    Track { node, keys, holds }
+}
+
+fn hold<const N: usize>(keys: &[[f32; N]], times: &[f32]) -> bool {
+    let jumps: Vec<usize> = before_jumps(times).collect();
+    let largest = keys.as_flattened().iter().fold(1.0, |most: f32, x| most.max(x.abs()));
+    let is_held = |key: usize| {
+        let pairs = keys[key].iter().zip(&keys[key + 1]);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) <= HELD * largest
+    };
+    let is_jump = |key: &usize| jumps.binary_search(key).is_ok();
+    !jumps.is_empty() && (1..keys.len()).map(|key| key - 1).filter(|k| !is_jump(k)).all(is_held)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_that_moves_only_at_jumps_has_steps() {
+        let before = 1.0_f32.next_down();
+        let times = [0.0, before, 1.0, 2.0];
+        let holds = |values: [f32; 4], times: &[f32]| {
+            let keys = values.map(|x| [x, 5.0, 0.0]).to_vec();
+            track(0, ChannelKeys::Translation(keys), times).holds
+        };
+        assert!(holds([1.0, 1.0, 3.0, 3.0], &times));
+        // Rounding is tolerated.
+        assert!(holds([1.0, 1.000_001, 3.0, 3.0], &times));
+        assert!(!holds([1.0, 1.0, 3.0, 3.1], &times));
+        assert!(!holds([1.0, 1.1, 3.0, 3.0], &times));
+        // Without a jump a joint at rest is linear, like all joints.
+        assert!(!holds([1.0; 4], &[0.0, 0.5, 1.0, 2.0]));
+    }
 }

@@ -1,15 +1,15 @@
-//! Linear maps as a turn, a stretch along three axes, and a turn back: what scene nodes can hold.
+//! Linear maps as a rotation, a stretch along three axes, and a rotation back. Scene nodes can hold these parts.
 
 use super::skeleton::turned;
 use nalgebra::{Matrix3, Vector3};
 
-/// Columns this near to orthogonal, as the cosine of their angle, are left as they are: turning
-/// axes to follow the rounding of single precision would make them spin between keys.
+/// Cosine of the angle between two columns below which they count as orthogonal. If axes followed the rounding of
+/// single precision, they would spin between keys.
 const ORTHOGONAL: f64 = 1e-6;
-/// What a change of a factor by 1 counts against a turn: so much that factors change their sign
-/// together only where both are small.
+/// Weight of a squared change of the factors, against a squared change of the rotation. The weight is so large that
+/// factors change sign together only if both are small.
 const FACTOR: f64 = 16.0;
-/// Sweeps of Jacobi rotations; six are plenty.
+/// Sweeps of Jacobi rotations; six are enough.
 const SWEEPS: usize = 20;
 
 /// A linear map as `turn · diag(scale) · axesᵀ`.
@@ -17,14 +17,14 @@ const SWEEPS: usize = 20;
 pub(super) struct Stretch {
     /// A rotation.
     pub(super) turn: Matrix3<f64>,
-    /// Factors along the axes; an odd number is negative where the map mirrors.
+    /// Factors along the axes; an odd number is negative if the map mirrors.
     pub(super) scale: Vector3<f64>,
-    /// A rotation, whose columns are the axes of the stretch.
+    /// A rotation; its columns are the axes of the stretch.
     pub(super) axes: Matrix3<f64>,
 }
 
 impl Stretch {
-    /// Interpolates two maps as nodes between two keys do: they turn evenly, and scale evenly.
+    /// Interpolates two maps like nodes between two keys: rotations and factors change evenly.
     pub(super) fn between([from, to]: &[Matrix3<f64>; 2], part: f64) -> Matrix3<f64> {
         let a = Self::of(from, None);
         let b = Self::of(to, Some(&a));
@@ -36,12 +36,12 @@ impl Stretch {
         turn(&a.turn, &b.turn) * scale * turn(&a.axes, &b.axes).transpose()
     }
 
-    /// Splits a map, its axes as near as may be to those of a map before it, so that what lies
-    /// between two keys is near to both.
+    /// Splits a map. Its axes are as near as possible to those of the map before, so that the interpolation between two
+    /// keys is near both.
     ///
-    /// One-sided Jacobi rotations make the map's columns along the axes orthogonal; each turns by
-    /// 45 degrees at most, so that an axis keeps its place. Where a map mirrors, it does so along its
-    /// shortest axis, and goes on along the same one.
+    /// One-sided Jacobi rotations make the map's columns along the axes orthogonal. Each rotates by at most 45 degrees,
+    /// so that an axis keeps its index. A mirroring map mirrors along its shortest axis, and later maps along the same
+    /// axis.
     pub(super) fn of(map: &Matrix3<f64>, before: Option<&Self>) -> Self {
         let mut axes = before.map_or(Matrix3::identity(), |before| before.axes);
         let mut moved = map * axes;
@@ -56,7 +56,7 @@ impl Stretch {
         }
         let turn = rotation(&moved);
         let scale = Vector3::from_fn(|k, _| turn.column(k).dot(&moved.column(k)));
-        // Two axes may point the other way with their factors: the map is the same.
+        // Two axes may change sign together with their factors: the map is the same.
         let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
         signs
             .map(Vector3::from)
@@ -70,7 +70,8 @@ impl Stretch {
             .unwrap_or(Self { turn, scale, axes })
     }
 
-    /// Measures how far turn and factors are from those before; factors from 1 where there are none.
+    /// Measures the distance of rotation and factors from those before; without a map before, the distance of the
+    /// factors from 1.
     fn change(&self, before: Option<&Self>) -> f64 {
         let turned = before.map_or(0.0, |before| (self.turn - before.turn).norm_squared());
         let factors = before.map_or(Vector3::repeat(1.0), |before| before.scale);
@@ -78,8 +79,8 @@ impl Stretch {
     }
 }
 
-/// Turns the axes p and q in their plane until they move to orthogonal directions; tells whether
-/// they had not.
+/// Rotates the axes p and q in their plane until their images are orthogonal. Returns whether the images were not
+/// orthogonal.
 fn orthogonalise(moved: &mut Matrix3<f64>, axes: &mut Matrix3<f64>, p: usize, q: usize) -> bool {
     let (a, b) = (moved.column(p).norm_squared(), moved.column(q).norm_squared());
     let product = moved.column(p).dot(&moved.column(q));
@@ -98,8 +99,8 @@ fn orthogonalise(moved: &mut Matrix3<f64>, axes: &mut Matrix3<f64>, p: usize, q:
     true
 }
 
-/// Gives the rotation whose columns point along nearly orthogonal ones: the longest exactly, and
-/// the shortest by the right hand, against its column where that mirrors.
+/// Returns the rotation whose columns point along nearly orthogonal columns. The longest is exact. The shortest is
+/// right-handed, so it points against its column if the map mirrors.
 fn rotation(columns: &Matrix3<f64>) -> Matrix3<f64> {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| columns.column(b).norm().total_cmp(&columns.column(a).norm()));
@@ -134,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn any_map_is_given_back_even_one_that_mirrors_or_collapses() {
+    fn any_map_is_reproduced_even_if_it_mirrors_or_collapses() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         let mut before: Option<Stretch> = None;
         for round in 0..500 {
@@ -157,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_turns_and_its_axes_rest() {
+    fn the_axes_of_a_rotation_are_the_identity() {
         let turn = exp(&Vector3::new(0.4, -1.3, 0.8));
         let noise = Matrix3::from_fn(|r, c| 1e-7 * (r as f64 - c as f64));
         let found = Stretch::of(&(turn + noise), None);
@@ -176,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_move_little_from_key_to_key_even_where_two_factors_cross() {
+    fn axes_are_continuous_where_two_factors_cross() {
         let mut before: Option<Stretch> = None;
         for key in 0..200 {
             let t = f64::from(key) / 100.0 - 1.0;
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_that_mirrors_stays_near_where_another_axis_becomes_the_shortest() {
+    fn a_mirroring_map_is_continuous_while_another_axis_becomes_the_shortest() {
         let mut before: Option<Stretch> = None;
         for key in 0..200 {
             let t = f64::from(key) / 100.0 - 1.0;
@@ -211,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_that_turns_over_between_keys_is_not_turned_inside_out() {
+    fn a_map_that_rotates_by_a_half_turn_keeps_positive_factors() {
         let first = Stretch::of(&Matrix3::from_diagonal(&Vector3::new(1.0, 0.7, 0.6)), None);
         let over = exp(&Vector3::new(3.1, 0.0, 0.0));
         let found = Stretch::of(&(over * whole(&first)), Some(&first));

@@ -37,6 +37,12 @@ pub(crate) fn ends<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> [f64; 2] {
     numbers.into_iter().fold(none, |[least, most], &x| [least.min(x), most.max(x)])
 }
 
+/// Returns the index of the largest number, the first if there are several; 0 for an empty list.
+pub(crate) fn largest(numbers: &[f64]) -> usize {
+    let last_first = numbers.iter().enumerate().rev();
+    last_first.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
+}
+
 /// Returns a·b, summed in order.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

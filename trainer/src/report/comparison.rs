@@ -1,81 +1,81 @@
-//! What a report is about: models, examples, and what was measured of the ones on the other.
+//! The subject of a report: models, examples, and the errors of the models on the examples.
 
 use crate::evaluate::{
     Baseline, Baselines, Character, EvaluateError, Evaluation, Frames, LBS, Measured,
-    MeasuredBaseline, OWN_WEIGHTS, Told,
+    MeasuredBaseline, OWN_WEIGHTS, TrainingRecord,
 };
 use crate::examples::{Clip, Examples, Split};
 use crate::space::beside;
 
-/// Examples as a report names them.
+/// Examples and their names in a report.
 #[derive(Clone, Copy)]
 pub struct NamedExamples<'a> {
     /// The examples.
     pub examples: &'a Examples,
-    /// The clips that their frames come from, in order; they cover all frames.
+    /// The clips of the frames, in order; they cover all frames.
     pub clips: &'a [Clip],
-    /// What they are called.
+    /// Name of the examples.
     pub name: &'a str,
 }
 
-/// A model's file as a report names it.
+/// A model's file and its name in a report.
 #[derive(Clone, Copy)]
 pub struct NamedModel<'a> {
-    /// What it is called.
+    /// Name of the file.
     pub name: &'a str,
-    /// Its content.
+    /// Content of the file.
     pub bytes: &'a [u8],
-    /// The name of the skin to measure; the first where none is given.
+    /// Name of the measured skin; the first skin if `None`.
     pub skin: Option<&'a str>,
 }
 
-/// One or two models, baselines beside them, and their errors on frames of the examples.
+/// One or two models and the baselines, with their errors on frames of the examples.
 pub struct Comparison<'a> {
     /// The examples.
     pub source: NamedExamples<'a>,
-    /// Which of their frames are measured.
+    /// The measured frames.
     pub frames: Frames,
     /// The baselines.
     pub baselines: Baselines,
     /// The model.
     pub model: MeasuredModel<'a>,
-    /// The one that it is compared with.
+    /// The second model, for comparison.
     pub other: Option<MeasuredModel<'a>>,
 }
 
 /// A model and its errors.
 pub struct MeasuredModel<'a> {
-    /// Its file.
+    /// The model's file.
     pub file: NamedModel<'a>,
-    /// Its envelope and the skin that is measured.
+    /// The measured envelope and skin.
     pub character: Character<'a>,
     /// Its errors.
     pub measured: Measured,
-    /// How many of the measured frames its training has read; none where its file does not tell.
+    /// Number of measured frames that the training read; `None` if the file has no record.
     pub read: Option<usize>,
     /// The record of its training.
-    pub told: Told,
+    pub record: TrainingRecord,
 }
 
-/// One of the skins that stand side by side.
+/// A model or baseline of the comparison.
 #[derive(Clone, Copy)]
 pub struct Series<'a> {
-    /// What it is called.
+    /// Name of the series.
     pub name: &'a str,
-    /// Its class in the page's style.
+    /// CSS class of the series.
     pub class: &'static str,
     /// Its errors.
     pub measured: &'a Measured,
-    /// Its model or baseline.
+    /// The model or baseline.
     pub skin: SeriesSkin<'a>,
 }
 
-/// Whose skin a series shows.
+/// The skin of a series.
 #[derive(Clone, Copy)]
 pub enum SeriesSkin<'a> {
-    /// A baseline's.
+    /// A baseline.
     Baseline(&'a Baseline),
-    /// A model's.
+    /// A model.
     Model(&'a MeasuredModel<'a>),
 }
 
@@ -90,10 +90,10 @@ impl<'a> Series<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Measures a model and the baselines, on the frames of [`Frames::usual`] where none are chosen.
+    /// Measures a model and the baselines on the given frames, or on [`Frames::usual`].
     ///
     /// # Errors
-    /// Those of [`crate::evaluate::evaluate`].
+    /// The errors of [`crate::evaluate::evaluate`].
     pub fn new(
         source: NamedExamples<'a>,
         frames: Option<Frames>,
@@ -101,59 +101,60 @@ impl<'a> Comparison<'a> {
     ) -> Result<Self, EvaluateError> {
         let NamedExamples { examples, .. } = source;
         let character = Character::open(file.bytes, file.skin, examples)?;
-        let told = Told::of(file.bytes, &character, examples);
-        let frames = frames.unwrap_or_else(|| Frames::usual(examples, &told));
-        let chosen = frames.measurable(examples, &told)?;
+        let record = TrainingRecord::of(file.bytes, &character, examples);
+        let frames = frames.unwrap_or_else(|| Frames::usual(examples, &record));
+        let chosen = frames.measurable(examples, &record)?;
         let measured = Measured::model(&character, examples, &chosen)?;
-        let baselines = Baselines::new(&told, examples, &chosen);
-        let model = MeasuredModel { file, character, measured, read: told.read_len(&chosen), told };
+        let baselines = Baselines::new(&record, examples, &chosen);
+        let model =
+            MeasuredModel { file, character, measured, read: record.read_len(&chosen), record };
         Ok(Self { source, frames, baselines, model, other: None })
     }
 
-    /// Measures a second model, to stand beside the first.
+    /// Measures a second model on the same frames.
     ///
     /// # Errors
-    /// Those of [`crate::evaluate::evaluate`].
+    /// The errors of [`crate::evaluate::evaluate`].
     pub fn compare(&mut self, file: NamedModel<'a>) -> Result<(), EvaluateError> {
         let character = Character::open(file.bytes, file.skin, self.source.examples)?;
         let chosen = self.measured_frames();
         let measured = Measured::model(&character, self.source.examples, &chosen)?;
-        let told = Told::of(file.bytes, &character, self.source.examples);
-        let read = told.read_len(&chosen);
-        self.other = Some(MeasuredModel { file, character, measured, read, told });
+        let record = TrainingRecord::of(file.bytes, &character, self.source.examples);
+        let read = record.read_len(&chosen);
+        self.other = Some(MeasuredModel { file, character, measured, read, record });
         Ok(())
     }
 
-    /// Lists the numbers of the measured frames.
+    /// Lists the indices of the measured frames.
     pub fn measured_frames(&self) -> Vec<usize> {
         self.model.measured.frames.iter().map(|frame| frame.frame).collect()
     }
 
-    /// Returns the millimetres of a length in % of the diagonal; `None` where the unit is not known.
+    /// Converts a length in % of the diagonal to millimetres; `None` if the unit is unknown.
     pub fn mm(&self, percent: f64) -> Option<f64> {
         self.model.measured.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal)
     }
 
-    /// Writes a length in % of the diagonal: `0.1234 %`, and ` (1.234 mm)` behind it where the unit is known.
+    /// Formats a length in % of the diagonal: `0.1234 %`, followed by ` (1.234 mm)` if the unit is known.
     pub fn length(&self, percent: f64) -> String {
         format!("{percent:.4} %{}", beside(percent, self.model.measured.diagonal_mm))
     }
 
-    /// Returns the use of a frame in the training of the model; in the examples where its file does not tell.
+    /// Returns the use of a frame in the training of the model, or its use in the examples if the file has no record.
     pub fn use_of(&self, frame: usize) -> Split {
-        match (self.model.told.has_read(frame), self.source.examples.split[frame]) {
+        match (self.model.record.has_read(frame), self.source.examples.split[frame]) {
             (Some(true), _) => Split::Train,
             (Some(false), Split::Train) => Split::HeldOut,
             (_, split) => split,
         }
     }
 
-    /// Lists the models, one or two.
+    /// Lists the one or two models.
     pub fn models(&self) -> impl Iterator<Item = &MeasuredModel<'a>> {
         std::iter::once(&self.model).chain(&self.other)
     }
 
-    /// Lists the baselines, the model at [`Comparison::model_place`], and the one that it is compared with.
+    /// Lists the baselines, the model at [`Comparison::model_place`], and the second model.
     pub fn series(&self) -> Vec<Series<'_>> {
         let models = self.models().zip(["model", "other"]).map(|(model, class)| Series {
             name: model.file.name,
@@ -164,7 +165,7 @@ impl<'a> Comparison<'a> {
         self.baseline_series().into_iter().chain(models).collect()
     }
 
-    /// Lists the baselines: LBS, fitted, and own weights where the mesh comes with any.
+    /// Lists the baselines: fitted LBS, and own weights if the mesh has any.
     pub fn baseline_series(&self) -> Vec<Series<'_>> {
         let Baselines { lbs, own_weights } = &self.baselines;
         let own_weights = own_weights.as_ref().map(|own| (OWN_WEIGHTS, "own", own));
@@ -178,12 +179,12 @@ impl<'a> Comparison<'a> {
         series.collect()
     }
 
-    /// Returns the index of the model among [`Comparison::series`].
+    /// Returns the index of the model in [`Comparison::series`].
     pub fn model_place(&self) -> usize {
         self.baseline_series().len()
     }
 
-    /// Summarises what was measured, a model each, as [`crate::evaluate::evaluate`] does.
+    /// Summarises the measurements of each model, as [`crate::evaluate::evaluate`] does.
     pub fn evaluations(&self) -> Vec<Evaluation> {
         let of = |model: &MeasuredModel<'_>| {
             let character = (&model.character, model.file.bytes.len(), &model.measured);
@@ -195,12 +196,12 @@ impl<'a> Comparison<'a> {
 }
 
 impl NamedExamples<'_> {
-    /// Returns the number of the clip that a frame belongs to.
+    /// Returns the index of the clip that holds a frame.
     pub fn clip_of(&self, frame: usize) -> Option<usize> {
         self.clips.iter().rposition(|clip| clip.first <= frame)
     }
 
-    /// Returns what the source calls a frame, or its place where the source calls it nothing.
+    /// Returns the source's number of a frame, or the frame index if the source has no number.
     pub fn number(&self, frame: usize) -> i64 {
         self.own_number(frame).unwrap_or(frame as i64)
     }
@@ -210,8 +211,8 @@ impl NamedExamples<'_> {
         clip.number(frame - clip.first)
     }
 
-    /// Names a frame: its number and, where there are several clips, its place in one, or that clip where the
-    /// number is the source's own.
+    /// Names a frame: the number and, with several clips, the clip. Without a source number the place in the clip is
+    /// added.
     pub fn label(&self, frame: usize) -> String {
         let several = self.clip_of(frame).filter(|_| self.clips.len() > 1);
         match (self.own_number(frame), several.map(|clip| &self.clips[clip])) {

@@ -1,9 +1,10 @@
-//! The pictures of a report: which side they are taken from, and what is in them.
+//! The pictures of a report: camera, shapes and colours.
 
 use super::comparison::{Comparison, Series, SeriesSkin};
 use crate::envelope::normals::TrueNormals;
 use crate::evaluate::{EvaluateError, skin};
 use crate::examples::Examples;
+use crate::numeric::columns::largest;
 use crate::page::camera::{Camera, Resolution, View};
 use crate::page::chart::colour_bar;
 use crate::page::colour::{Colour, Scale};
@@ -16,32 +17,31 @@ use rayon::prelude::*;
 use sinew_runtime::format::Axis;
 use std::fmt::Write;
 
-/// Pixels in a row of a trial.
+/// Width of a trial picture, in pixels.
 const TRIAL: usize = 160;
-/// What lies around the worst vertex in a close-up, in diagonals on each side.
+/// Radius of a close-up of the worst vertex, in diagonals.
 const NEAR: f64 = 0.12;
-/// A picture of a shape takes light and shadow in full; where colours stand for something, only as
-/// much as tells the shape.
+/// Shading of a shape. Full relief shows a shape; where colours have a meaning, weaker relief keeps the colours
+/// readable.
 const SHAPE: Look = Look { relief: 1.0, borders: false };
 const ERRORS: Look = Look { relief: 0.35, borders: false };
 const KINDS: Look = Look { relief: 0.6, borders: true };
-/// Radius of a ring around a vertex, in pictures.
+/// Radius of a ring around a vertex, as a share of the picture's width.
 const RING: f64 = 0.032;
-/// What lies before a vertex by less than this does not hide it, in diagonals.
+/// A surface hides a vertex if it is nearer to the camera by more than this, in diagonals.
 const SLACK: f64 = 0.01;
-/// Clay.
+/// Colour of clay.
 const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 
-/// How a report's pictures are taken; what is not given is found.
+/// Options of a report's pictures; missing values are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureOptions {
-    /// Pixels in a row of a picture.
+    /// Width of a picture, in pixels.
     pub width: usize,
-    /// What points up; by default what the examples say, else z if the character is
-    /// longest along z, else y.
+    /// Up axis. The default is that of the examples, else z if the character is longest along z, else y.
     pub up: Option<Axis>,
-    /// Azimuth and elevation in degrees, as in [`View`]; by default from before or behind, whichever
-    /// side shows more of the error.
+    /// Azimuth and elevation in degrees, as in [`View`]. The default is a view from the front or the back, whichever
+    /// shows more of the error.
     pub from: Option<(f64, f64)>,
 }
 
@@ -51,38 +51,38 @@ impl Default for PictureOptions {
     }
 }
 
-/// Takes a report's pictures.
+/// Draws a report's pictures.
 pub(super) struct Pictures<'a> {
     comparison: &'a Comparison<'a>,
     width: usize,
-    /// From where.
+    /// Direction of the camera.
     pub(super) view: View,
-    /// The frame with the model's largest RMS error: its place among those measured.
+    /// Index of the measured frame with the model's largest RMS error.
     pub(super) worst: usize,
 }
 
-/// A shape of the character.
+/// A posed mesh of the character.
 pub(super) struct Shape {
-    /// What it is called.
+    /// Name of the shape.
     pub(super) name: String,
-    /// E positions, of the engine's vertices.
+    /// Positions of the E engine vertices.
     pub(super) positions: Vec<[f64; 3]>,
-    /// E normals: as the runtime returns them of a model, by cofactors of a baseline, the true ones of the truth.
+    /// E normals: a model's as the runtime returns them, a baseline's by cofactors, and the true normals for the truth.
     normals: Vec<[f64; 3]>,
 }
 
-/// What a vertex's colour stands for.
+/// Colours of the vertices.
 pub(super) enum Paint<'a> {
-    /// Nothing.
+    /// One colour.
     Clay,
-    /// Errors in a unit.
+    /// Errors on a scale, with their unit.
     Heat(&'a [f64], Scale, &'static str),
     /// Kinds of vertices.
     Kinds(&'a [Colour]),
 }
 
 impl<'a> Pictures<'a> {
-    /// Finds the worst frame and where to look from.
+    /// Finds the worst frame and the camera's direction.
     pub(super) fn new(comparison: &'a Comparison<'a>, options: &PictureOptions) -> Self {
         let space = comparison.source.examples.space;
         let up = options.up.or(space.up).unwrap_or_else(|| upright(comparison.source.examples));
@@ -97,7 +97,7 @@ impl<'a> Pictures<'a> {
         pictures
     }
 
-    /// Shapes one frame: the truth, then each of the series.
+    /// Returns the shapes of one frame: the truth, then each of the series.
     ///
     /// # Errors
     /// [`EvaluateError::Frame`].
@@ -127,7 +127,7 @@ impl<'a> Pictures<'a> {
         Ok(shapes)
     }
 
-    /// The rest pose.
+    /// Returns the rest pose.
     pub(super) fn rest(&self) -> Shape {
         let examples = self.comparison.source.examples;
         let surface = examples.surface();
@@ -135,13 +135,13 @@ impl<'a> Pictures<'a> {
         Shape { name: "rest".to_owned(), positions, normals }
     }
 
-    /// A camera that sees the whole of some shapes.
+    /// Returns a camera that shows all of the shapes.
     pub(super) fn whole(&self, shapes: &[&Shape]) -> Camera {
         let all = shapes.iter().flat_map(|shape| &shape.positions);
         Camera::fit(&self.following(shapes[0]), all, self.width)
     }
 
-    /// A camera that sees the surroundings of a vertex from where most of its error is seen.
+    /// Returns a camera that shows the surroundings of a vertex from the side with most of the visible error.
     pub(super) fn near(&self, shape: &Shape, vertex: usize, errors: &[f64]) -> Camera {
         let surface = self.comparison.source.examples.surface();
         let centre = shape.positions[surface.first_copies()[vertex]];
@@ -171,15 +171,14 @@ impl<'a> Pictures<'a> {
             let camera = Camera::around(view, &centre, radius, side(TRIAL));
             self.mesh(shape).seen(&weights, &camera)
         });
-        let best = crate::evaluate::largest(&seen.collect::<Vec<_>>());
+        let best = largest(&seen.collect::<Vec<_>>());
         Camera::around(&views[best], &centre, radius, side(self.width))
     }
 
-    /// Takes a picture, with a caption and, where a vertex is named, a ring around it, broken where
-    /// something hides it.
+    /// Draws a picture with a caption and, around a given vertex, a ring. The ring is broken if the vertex is hidden.
     ///
     /// # Errors
-    /// Those of the encoder.
+    /// The errors of the encoder.
     pub(super) fn take(
         &self,
         shape: &Shape,
@@ -227,7 +226,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// The mesh of a frame, with its true normals.
+    /// Returns the true mesh of a frame, with its true normals.
     pub(super) fn truth(&self, frame: usize) -> Shape {
         let examples = self.comparison.source.examples;
         let positions = examples.surface().copied(examples.frame(frame));
@@ -241,13 +240,14 @@ impl<'a> Pictures<'a> {
         ShadedMesh { positions, normals, triangles }
     }
 
-    /// The view, turned as the character is.
+    /// Returns the view, rotated with the character.
     fn following(&self, shape: &Shape) -> View {
         let examples = self.comparison.source.examples;
         self.view.following(&examples.surface().copied(&examples.rest), &shape.positions)
     }
 
-    /// Tries both sides along the lesser extent, a little from the left and from the right.
+    /// Returns the view from the front or the back, along the smaller extent, that shows most of the error. Each side
+    /// is tried from a little left and a little right.
     fn best_side(&self) -> View {
         let (examples, measured) =
             (self.comparison.source.examples, &self.comparison.model.measured);
@@ -270,11 +270,11 @@ impl<'a> Pictures<'a> {
             let camera = Camera::fit(&view, &shape.positions, TRIAL);
             self.mesh(&shape).seen(&squares, &camera) / (camera.scale * camera.scale)
         });
-        views[crate::evaluate::largest(&seen.collect::<Vec<_>>())]
+        views[largest(&seen.collect::<Vec<_>>())]
     }
 }
 
-/// Guesses what points up: z for what is longest along z, as y for all others.
+/// Guesses the up axis: z if the character is longest along z, else y.
 fn upright(examples: &Examples) -> Axis {
     let [low, high] = examples.bounds();
     let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);

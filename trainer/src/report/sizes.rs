@@ -1,7 +1,6 @@
-//! What more or fewer proxies would give: the model's predictor, trained again.
+//! Trains the model's predictor again with more and fewer proxies, to show the effect on error, size and time.
 
 use super::comparison::Comparison;
-use super::stopwatch::Stopwatch;
 use crate::envelope::choose::choose;
 use crate::envelope::clean::Sound;
 use crate::envelope::lbs::poses::MIN_POSES;
@@ -13,70 +12,69 @@ use crate::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::examples::Split;
 use crate::progress::Progress;
 use sinew_runtime::Limits;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Most vertices x training frames x proxies of a training with twice the proxies: some 20 s of work
+/// Largest product of vertices, training frames and proxies for a training with twice the proxies: about 20 s of work
 /// for kernel maps.
 const TWICE_MOST: usize = 300_000_000;
 
 /// Trainings with several numbers of proxies.
 pub(super) struct Sizes {
-    /// Seconds that they share: reading the frames, LBS.
+    /// Seconds for the common steps: reading the frames and fitting LBS.
     pub(super) shared_seconds: f64,
-    /// Whether they are measured on frames that they were trained on, for the model has read no others.
+    /// Whether the trainings read the measured frames, because the model read no others.
     pub(super) seen: bool,
     /// The trainings, by ascending number of proxies.
     pub(super) trials: Vec<SizeTrial>,
-    /// The near-rigid vertices of the one with as many proxies as the model, V; none where it has no
-    /// reconstruction.
+    /// Near-rigid vertices of the training with the model's number of proxies, V; `None` without a reconstruction.
     pub(super) near_rigid: Option<Vec<bool>>,
 }
 
-/// A training.
+/// A training with one number of proxies.
 pub(super) struct SizeTrial {
-    /// P, as asked for.
+    /// Requested number of proxies.
     pub(super) proxies: usize,
-    /// What came of it.
+    /// Result of the training.
     pub(super) outcome: Result<Outcome, SizeError>,
 }
 
-/// What came of a training.
+/// Result of a training.
 pub(super) struct Outcome {
-    /// P.
+    /// Number of proxies, P.
     pub(super) proxies: usize,
     /// Length of the file.
     pub(super) bytes: usize,
-    /// Forecast of the RMS error on more of these clips, in % of the rest diagonal.
+    /// Forecast of the RMS error on more frames of the same clips, in % of the rest diagonal.
     pub(super) forecast_percent: f64,
-    /// On the frames that the report measures.
+    /// Errors on the measured frames of the report.
     pub(super) errors: Errors,
-    /// Of the whole training, without what is shared.
+    /// Seconds of the training without the common steps.
     pub(super) seconds: f64,
-    /// Of each step.
+    /// Seconds of each step.
     pub(super) steps: Vec<(&'static str, f64)>,
 }
 
-/// A training, or its measurement, that failed.
+/// Reasons why a training or its measurement fails.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SizeError {
-    /// It could not be trained.
+    /// The training fails.
     #[error(transparent)]
     Train(#[from] TrainError),
-    /// It could not be measured.
+    /// The measurement fails.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
 }
 
 impl Sizes {
-    /// Trains the model's predictor with a quarter and a half of its proxies, with as many, and,
-    /// where that takes no more than seconds, with twice as many; measures each on the report's
-    /// frames. A training that fails says so in its place.
+    /// Trains the model's predictor with a quarter, a half and all of its proxies, and with twice as many if that takes
+    /// only seconds. Measures each on the report's frames. A failed training reports its error.
     ///
-    /// The trainings read the frames that the model has read, without those that the report measures. Where too few
-    /// are left, they read the measured ones too.
+    /// The trainings read the frames that the model read, without the measured frames. If too few remain, they read the
+    /// measured frames too.
     ///
     /// # Errors
-    /// [`FitError`], where the examples allow no training at all.
+    /// [`FitError`] if no training on the examples is possible.
     pub(super) fn train(
         comparison: &Comparison<'_>,
         progress: &dyn Progress,
@@ -132,7 +130,7 @@ impl Sizes {
     }
 }
 
-/// Lists the frames to train on, and returns whether the report measures them too.
+/// Lists the frames to train on, and returns whether the report measures these frames too.
 fn frames(comparison: &Comparison<'_>) -> (Vec<usize>, bool) {
     let all = 0..comparison.source.examples.frame_len();
     let read: Vec<usize> = all.filter(|&f| comparison.use_of(f) == Split::Train).collect();
@@ -141,7 +139,7 @@ fn frames(comparison: &Comparison<'_>) -> (Vec<usize>, bool) {
     if others.len() < MIN_POSES { (read, true) } else { (others, false) }
 }
 
-/// The numbers of proxies to try, ascending; none for a model without any.
+/// Lists the numbers of proxies to try, ascending; empty for a model without proxies.
 fn counts(own: usize, training: &Training) -> Vec<usize> {
     let most = training.triangles.len().min(Limits::DEFAULT.proxies as usize);
     let cost = training.rest.len() * training.poses.len() * 2 * own;
@@ -150,4 +148,67 @@ fn counts(own: usize, training: &Training) -> Vec<usize> {
     counts.retain(|count| (1..=most).contains(count));
     counts.dedup();
     counts
+}
+
+/// Measures the time of each step of a fit, and forwards the progress.
+struct Stopwatch<'a> {
+    others: &'a dyn Progress,
+    begun: Mutex<Vec<(&'static str, Instant)>>,
+}
+
+impl<'a> Stopwatch<'a> {
+    /// Starts the stopwatch.
+    fn new(others: &'a dyn Progress) -> Self {
+        Self { others, begun: Mutex::default() }
+    }
+
+    /// Stops, and returns the seconds of each step in the order of their first start. Time before the first step is not
+    /// counted.
+    fn finish(self) -> Vec<(&'static str, f64)> {
+        let mut begun = self.begun.into_inner().unwrap_or_else(PoisonError::into_inner);
+        begun.push(("", Instant::now()));
+        let mut steps: Vec<(&'static str, f64)> = Vec::new();
+        for pair in begun.windows(2) {
+            let (name, seconds) = (pair[0].0, (pair[1].1 - pair[0].1).as_secs_f64());
+            match steps.iter_mut().find(|step| step.0 == name) {
+                Some(step) => step.1 += seconds,
+                None => steps.push((name, seconds)),
+            }
+        }
+        steps
+    }
+}
+
+impl Progress for Stopwatch<'_> {
+    fn part(&self, _: usize, _: usize) {}
+
+    fn step(&self, name: &'static str, items: usize) {
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        begun.push((name, Instant::now()));
+        self.others.step(name, items);
+    }
+
+    fn advance(&self, items: usize) {
+        self.others.advance(items);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    #[test]
+    fn seconds_of_a_repeated_step_are_summed() {
+        let stopwatch = Stopwatch::new(&Silent);
+        for (name, milliseconds) in [("a", 30), ("b", 10), ("a", 30)] {
+            stopwatch.step(name, 1);
+            sleep(Duration::from_millis(milliseconds));
+        }
+        let steps = stopwatch.finish();
+        assert_eq!(steps.iter().map(|step| step.0).collect::<Vec<_>>(), ["a", "b"]);
+        assert!(steps[0].1 >= 0.06 && steps[1].1 >= 0.01, "{steps:?}");
+    }
 }

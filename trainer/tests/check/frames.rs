@@ -101,7 +101,7 @@ fn late_meshes_are_reported_once_with_the_delay_in_frames() {
             let mut examples = bending(speed, swell);
             late(&mut examples, 0..60, by);
             let found = only_warning(&examples, Kind::OutOfStep);
-            let words = format!("the meshes of clip walk seem to be {words}: LBS errs by ");
+            let words = format!("the meshes of clip walk seem to be {words}: the error of LBS is ");
             assert!(found.text.starts_with(&words), "{speed} {swell}: {}", found.text);
         }
     }

@@ -38,14 +38,14 @@ fn a_mesh_that_is_moved_is_named_left_out_and_not_called_read() {
     set.write(&folder.path("moved.npz"));
     let text = folder.sinew("check moved.npz").done().unwrapped();
     assert!(
-        text.contains(&format!("look, and mend or leave out yourself: frame {moved} (")),
+        text.contains(&format!("check them, and fix or remove them: frame {moved} (")),
         "{text}"
     );
     assert!(!text.contains("another sculpt") && !text.contains("another order"), "{text}");
     let train =
         "train moved.npz -o moved.sinew --predictor kernel --proxies 2 --record record.json";
     let run = folder.sinew(train);
-    assert!(run.code == Some(0) && run.err.contains("leaves out what is named here"), "{run:?}");
+    assert!(run.code == Some(0) && run.err.contains("leaves out the frames named here"), "{run:?}");
     let mut others = set.frames(0);
     others.retain(|frame| *frame != moved);
     assert_eq!(folder.json("record.json")["training_frames"], json!(others));

@@ -7,7 +7,7 @@ use anyhow::Context;
 use sinew_runtime::format::Space;
 use sinew_trainer::check::coverage::Coverage;
 use sinew_trainer::check::finding::{Severity, Topic, short};
-use sinew_trainer::check::thin::Predicted;
+use sinew_trainer::check::redundancy::Predicted;
 use sinew_trainer::check::{Check, check};
 use sinew_trainer::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
 use sinew_trainer::examples::Warning;
@@ -60,14 +60,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 /// Describes a check of examples, of which so much was told before.
 fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
     let mut out = String::new();
-    for (subject, title, facts) in [
+    for (topic, title, facts) in [
         (Topic::Size, "size", size(check, space)),
         (Topic::Rest, "rest mesh", check.rest.describe()),
         (Topic::Faces, "faces", faces(check)),
         (Topic::Joints, "joints", String::new()),
         (Topic::Frames, "frames", String::new()),
     ] {
-        section(&mut out, check, subject, title, &facts);
+        section(&mut out, check, topic, title, &facts);
     }
     out = wrapped(&out) + &table(check) + &wrapped(&floor(check));
     if let Some(predicted) = &check.predicted {
@@ -96,9 +96,9 @@ fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
     out
 }
 
-fn section(out: &mut String, check: &Check, subject: Topic, title: &str, facts: &str) {
+fn section(out: &mut String, check: &Check, topic: Topic, title: &str, facts: &str) {
     let findings: Vec<_> =
-        check.findings.iter().filter(|finding| finding.kind.subject() == subject).collect();
+        check.findings.iter().filter(|finding| finding.kind.topic() == topic).collect();
     if facts.is_empty() && findings.is_empty() {
         return;
     }
@@ -215,6 +215,6 @@ fn poses(predicted: &Predicted) -> String {
          the error of LBS; {} of {} predict the rest\n",
         100.0 * expected_percent / lbs_percent,
         enough.len(),
-        predicted.of_compared()
+        predicted.describe_poses()
     )
 }

@@ -8,7 +8,7 @@ use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
-use sinew_trainer::evaluate::{Character, Evaluation, Frames, SkinnedFrame, Told, skin};
+use sinew_trainer::evaluate::{Character, Evaluation, Frames, SkinnedFrame, TrainingRecord, skin};
 use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 
@@ -71,7 +71,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let measuring = Bars::busy(output, "measuring");
     let blamed = |error| blame(error, &arguments.model, &arguments.input, (&examples, &clips));
     let character = Character::open(&model, skin, &examples).map_err(blamed)?;
-    let told = Told::of(&model, &character, &examples);
+    let told = TrainingRecord::of(&model, &character, &examples);
     let known = (&character, &told);
     refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
     let usual = || Frames::usual(&examples, &told);

@@ -3,7 +3,7 @@
 use crate::cli::{Output, input};
 use anyhow::bail;
 use clap::ValueEnum;
-use sinew_trainer::evaluate::{Character, EvaluateError, Frames, NOTHING, Told};
+use sinew_trainer::evaluate::{Character, EvaluateError, Frames, NOTHING, TrainingRecord};
 use sinew_trainer::examples::{Clip, Examples, Split, Warning};
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl SplitName {
 pub(in crate::cli) fn refuse_forgotten_targets(
     input: &input::ExampleArguments,
     warnings: &[Warning],
-    (character, told): (&Character<'_>, &Told),
+    (character, told): (&Character<'_>, &TrainingRecord),
     examples: &Examples,
     output: Output,
 ) -> anyhow::Result<()> {

@@ -8,10 +8,10 @@ use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::evaluate::{Character, Told};
+use sinew_trainer::evaluate::{Character, TrainingRecord};
 use sinew_trainer::examples::Clip;
 use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::report::{Page, PictureOptions, csv, moving, ply};
+use sinew_trainer::report::{Page, PictureOptions, outputs};
 use std::path::{Path, PathBuf};
 
 /// Writes a page that shows where the error of a model is
@@ -100,7 +100,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     // What will be refused is refused before LBS is fitted.
     let character = Character::open(&bytes, skin, &examples);
     let character = character.map_err(|error| blamed(error, &arguments.model))?;
-    let known = (&character, &Told::of(&bytes, &character, &examples));
+    let known = (&character, &TrainingRecord::of(&bytes, &character, &examples));
     refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {
@@ -125,17 +125,17 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let page = page.html(&Bars::new(output))?;
     let mut written = vec![(&targets.page, page.into_bytes())];
     if let Some(target) = &targets.csv {
-        written.push((target, csv::by_frame(&comparison).context("cannot write the table")?));
+        written.push((target, outputs::frames_csv(&comparison).context("cannot write the table")?));
     }
     if let Some(target) = &targets.ply {
-        written.push((target, ply::rest_mesh(&comparison)));
+        written.push((target, outputs::rest_mesh_ply(&comparison)));
     }
     if let Some(target) = &targets.gif {
         let options = PictureOptions { width: GIF_WIDTH, ..options };
         let fps = Clip::rate_of(&clips).unwrap_or(SLOW);
         // Below two hundredths browsers take ten.
         let hundredths = (100.0 / fps).round().clamp(2.0, 100.0) as u16;
-        written.push((target, moving::gif(&comparison, &options, hundredths)?));
+        written.push((target, outputs::frames_gif(&comparison, &options, hundredths)?));
     }
     written.reverse();
     let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();

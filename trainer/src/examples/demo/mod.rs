@@ -1,14 +1,11 @@
-//! The demo character: a procedural arm with shoulder and half a chest, posed by a flesh that no
-//! linear blend can follow. It needs no file, and the same options give the same bits everywhere.
+//! The demo character: a procedural arm with a shoulder and half a chest. No linear blend reproduces its flesh. The
+//! demo needs no file, and the same options give the same bits everywhere.
 //!
-//! The skin is a loft of sections along the arm (`shape`); the joints move through smooth random
-//! clips (`motion`); every point of the skin then follows each joint by a share of its rotation
-//! that varies smoothly over the skin, after its muscles have swollen it (`flesh`). Lengths are
-//! metres, y is up, z is forward, the arm is the left one and points along x.
+//! The skin is a loft of sections along the arm (`shape`). The joints move through smooth random clips; muscles swell
+//! the skin, and every point follows each joint by a share of its rotation that varies smoothly over the skin
+//! (`motion`). Lengths are in metres, y is up, z is forward. The arm is the left arm and points along x.
 
-mod flesh;
 mod motion;
-mod rotation;
 mod shape;
 
 use nalgebra::Vector3;
@@ -17,18 +14,17 @@ use sinew_runtime::format::Space;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
 use crate::mesh::EngineMesh;
-use flesh::Flesh;
-use motion::{MotionClip, Pose};
+use motion::{Flesh, MotionClip, Pose};
 use shape::Skin;
 
-/// What to generate.
+/// Size and seed of the demo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DemoOptions {
-    /// About how many vertices; the shape does not depend on it. At least 200 are made.
+    /// Approximate number of vertices, at least 200; the shape does not depend on it.
     pub vertices: usize,
-    /// Training frames.
+    /// Number of training frames.
     pub poses: usize,
-    /// Held-out frames, from clips of their own.
+    /// Number of held-out frames, from separate clips.
     pub held_out: usize,
     /// Seed of the poses.
     pub seed: u64,
@@ -42,9 +38,8 @@ impl Default for DemoOptions {
 
 /// Generates the demo character's examples.
 ///
-/// Training and held-out frames are smooth clips of up to ten frames over the same ranges of motion,
-/// held-out clips spread among the training clips. With no training frames the result is empty of
-/// what a fit needs, and [`Examples::validate`] says so.
+/// Training and held-out frames are smooth clips of up to ten frames over the same ranges of motion. Held-out clips are
+/// spread among the training clips. Without training frames the result is invalid, and [`Examples::validate`] says so.
 pub fn demo(options: &DemoOptions) -> Examples {
     let skin = Skin::new(options.vertices);
     let flesh: Vec<Flesh> = skin.points.iter().map(Flesh::new).collect();
@@ -76,13 +71,13 @@ pub fn demo(options: &DemoOptions) -> Examples {
     }
 }
 
-/// Rounds a position to what a file in single precision holds: the arm is regular, and where two
-/// choices of a fit are equally good, rounding later would decide otherwise.
+/// Rounds a position to single precision, as a file does. The arm is regular, so some choices of a fit tie; rounding
+/// later would break the ties differently.
 fn single(position: Vector3<f64>) -> [f64; 3] {
     position.map(|x| f64::from(x as f32)).into()
 }
 
-/// Names the joints, parents before children.
+/// Returns the skeleton, parents before children.
 fn skeleton() -> Skeleton {
     let frame = |[x, y, z]: [f64; 3]| -> Matrix3x4 {
         [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]

@@ -1,14 +1,13 @@
-//! The rest shape: sections lofted from the midline of the chest to the fingertips.
+//! The rest shape: sections lofted from the midline of the chest to the fingertips; and smooth functions that have the
+//! same bits on every CPU, as they use libm.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::rotation::bell;
-
-/// Joints from the root outward; each one's parent is the one before it.
+/// Joints from the root outward; each joint's parent is the previous joint.
 pub(super) const JOINTS: [&str; 7] =
     ["chest", "clavicle", "upper_arm", "upper_arm_twist", "forearm", "forearm_twist", "hand"];
 
-/// Places along the arm, metres from the shoulder.
+/// Positions along the arm, in metres from the shoulder.
 pub(super) const ELBOW: f64 = 0.26;
 pub(super) const WRIST: f64 = 0.485;
 const TIP: f64 = 0.662;
@@ -17,16 +16,16 @@ const SHOULDER_AT: [f64; 2] = [0.175, 1.41];
 /// Slope of the arm below the horizontal: cosine and sine of 15 degrees.
 const SLOPE: (f64, f64) = (0.965_925_826_289_068_3, 0.258_819_045_102_520_8);
 
-/// Vertices along the skin for each vertex around it, so that faces are about square.
+/// Ratio of vertices along the skin to vertices around it, for nearly square faces.
 const ASPECT: f64 = 2.4;
-/// Least vertices around, and along, that still show the shape.
+/// Least numbers of vertices around and along that still show the shape.
 const LEAST: (usize, usize) = (10, 20);
 
 /// A point of the rest skin.
 pub(super) struct Point {
-    /// Where it is.
+    /// Position in space.
     pub(super) position: Vector3<f64>,
-    /// Place along the arm, metres from the shoulder, negative on the chest.
+    /// Position along the arm, in metres from the shoulder, negative on the chest.
     pub(super) along: f64,
     /// Direction around the section, (up, front), a unit vector.
     pub(super) around: (f64, f64),
@@ -38,21 +37,21 @@ pub(super) struct Skin {
     pub(super) points: Vec<Point>,
     /// T triangles, outward.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// V texture coordinates: the arm seen from beyond the fingertips, which has no seam.
+    /// V texture coordinates: the arm seen from the fingertips, which has no seam.
     pub(super) uv: Vec<[f64; 2]>,
 }
 
-/// Points in the direction of the arm at rest.
+/// Returns the direction of the arm at rest.
 pub(super) fn arm() -> Vector3<f64> {
     Vector3::new(SLOPE.0, -SLOPE.1, 0.0)
 }
 
-/// Points upward across the arm; with z it spans the arm's sections.
+/// Returns the upward direction across the arm, which spans the arm's sections with z.
 pub(super) fn above() -> Vector3<f64> {
     Vector3::new(SLOPE.1, SLOPE.0, 0.0)
 }
 
-/// Gives the rest origins of the joints.
+/// Returns the rest origins of the joints.
 pub(super) fn origins() -> [Vector3<f64>; 7] {
     [
         Vector3::new(-0.06, 1.2, 0.0),
@@ -73,7 +72,7 @@ impl Skin {
         let mut points = Vec::with_capacity(along_len * around_len + 1);
         let mut uv = Vec::with_capacity(points.capacity());
         for ring in 0..along_len {
-            // Half a step is left for the cap.
+            // Half a step remains for the cap.
             let part = ring as f64 / (along_len as f64 - 0.5);
             for step in 0..around_len {
                 let turn = step as f64 / around_len as f64 * std::f64::consts::TAU;
@@ -129,9 +128,9 @@ struct Section {
     along: f64,
     /// Centre, x and y.
     centre: [f64; 2],
-    /// How far it has turned from the plane of the chest's midline (0) to across the arm (1).
+    /// Share of the turn from the plane of the chest's midline (0) to across the arm (1).
     turned: f64,
-    /// Half extents up, down, front, back.
+    /// Half extents up, down, front and back.
     extent: [f64; 4],
 }
 
@@ -191,3 +190,25 @@ const SECTIONS: [Section; 22] = [
     limb(0.634, [0.040, 0.037, 0.012, 0.010]),
     limb(0.661, [0.013, 0.013, 0.006, 0.004]),
 ];
+
+/// Returns the rotation about `vector` by its length in radians (Rodrigues).
+pub(super) fn rotation(vector: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = vector.norm();
+    if angle < 1e-12 {
+        return Matrix3::identity() + vector.cross_matrix();
+    }
+    let cross = (vector / angle).cross_matrix();
+    Matrix3::identity() + cross * libm::sin(angle) + cross * cross * (1.0 - libm::cos(angle))
+}
+
+/// Rises from 0 below `from` to 1 above `to` with a continuous derivative.
+pub(super) fn ramp(value: f64, from: f64, to: f64) -> f64 {
+    let x = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// Falls from 1 at `centre` to 0 far away; 0.5 at a distance of `width`.
+pub(super) fn bell(value: f64, centre: f64, width: f64) -> f64 {
+    let x = (value - centre) / width;
+    libm::exp2(-x * x)
+}

@@ -107,7 +107,7 @@ fn faces_look_outward() {
     for triangle in &skin.triangles {
         let [a, b, c] = triangle.map(|vertex| &skin.points[vertex]);
         let normal = (b.position - a.position).cross(&(c.position - a.position));
-        // Seen from the middle of the section: forward for the front of it, up for its top.
+        // The normal points away from the middle of the section: forward at the front, up at the top.
         let (up, front) = (a.around.0 + b.around.0, a.around.1 + b.around.1);
         let thumb = (0.46..0.62).contains(&a.along) && up > 0.0;
         let outward = above() * up + Vector3::z() * front;

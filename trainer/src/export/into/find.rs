@@ -1,41 +1,42 @@
-//! Where a model is in an artist's file: its vertices among those of the meshes, found by place.
+//! Finds a model in an artist's file: the model's vertices among those of the meshes, by position.
 
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::error::IntoError;
 use crate::examples::{Matrix3x4, spread};
+use crate::export::error::IntoError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::space::{SCALES, rotations};
 
-/// Farthest that a vertex of the file may be from one of the model's, over the model's diagonal.
+/// Largest distance between a vertex of the file and the same vertex of the model, in the model's diagonals.
 const SAME_PLACE: f64 = 1e-4;
-/// Vertices of each mesh that are looked at while axes and units are sought.
+/// Number of vertices of each mesh in the search for axes and units.
 const SAMPLE: usize = 50;
-/// Trace of a turn by 45 degrees: beyond, axes differ and no pose is meant.
+/// Trace of a rotation by 45 degrees. A larger rotation is a change of axes, not a pose.
 const TURNED: f64 = 1.0 + std::f64::consts::SQRT_2;
 
-/// Where a model is in a file.
+/// Position of a model in a file.
 #[derive(Debug)]
 pub(super) struct Found {
-    /// From the space in which the file's joints are bound to that of the model's rest mesh.
+    /// Map from the space of the file's bound joints to the space of the model's rest mesh.
     pub(super) to_model: Matrix4<f64>,
-    /// From where the model poses its mesh to the file's world.
+    /// Map from the space of the model's posed mesh to the file's world.
     pub(super) to_world: Matrix4<f64>,
-    /// From that space to the world, where the file's joints are at rest.
+    /// Map from the space of the bound joints to the world, with the file's joints at rest.
     pub(super) at_rest: Matrix4<f64>,
-    /// Vertex of the model that each vertex of each primitive is, by mesh of the file; none for a mesh that
-    /// is not the model's.
+    /// The model's vertex for each vertex of each primitive, by mesh of the file; `None` for a mesh that is not the
+    /// model's.
     pub(super) vertices: Vec<Option<Vec<Vec<usize>>>>,
 }
 
 impl Found {
-    /// Finds a model's rest mesh in a file, which may have other axes and another unit: of the turns by
-    /// right angles and the usual scales, about where the meshes are bound or where they stand, the one
-    /// that brings most vertices together. `root` is the node of the reference root, where there is one;
-    /// `poses` are what is to be played.
+    /// Finds a model's rest mesh in a file, which may have other axes and another unit. Tries rotations by right angles
+    /// and usual scales, of the bound and of the placed meshes, and takes the combination that matches most vertices.
+    ///
+    /// - `root`: node of the reference root; `None` if the file lacks it.
+    /// - `poses`: the poses to play.
     ///
     /// # Errors
     /// [`IntoError::NoMesh`] and [`IntoError::Partly`].
@@ -73,8 +74,8 @@ impl Found {
             return Err(IntoError::NoMesh);
         }
         let back = to_model.try_inverse().unwrap_or_else(Matrix4::identity);
-        // The nodes above the joints may turn them from where they are bound. Poses of such a file have that turn.
-        // Other poses begin at the rest mesh, and take the file's turn. A turn of the root joint itself is a pose.
+        // The nodes above the joints may rotate the bound joints. Poses from the same file contain this rotation. Other
+        // poses start at the rest mesh and take the file's rotation. A rotation of the root joint itself is a pose.
         let above = root.and_then(|(root, _)| file.parents[root]).map(|parent| worlds[parent]);
         let [turn, above] = [at_rest, above.unwrap_or_else(Matrix4::identity)].map(|world| {
             let world = world / world.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
@@ -92,12 +93,12 @@ impl Found {
     }
 }
 
-/// A way from where the file's joints are bound to the model's rest mesh.
+/// A candidate for the map from the file to the model's rest mesh.
 struct Candidate {
     to_model: Matrix4<f64>,
-    /// Whether it changes axes.
+    /// Whether the map changes axes.
     turned: bool,
-    /// Whether it begins where the joints are bound, or where they stand.
+    /// Whether the map starts at the bound joints, rather than at the placed mesh.
     bound: bool,
 }
 
@@ -112,7 +113,7 @@ fn candidates(at_rest: &Matrix4<f64>, unit: f64) -> impl Iterator<Item = Candida
     })
 }
 
-/// Sums the traces of poses seen from a turn: the larger, the nearer they are to it.
+/// Sums the traces of poses relative to a rotation; a larger sum means nearer poses.
 fn traces(poses: &[Vec<Matrix3x4>], turn: &Matrix3<f64>) -> f64 {
     let linear = |map: &Matrix3x4| Matrix3::from_fn(|row, column| map[row][column]);
     poses.iter().flatten().map(|map| turn.dot(&linear(map))).sum()
@@ -125,7 +126,10 @@ fn sample(mesh: &RiggedMesh) -> impl Iterator<Item = Point3<f64>> {
     few.map(move |vertex| mesh.to_bind.transform_point(&Point3::from(*all[vertex])))
 }
 
-/// Finds the vertices of every mesh.
+/// Finds the model's vertices in every mesh.
+///
+/// # Errors
+/// [`IntoError::Partly`]
 fn match_all(
     file: &RiggedFile,
     places: &Places<'_>,
@@ -159,7 +163,7 @@ fn match_all(
         first += number;
         all.push(match missing {
             None if found > 0 => {
-                // Points and lines are none of the model's, but go with it.
+                // Points and lines are not in the model; they follow its nearest vertices.
                 for (vertices, positions) in primitives.iter_mut().zip(&mesh.positions) {
                     if vertices.is_empty() {
                         let place = |x: &[f64; 3]| to_model.transform_point(&Point3::from(*x));
@@ -180,7 +184,7 @@ fn match_all(
     Ok(all)
 }
 
-/// Points in cells, each as wide as a point may be from what is sought.
+/// Points in cells; a cell is as wide as the tolerance.
 struct Places<'a> {
     points: &'a [[f64; 3]],
     near: f64,
@@ -197,15 +201,15 @@ impl<'a> Places<'a> {
         Self { points, near, cells }
     }
 
-    /// Finds the point nearest to a place.
+    /// Returns the point nearest to a position.
     fn nearest(&self, place: Point3<f64>) -> usize {
         let distance = |point: &[f64; 3]| (Vector3::from(*point) - place.coords).norm_squared();
         let all = self.points.iter().map(distance).enumerate();
         all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(number, _)| number)
     }
 
-    /// Finds the point at a place: this one if it is there, which tells points that share a place apart,
-    /// else the nearest, of several the first.
+    /// Returns the point at a position: the expected point if it is there, which separates points with a common
+    /// position; else the nearest point, the first of several.
     fn at(&self, place: Point3<f64>, expected: Option<usize>) -> Option<usize> {
         let distance = |number: usize| (Vector3::from(self.points[number]) - place.coords).norm();
         let expected = expected.filter(|&number| number < self.points.len());

@@ -1,4 +1,4 @@
-//! Joints, weights and keys put into a file.
+//! Puts joints, weights and keys into a file.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -6,13 +6,12 @@ use std::path::Path;
 use nalgebra::Matrix4;
 use serde_json::{Value, json};
 
-use super::error::IntoError;
 use super::find::Found;
 use super::joints::{self, OwnJoints};
 use crate::envelope::levels::{Level, LevelReport};
 use crate::examples::{Clip, Examples};
-use crate::export::error::ExportError;
-use crate::export::further::Further;
+use crate::export::error::{ExportError, IntoError};
+use crate::export::mesh::FurtherMeshes;
 use crate::export::played::Played;
 use crate::export::proxies::ProxyNodes;
 use crate::export::skeleton::square;
@@ -23,17 +22,17 @@ use crate::formats::scene::JointNames;
 
 /// An artist's file that plays a model.
 pub struct Grafted {
-    /// Its bytes.
+    /// Bytes of the file.
     pub glb: Vec<u8>,
-    /// The meshes that follow the model.
+    /// Names of the meshes that follow the model.
     pub meshes: Vec<String>,
-    /// Joints that the file did not have.
+    /// Joints that were added because the file lacked them.
     pub added_joints: Vec<String>,
-    /// The animations that were added, one a clip.
+    /// The added animations, one for each clip.
     pub animations: Vec<String>,
-    /// Animations of the file that move the same joints, and no proxy.
+    /// Animations of the file that move the same joints, but no proxies.
     pub kept_animations: Vec<String>,
-    /// How the further meshes follow, in their order.
+    /// Reports on the further meshes, in order.
     pub levels: Vec<LevelReport>,
 }
 
@@ -43,44 +42,43 @@ type Attributes = Vec<(String, Value)>;
 /// Rows of an affine map.
 type Rows = [[f32; 4]; 3];
 
-/// Puts a model into an artist's GLB or glTF: the meshes whose vertices are the model's, found by place,
-/// hang on the file's own joints, found by name, and on proxies under them, and an animation a clip is
-/// added. All else of the file stays as it is.
+/// Puts a model into an artist's GLB or glTF. Meshes with the model's vertices are found by position, joints are found
+/// by name. The meshes then follow the file's own joints and proxies under these joints, and an animation is added for
+/// each clip. Everything else stays.
 #[derive(Clone, Copy)]
 pub struct ExportInto<'a> {
-    /// A model's file.
+    /// Bytes of a model's file.
     pub model: &'a [u8],
-    /// The skin whose mesh plays; the model's first where none is named.
+    /// Name of the exported skin; the model's first if `None`.
     pub skin: Option<&'a str>,
     /// The poses.
     pub examples: &'a Examples,
-    /// The clips of its frames.
+    /// The clips of the frames.
     pub clips: &'a [Clip],
-    /// Whether what lies between frames counts: helpers get more keys, so that the skin is within 0.1 % of the diagonal of
-    /// the model's there.
+    /// Whether helpers get more keys between frames. Between frames the skin is then within 0.1 % of the diagonal of
+    /// the model's skin.
     pub between: bool,
-    /// Further meshes, which are added.
+    /// Further meshes to add.
     pub levels: &'a [Level],
-    /// How the names of the file's joints become the model's.
+    /// Conversion of the file's joint names to the model's.
     pub names: JointNames<'a>,
     /// The artist's file.
     pub file: &'a Path,
 }
 
 impl ExportInto<'_> {
-    /// Makes the file.
+    /// Writes the file.
     ///
     /// # Errors
-    /// - Those of [`Export::run`](crate::export::Export::run) that concern model, clips and further meshes.
-    /// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
-    ///   motion.
+    /// - The errors of [`Export::run`](crate::export::Export::run) about the model, clips and further meshes.
+    /// - [`ExportError::Into`]: the file cannot be read, lacks the model's mesh, or cannot hold its motion.
     pub fn run(&self) -> Result<Grafted, ExportError> {
         let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
         let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
         let file = RiggedFile::read(path).map_err(in_file)?;
         let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
-        let mut further = Further::new(&played, examples, levels)?;
+        let mut further = FurtherMeshes::new(&played, examples, levels)?;
         if let Some(mirror) = &right.mirror {
             further.convert(mirror);
         }
@@ -89,17 +87,18 @@ impl ExportInto<'_> {
         let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
 
         let mut document = Document::of(file.tree.clone(), file.bytes.clone());
-        // Without a proxy they move all that there is.
+        // Without proxies, the file's animations move the whole character.
         let has_proxies = !right.centres.is_empty();
         let kept_animations = if has_proxies { moving(&document, &known) } else { Vec::new() };
         let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
         let carriers = joints.carriers();
         let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
-        let shown = played.shown();
-        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
-        // From the model's rest mesh to each joint's own space.
+        let first_proxy = played.first_proxy();
+        let nodes: Vec<_> =
+            joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
+        // Maps from the model's rest mesh to each joint's space.
         let mut inverse_binds: Vec<_> =
-            (0..shown).map(|joint| joints.inverse_bind(joint)).collect();
+            (0..first_proxy).map(|joint| joints.inverse_bind(joint)).collect();
         for (bind, &joint) in proxies.inverse_binds.iter().zip(&right.carriers) {
             let bind = square(&bind.map(|row| row.map(f64::from)));
             inverse_binds.push(Matrix4::new_scaling(1.0 / joints.unit(joint)) * bind);
@@ -136,24 +135,24 @@ impl ExportInto<'_> {
     }
 }
 
-/// A file, and what its meshes are to follow.
+/// A file, and the palette for its meshes.
 struct Graft<'a> {
     file: &'a RiggedFile,
     found: &'a Found,
-    /// Joints of the palette.
+    /// Nodes of the palette.
     nodes: &'a [usize],
-    /// From the model's rest mesh to each.
+    /// Map from the model's rest mesh to the space of each node.
     inverse_binds: &'a [Matrix4<f64>],
 }
 
 impl Graft<'_> {
-    /// Lists the meshes that are the model's, and the model's vertices in them.
+    /// Lists the meshes that belong to the model, each with the model's vertices by primitive.
     fn meshes(&self) -> impl Iterator<Item = (&RiggedMesh, &Vec<Vec<usize>>)> {
         let all = self.file.meshes.iter().zip(&self.found.vertices);
         all.filter_map(|(mesh, vertices)| Some((mesh, vertices.as_ref()?)))
     }
 
-    /// Takes the meshes' old joints and weights away, and the skins that would stay without a mesh.
+    /// Removes the meshes' old joints and weights, and the skins that no mesh then uses.
     fn release(&self, document: &mut Document) {
         let mut arrays = Vec::new();
         for (mesh, _) in self.meshes() {
@@ -179,8 +178,8 @@ impl Graft<'_> {
         document.free_unused(arrays.into_iter().map(|array| array as usize));
     }
 
-    /// Hangs the meshes on the palette: those that are bound alike on one skin, in place of the one
-    /// that they had to themselves.
+    /// Connects the meshes to the palette. Meshes with the same bind share one skin, which replaces a skin that only
+    /// they used.
     fn skins(&self, document: &mut Document, own_root: bool) {
         let mut made: Vec<(Matrix4<f64>, usize)> = Vec::new();
         for (mesh, _) in self.meshes() {
@@ -208,7 +207,7 @@ impl Graft<'_> {
         }
     }
 
-    /// Returns the inverse bind matrices of a mesh; `to_model` leads from the mesh to the model's rest mesh.
+    /// Returns the inverse bind matrices of a mesh; `to_model` maps the mesh to the model's rest mesh.
     fn rows(&self, to_model: &Matrix4<f64>) -> Vec<Rows> {
         let rows = |bind: &Matrix4<f64>| {
             let bind = bind * to_model;
@@ -217,15 +216,15 @@ impl Graft<'_> {
         self.inverse_binds.iter().map(rows).collect()
     }
 
-    /// Gives the meshes' vertices what the model's follow.
+    /// Gives the meshes' vertices the influences of the model's vertices.
     fn weights(&self, document: &mut Document, influences: &[Vec<(usize, f64)>]) {
-        // Primitives that share their positions, and are the same vertices of the model, share these, too.
+        // Primitives with the same positions and the same model vertices share attributes.
         let mut made: HashMap<(Option<u64>, &[usize]), Attributes> = HashMap::new();
         let mut shown: HashMap<usize, &Vec<Vec<usize>>> = HashMap::new();
         for (mesh, vertices) in self.meshes() {
             let mut own = mesh.mesh;
             if *shown.entry(own).or_insert(vertices) != vertices {
-                // Another node shows this mesh as other vertices of the model.
+                // Another node uses this mesh for other vertices of the model.
                 let copy = document.meshes[own].clone();
                 document.meshes.push(copy);
                 own = document.meshes.len() - 1;
@@ -253,8 +252,8 @@ fn primitives(mesh: &mut Value) -> impl Iterator<Item = &mut Value> {
     mesh.get_mut("primitives").and_then(Value::as_array_mut).into_iter().flatten()
 }
 
-/// Moves a mesh's node to the root of the scene, where glTF wants what a skin moves: its own place
-/// counts for nothing. One that carries other nodes stays.
+/// Moves a mesh's node to the root of the scene, as glTF recommends for skinned meshes, whose node transforms are
+/// ignored. A node with children stays.
 fn to_root(document: &mut Document, file: &RiggedFile, mesh: &RiggedMesh) {
     let node = mesh.node;
     if document.nodes[node].get("children").is_some() {
@@ -277,7 +276,7 @@ fn to_root(document: &mut Document, file: &RiggedFile, mesh: &RiggedMesh) {
     }
 }
 
-/// Names the animations that move joints.
+/// Lists the names of the animations that move joints.
 fn moving(document: &Document, joints: &[Option<usize>]) -> Vec<String> {
     let moves = |animation: &&Value| {
         let channels = animation.get("channels").and_then(Value::as_array);
@@ -300,10 +299,65 @@ fn moving(document: &Document, joints: &[Option<usize>]) -> Vec<String> {
         .collect()
 }
 
-/// Gives a clip's name, or one like it that no animation of the file has.
+/// Returns the clip's name, or a similar name that no animation of the file has.
 fn free_name(document: &Document, name: &str) -> String {
     let taken = |name: &str| document.animations.iter().any(|a| a["name"].as_str() == Some(name));
     let further = (2..).map(|number| format!("{name} (sinew {number})"));
     let names = [name.to_owned(), format!("{name} (sinew)")].into_iter().chain(further);
     names.into_iter().find(|name| !taken(name)).unwrap_or_default()
+}
+
+impl Document {
+    /// Frees arrays that nothing uses, and views that only these arrays used, for new content. Their bytes stay.
+    fn free_unused(&mut self, arrays: impl IntoIterator<Item = usize>) {
+        let mut used = vec![0_usize; self.accessors.len()];
+        let primitives = self.meshes.iter().flat_map(|mesh| list(mesh, "primitives"));
+        let in_primitives = primitives.flat_map(|primitive| {
+            let targets = list(primitive, "targets").flat_map(members);
+            let attributes = primitive.get("attributes").into_iter().flat_map(members);
+            attributes.chain(targets).chain(primitive.get("indices"))
+        });
+        let in_skins = self.skins.iter().filter_map(|skin| skin.get("inverseBindMatrices"));
+        let samplers = self.animations.iter().flat_map(|animation| list(animation, "samplers"));
+        let in_samplers =
+            samplers.flat_map(|sampler| [sampler.get("input"), sampler.get("output")]).flatten();
+        count(in_primitives.chain(in_skins).chain(in_samplers), &mut used);
+        let mut arrays: Vec<usize> = arrays.into_iter().filter(|&array| used[array] == 0).collect();
+        arrays.sort_unstable();
+        arrays.dedup();
+        let views = |array: &Value| -> Vec<usize> {
+            let sparse = array.get("sparse");
+            let parts = ["indices", "values"].map(|part| sparse.and_then(|s| s.get(part)));
+            let all = parts.into_iter().flatten().chain([array]);
+            let views = all.filter_map(|part| Some(part.get("bufferView")?.as_u64()? as usize));
+            views.collect()
+        };
+        let mut free: Vec<usize> =
+            arrays.iter().flat_map(|&array| views(&self.accessors[array])).collect();
+        free.sort_unstable();
+        free.dedup();
+        let kept = (0..self.accessors.len()).filter(|array| arrays.binary_search(array).is_err());
+        let kept: Vec<usize> = kept.flat_map(|array| views(&self.accessors[array])).collect();
+        free.retain(|view| !kept.contains(view));
+        // Free indices are taken from the end: the lowest first.
+        arrays.reverse();
+        free.reverse();
+        self.free = [arrays, free];
+    }
+}
+
+fn list<'a>(value: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
+    value.get(name).and_then(Value::as_array).into_iter().flatten()
+}
+
+fn members(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_object().into_iter().flat_map(|members| members.values())
+}
+
+fn count<'a>(numbers: impl Iterator<Item = &'a Value>, used: &mut [usize]) {
+    for number in numbers.filter_map(Value::as_u64) {
+        if let Some(used) = used.get_mut(number as usize) {
+            *used += 1;
+        }
+    }
 }

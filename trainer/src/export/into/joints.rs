@@ -3,34 +3,35 @@
 use nalgebra::{Isometry3, Matrix3, Matrix4, UnitQuaternion, Vector3};
 use serde_json::Value;
 
-use super::error::IntoError;
 use super::find::Found;
 use crate::examples::{Matrix3x4, Skeleton};
-use crate::export::skeleton::{Carrier, continuous, isometry, parents_first, quaternion, square};
-use crate::export::times::track;
+use crate::export::error::IntoError;
+use crate::export::skeleton::{
+    Carrier, continuous, isometry, parents_first, quaternion, square, track,
+};
 use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::formats::scene::{JointNames, mismatch};
 
-/// A scale is that of its node within this share.
+/// Relative difference below which a scale equals that of its node.
 const SAME_SCALE: f64 = 1e-5;
-/// Farthest that a node's transform may be from a turn and an even scale, over the scale.
+/// Largest difference of a node's transform from a rotation and an even scale, relative to the scale.
 const EVEN: f64 = 1e-3;
 
-/// Frames of the joints in the model, pose by pose.
+/// Frames of the joints in the model, for each pose.
 type Frames = Vec<Vec<Isometry3<f64>>>;
 
-/// The joints as nodes: the file's own where it has them, others added.
+/// The joints as nodes: the file's nodes where it has them, and added nodes.
 pub(super) struct OwnJoints {
-    /// Their nodes.
+    /// Nodes of the joints.
     pub(super) nodes: Vec<NodeIndex>,
-    /// Names of those that the file did not have.
+    /// Names of the added joints.
     pub(super) added: Vec<String>,
-    /// Frames in the model's rest pose.
+    /// Frames of the joints in the model's rest pose.
     frames: Vec<Isometry3<f64>>,
     /// Length of each node's unit in the model.
     units: Vec<f64>,
-    /// Scale of each node where nothing is animated.
+    /// Scale of each node without animation.
     scales: Vec<[f32; 3]>,
     names: Vec<String>,
     to_world: Matrix4<f64>,
@@ -41,17 +42,17 @@ pub(super) struct OwnJoints {
 struct Tree {
     parents: Vec<Option<usize>>,
     locals: Vec<Matrix4<f64>>,
-    /// Parents before children.
+    /// Nodes in order, parents before children.
     order: Vec<usize>,
 }
 
-/// Finds the node of each joint by its name: the joint of a skin where several have it.
+/// Finds the node of each joint by name. If several nodes have the name, the joint of a skin is taken.
 ///
 /// - `joints`: names of the joints.
-/// - `names`: how names of the file become such.
+/// - `names`: conversion of the file's names.
 ///
 /// # Errors
-/// [`IntoError::OtherJoints`] where none is found, and other names would match.
+/// [`IntoError::OtherJoints`] if no joint is found, but other names would match.
 pub(super) fn nodes(
     file: &RiggedFile,
     joints: &[String],
@@ -72,7 +73,7 @@ pub(super) fn nodes(
 }
 
 impl OwnJoints {
-    /// Finds the joints of the model's skeleton, and adds those that are missing under their parents.
+    /// Finds the joints of the model's skeleton, and adds missing joints under their parents.
     ///
     /// # Errors
     /// [`IntoError::Uneven`]
@@ -117,7 +118,7 @@ impl OwnJoints {
             joints.units[joint] = parent.map_or(1.0 / world_unit, |parent| joints.units[parent]);
             joints.frames[joint] = isometry(&square(&skeleton.rest[joint]));
             let parent = parent.map(|parent| joints.nodes[parent]);
-            // Its place is set below, when it can be seen from its parent.
+            // The transform is set below, when the parent's is known.
             let name = skeleton.names[joint].clone();
             joints.nodes[joint] = document.node(name.clone(), parent, &Placed::AT_PARENT);
             joints.tree.add(parent);
@@ -135,24 +136,24 @@ impl OwnJoints {
         Ok(joints)
     }
 
-    /// Gives the joints as proxies hang on them.
+    /// Returns the joints as parents of proxies.
     pub(super) fn carriers(&self) -> Vec<Carrier> {
         let parts = self.nodes.iter().zip(&self.frames).zip(&self.units);
         parts.map(|((&node, &at_rest), &unit)| Carrier { node, at_rest, unit }).collect()
     }
 
-    /// Gives what takes a point of the model's rest mesh to a joint's own space.
+    /// Returns the map from the model's rest mesh to a joint's space.
     pub(super) fn inverse_bind(&self, joint: usize) -> Matrix4<f64> {
         even(1.0 / self.units[joint]) * self.frames[joint].inverse().to_homogeneous()
     }
 
-    /// Gives the length of a joint's unit in the model.
+    /// Returns the length of a joint's unit in the model.
     pub(super) fn unit(&self, joint: usize) -> f64 {
         self.units[joint]
     }
 
-    /// Tracks the joints through poses at these times: J maps each, from the rest pose. Gives the frames that they
-    /// reach in the model, too.
+    /// Makes the tracks of the joints through poses at these times. A pose has J maps from the rest pose. Also returns
+    /// the frames in the model that the rounded keys give.
     ///
     /// # Errors
     /// [`IntoError::Uneven`]
@@ -181,8 +182,8 @@ impl OwnJoints {
         Ok((tracks, reached))
     }
 
-    /// Places each joint against where its parent comes to lie in single precision, so that rounding
-    /// does not add up along a chain; gives the frames that they reach in the model.
+    /// Places each joint relative to its parent's rounded transform, so that rounding does not accumulate along a
+    /// chain. Also returns the rounded frames in the model.
     fn place(
         &self,
         maps: &[Matrix4<f64>],
@@ -237,7 +238,8 @@ impl Tree {
     }
 }
 
-/// Gives the node's matrix as its parts, which keys can move; `None` where it has none.
+/// Splits a node's matrix into translation, rotation and scale, which keys can animate; `None` if the matrix has other
+/// parts.
 fn part_matrix(node: &mut Value, matrix: &Matrix4<f64>) -> Option<()> {
     if node.get("matrix").is_none() {
         return Some(());
@@ -266,7 +268,7 @@ fn stated_scale(node: &Value) -> [f32; 3] {
     [0, 1, 2].map(|axis| factor(axis).map_or(1.0, |factor| factor as f32))
 }
 
-/// Gives a matrix's factors along its axes; all are negative where it mirrors.
+/// Returns a matrix's scale along its axes; negative along all axes if the matrix mirrors.
 fn factors(local: &Matrix4<f64>) -> [f64; 3] {
     let linear = local.fixed_view::<3, 3>(0, 0);
     let sign = linear.determinant().signum();

@@ -1,13 +1,10 @@
-//! A model and its clips in an artist's own file.
+//! Puts a model and its clips into an artist's file.
 //!
-//! The meshes that are the model's take joints and weights, the file's own skeleton takes keys and proxies
-//! under its joints; nothing else of the file changes.
+//! The model's meshes get joints and weights. The file's skeleton gets keys, and proxies as children of its joints.
+//! Nothing else in the file changes.
 
-pub(super) mod error;
 mod find;
 mod graft;
 mod joints;
-mod unused;
 
-pub use error::IntoError;
 pub use graft::{ExportInto, Grafted};

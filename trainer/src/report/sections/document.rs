@@ -1,32 +1,42 @@
-//! The page: its sections from top to bottom.
+//! The page and its sections, from top to bottom.
 
-use super::error::ReportError;
-use super::series::{ERRORS, errors};
-use super::{frames, histogram, joints, pictures, sizes};
-use crate::evaluate::{Frames, LBS, OWN_WEIGHTS};
+use super::{errors, frames, pictures, sizes};
+use crate::evaluate::{EvaluateError, Frames, OWN_WEIGHTS};
 use crate::examples::Split;
-use crate::page::html::{self, grouped, paragraph, section, table, text};
+use crate::page::html::{self, grouped, section, text};
 use crate::progress::Progress;
-use crate::report::comparison::{Comparison, Series};
+use crate::report::comparison::Comparison;
 use crate::report::pictures::{PictureOptions, Pictures};
 use crate::report::sizes::Sizes;
 use crate::space::written;
+use png::EncodingError;
 
-/// A report on what was measured.
+/// The page of a comparison.
 pub struct Page<'a> {
-    /// What was measured.
+    /// The models and their errors.
     pub comparison: &'a Comparison<'a>,
-    /// How the pictures are taken.
+    /// Options of the pictures.
     pub options: PictureOptions,
-    /// Whether the model's predictor is trained again with more and with fewer proxies.
+    /// Whether the model's predictor is trained again with more and fewer proxies.
     pub sizes: bool,
+}
+
+/// Reasons why a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A frame could not be skinned.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A picture could not be encoded.
+    #[error("cannot encode a picture: {0}")]
+    Picture(#[from] EncodingError),
 }
 
 impl Page<'_> {
     /// Writes the page: one HTML file that needs neither network nor script.
     ///
-    /// The same comparison gives the same bytes for any number of threads, but for the seconds that the
-    /// trainings took, which it tells where there are any.
+    /// The same comparison gives the same bytes for any number of threads, except the seconds of trainings, if there
+    /// are any.
     ///
     /// # Errors
     /// [`ReportError::Evaluate`] and [`ReportError::Picture`].
@@ -41,24 +51,24 @@ impl Page<'_> {
         let worst = comparison.source.label(comparison.model.measured.frames[pictures.worst].frame);
         let sections = [
             header(comparison),
-            section("Accuracy", &accuracy(comparison)),
+            section("Accuracy", &errors::accuracy(comparison)),
             section(
                 &format!("The worst pose: {worst}"),
                 &pictures::worst_pose(&pictures, comparison)?,
             ),
             section(
-                "Where it errs, over all frames",
+                "Error by vertex, over all frames",
                 &pictures::all_frames(&pictures, comparison)?,
             ),
             section("Error by frame", &frames::errors(comparison)),
-            section("Error by joint", &joints::errors(comparison)),
-            section("How errors are distributed", &histogram::errors(comparison)),
+            section("Error by joint", &errors::by_joint(comparison)),
+            section("How errors are distributed", &errors::histogram(comparison)),
             section("Confidence", &frames::confidence(comparison)),
             sizes.as_ref().map_or(String::new(), |sizes| {
                 section("More or fewer proxies", &sizes::errors(comparison, sizes))
             }),
             section(
-                "What moves each vertex",
+                "Transforms that move each vertex",
                 &pictures::palette(&pictures, comparison, near_rigid)?,
             ),
         ];
@@ -116,12 +126,12 @@ fn header(comparison: &Comparison<'_>) -> String {
     )
 }
 
-/// Says in words which frames are measured, and what to think of that.
+/// Says which frames are measured, and whether the training read them.
 fn measured_on(comparison: &Comparison<'_>) -> String {
     let examples = comparison.source.examples;
     let frames = comparison.model.measured.frames.len();
     let count = grouped(frames);
-    let better = "a fit is always better on what it has read than on what it will meet";
+    let better = "a fit is always better on frames that it has read than on new frames";
     match (comparison.frames, comparison.model.read) {
         (Frames::Of(Split::Extreme), None | Some(0)) => format!(
             "measured on {count} extreme frames, beyond the range of motion of the training"
@@ -155,7 +165,7 @@ fn measured_on(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Says how much of what is measured the second model has read, where that is another share than the first has.
+/// Says how many measured frames the second model's training read, if the number differs from the first model's.
 fn read_by_other(comparison: &Comparison<'_>) -> String {
     let Some(other) = &comparison.other else { return String::new() };
     let read = other.read.unwrap_or(0);
@@ -165,46 +175,6 @@ fn read_by_other(comparison: &Comparison<'_>) -> String {
     let frames = comparison.model.measured.frames.len();
     let of = if read == frames { "all".to_owned() } else { grouped(read) };
     format!("; {} has read {of} of them in training", text(other.file.name))
-}
-
-fn accuracy(comparison: &Comparison<'_>) -> String {
-    let head = [&[""][..], &ERRORS, &["confidence", "palette", "file"]].concat();
-    let row = |series: &Series<'_>| {
-        let mut row = vec![text(series.name)];
-        row.extend(errors(&series.measured.errors()));
-        row.extend(match series.model() {
-            None => ["", "", ""].map(str::to_owned),
-            Some(model) => {
-                let (confidence, envelope) =
-                    (series.measured.confidence(), &model.character.envelope);
-                let proxies = match envelope.proxy_len() {
-                    0 => "joints alone".to_owned(),
-                    count => format!("{}, {count} proxies", envelope.predictor().name()),
-                };
-                let bytes = format!("{} B", grouped(model.file.bytes.len()));
-                [format!("{:.3}", confidence.mean), proxies, bytes]
-            }
-        });
-        row
-    };
-    let rows: Vec<_> = comparison.series().iter().map(row).collect();
-    let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
-    let own_weights = match comparison.baselines.own_weights {
-        Some(_) => format!(
-            " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning by all joint weights that come with the mesh; a \
-             vertex without weights takes its fitted ones."
-        ),
-        None => String::new(),
-    };
-    table(&head, &rows)
-        + &paragraph(&format!(
-            "Errors are distances of vertices from where the examples have them, in % of the diagonal \
-             of the rest pose's box; 99 % of them are below the figure under that head. Normals are \
-             compared by angle with the true ones, the area-weighted mean of the true mesh's triangles, \
-             and count by the area of the rest pose. \
-             \u{201c}{LBS}\u{201d} is linear blend skinning with 4 influences a vertex, fitted to the same \
-             training frames.{own_weights} Normals of linear blend skinning are by cofactors."
-        ))
 }
 
 fn footer(comparison: &Comparison<'_>) -> String {

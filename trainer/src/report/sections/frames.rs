@@ -1,7 +1,7 @@
-//! Errors and confidence by frame.
+//! Sections of errors and confidence by frame.
 
-use super::series::{entries, legend, length, names};
-use crate::evaluate::{Measured, most_doubting};
+use super::errors::{entries, legend, length, names};
+use crate::evaluate::{Measured, least_confident_joint};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{paragraph, table, text};
@@ -11,12 +11,12 @@ use crate::report::comparison::{Comparison, Series};
 const SIZE: (f64, f64) = (1130.0, 290.0);
 /// Rows of the table of the worst frames.
 const WORST: usize = 8;
-/// Confidence that prints as less than 1.
+/// Largest confidence that prints as less than 1.
 const CERTAIN: f64 = 0.9995;
-/// Where ranges of the confidence begin, in the table of what it promises.
+/// Lower ends of the ranges of confidence in the table of errors by confidence.
 const RANGES: [f64; 5] = [0.95, 0.8, 0.5, 0.2, 0.0];
 
-/// A chart of each frame's RMS error, and the frames where the model's is largest.
+/// A chart of each frame's RMS error, and a table of the frames with the model's largest errors.
 pub(super) fn errors(comparison: &Comparison<'_>) -> String {
     let count = comparison.model.measured.frames.len();
     let series = comparison.series();
@@ -46,7 +46,7 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
         + &worst(comparison, &rms)
 }
 
-/// A chart of the confidence, where there is any doubt.
+/// A chart and tables of the confidence, unless the model is certain of all frames.
 pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
     let doubtful = |s: &Series<'_>| s.model().is_some() && s.measured.confidence().least < CERTAIN;
     let series: Vec<_> = comparison.series().into_iter().filter(doubtful).collect();
@@ -71,20 +71,20 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
             let rms = length(comparison, series.measured.errors_in(place).rms_percent);
             let character = series.model().map(|model| &model.character);
             let examples = comparison.source.examples;
-            let doubting = character.and_then(|c| most_doubting(c, examples, frame));
+            let joint = character.and_then(|c| least_confident_joint(c, examples, frame));
             vec![
                 text(&comparison.source.label(frame)),
                 text(series.name),
                 format!("{:.3}", confidence[place]),
-                text(doubting.unwrap_or_default()),
+                text(joint.unwrap_or_default()),
                 rms,
             ]
         }));
     }
     let head =
-        ["least confident", "model", "confidence", "most in doubt at", "RMS, %"].map(str::to_owned);
+        ["least confident", "model", "confidence", "least sure at", "RMS, %"].map(str::to_owned);
     paragraph(
-        "How sure the model is of a pose: 1 among those it was trained on, 0 far from them, where its \
+        "The model's confidence in a pose: 1 near the poses of the training, 0 far from them, where its \
          kernel maps have faded.",
     ) + &entries(&series)
         + &chart.finish("confidence in each frame")
@@ -92,7 +92,7 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         + &by_confidence(comparison, &series)
 }
 
-/// A table of the frames in each range of the confidence, with the RMS errors of the model and of the baselines.
+/// A table of the frames in each range of confidence, with the RMS errors of the model and the baselines.
 fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
     let rms = |measured: &Measured, places: &[usize]| {
         let squares = places.iter().map(|&place| measured.errors_in(place).rms_percent.powi(2));
@@ -121,12 +121,12 @@ fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
     let mut head = ["confidence", "model", "frames", "RMS, %"].map(str::to_owned).to_vec();
     head.extend(baselines.iter().map(|baseline| format!("{}, %", baseline.name)));
     paragraph(
-        "What the confidence promises: frames by how sure the model is of them, and what it and linear blend skinning \
-         leave there.",
+        "Errors by confidence: the RMS error of the model and of linear blend skinning in the frames of each range of \
+         confidence.",
     ) + &table(&head, &rows)
 }
 
-/// Each frame takes a unit of room.
+/// The horizontal axis: one unit for each frame.
 fn along(count: usize) -> Range {
     Range::linear(0.0, count as f64)
 }
@@ -153,8 +153,8 @@ fn lines(chart: &mut Chart, comparison: &Comparison<'_>, class: &str, values: &[
     }
 }
 
-/// Marks held-out and extreme frames where others are measured too, and clips where there are
-/// several, and writes frame numbers.
+/// Marks held-out and extreme frames if other frames are measured too, marks clips if there are several, and writes
+/// frame numbers.
 fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     let (frames, source) = (comparison.measured_frames(), &comparison.source);
     let split = |frame: usize| comparison.use_of(frame);
@@ -177,7 +177,7 @@ fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     }
 }
 
-/// Runs of frames that have something in common.
+/// Groups frames into runs with the same value.
 fn runs<T: PartialEq>(frames: &[usize], of: impl Fn(usize) -> T) -> Vec<((f64, f64), T)> {
     let mut runs: Vec<((f64, f64), T)> = Vec::new();
     for (place, &frame) in frames.iter().enumerate() {

@@ -1,13 +1,9 @@
-//! The sections of a report, from top to bottom.
+//! The page of a report and its sections.
 
 mod document;
-mod error;
+mod errors;
 mod frames;
-mod histogram;
-mod joints;
 mod pictures;
-mod series;
 mod sizes;
 
-pub use document::Page;
-pub use error::ReportError;
+pub use document::{Page, ReportError};

@@ -1,26 +1,28 @@
-//! The sections made of pictures.
+//! Sections made of pictures.
 
-use super::error::ReportError;
-use crate::evaluate::{Errors, Measured, OWN_WEIGHTS};
+use super::document::ReportError;
+use crate::evaluate::{Character, Errors, Measured, OWN_WEIGHTS};
+use crate::examples::Examples;
+use crate::numeric::columns::largest;
 use crate::page::camera::Camera;
-use crate::page::colour::{Colour, Scale};
+use crate::page::colour::{Colour, Scale, distinct_colours};
 use crate::page::html::{grouped, paragraph, side_by_side, text};
 use crate::report::comparison::{Comparison, Series};
-use crate::report::palette::{dominant_colours, follow_joints};
 use crate::report::pictures::{Paint, Pictures, Shape};
 use crate::space::written;
+use sinew_runtime::{Envelope, Skin};
+use std::collections::BTreeSet;
 
-const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
-                      shows the model once more on a scale of its own, all share one. The ring is the worst \
+const SCALES: &str = "Colours show errors in % of the diagonal. All pictures share one scale, except the last, which \
+                      shows the model once more on a separate scale. The ring is the worst \
                       vertex, broken where it is hidden.";
-/// What colours of distances and of angles stand for.
+/// Units of the colours of distances and of angles.
 const PERCENT: &str = "% of the diagonal";
 const DEGREES: &str = "degrees";
-/// A vertex that is near-rigid, and one that is not.
+/// Colours of near-rigid vertices and of other vertices.
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
-/// The truth and every skin in the model's worst frame, with the errors under them; and both once
-/// more around the worst vertex.
+/// The truth and every skin in the model's worst frame, with the errors below; then a close-up of the worst vertex.
 pub(super) fn worst_pose(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
@@ -36,16 +38,16 @@ pub(super) fn worst_pose(
         let heat = heat(pictures, comparison, &errors, |place| {
             (&shapes[place + 1], camera, Some(vertex))
         })?;
-        // Each map stands under the skin that it is of, none under the truth.
+        // Each error map is below its skin; the place below the truth is empty.
         let truth = std::iter::once("<div></div>\n".to_owned());
         let under: Vec<String> = truth.chain(heat).collect();
         Ok(side_by_side(under.len(), &clay) + &side_by_side(under.len(), &under))
     };
-    let told = |s: &Series<'_>| {
+    let error = |s: &Series<'_>| {
         let rms = s.measured.errors_in(pictures.worst).rms_percent;
         format!("{}: {}", text(s.name), comparison.length(rms))
     };
-    let told: Vec<String> = series.iter().map(told).collect();
+    let series_errors: Vec<String> = series.iter().map(error).collect();
     let model = comparison.model_place();
     let baselines = ["LBS", OWN_WEIGHTS].into_iter().zip(&errors[..model]);
     let baselines =
@@ -57,7 +59,7 @@ pub(super) fn worst_pose(
     let angles = angle_maps(pictures, &series, &angles, most, |place| &shapes[place + 1], &camera)?;
     Ok(paragraph(&format!(
         "The frame with the model's largest RMS error. {}. {SCALES}",
-        told.join("; ")
+        series_errors.join("; ")
     )) + &rows(&camera)?
         + &angles
         + "<h3>Around the worst vertex</h3>\n"
@@ -69,7 +71,7 @@ pub(super) fn worst_pose(
         + &rows(&pictures.near(&shapes[0], vertex, &errors[model]))?)
 }
 
-/// The rest pose, and on it each vertex's error over all measured frames.
+/// The rest pose, and each vertex's error over all measured frames on the rest pose.
 pub(super) fn all_frames(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
@@ -90,7 +92,7 @@ pub(super) fn all_frames(
         + &angles)
 }
 
-/// The errors of every series on one scale, then of the model alone on a scale of its own.
+/// The errors of every series on one scale, then of the model on a separate scale.
 fn heat<'b>(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
@@ -100,7 +102,7 @@ fn heat<'b>(
     let (series, model) = (comparison.series(), comparison.model_place());
     let (own, common) = (Scale::of(&errors[model]), Scale::of(errors.iter().flatten()));
     let all = (0..series.len()).map(|place| (place, common, "error, %"));
-    let all = all.chain([(model, own, "on a scale of its own, %")]);
+    let all = all.chain([(model, own, "on a separate scale, %")]);
     let pictures = all.map(|(place, scale, what)| {
         let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
@@ -110,7 +112,7 @@ fn heat<'b>(
     Ok(pictures.collect::<Result<_, _>>()?)
 }
 
-/// The angles of every series' normals to the true ones, on one scale.
+/// The angles between every series' normals and the true normals, on one scale.
 fn angle_maps<'b>(
     pictures: &Pictures<'_>,
     series: &[Series<'_>],
@@ -127,12 +129,12 @@ fn angle_maps<'b>(
     });
     let maps = maps.collect::<Result<Vec<_>, _>>()?;
     Ok(paragraph(
-        "How far the normals are turned from the true ones, all on one scale; folds beyond it have its \
+        "Angles between the normals and the true normals, all on one scale; larger angles in folds have the \
          last colour.",
     ) + &side_by_side(maps.len().max(3), &maps))
 }
 
-/// The largest of what 99 % of each series' normals stay below, in degrees.
+/// Returns the largest of the series' 99th percentiles of the normals' angles, in degrees.
 fn steepest(series: &[Series<'_>], errors: impl Fn(&Measured) -> Errors) -> f64 {
     series.iter().map(|s| errors(s.measured).normal_p99_degrees).fold(0.0, f64::max)
 }
@@ -153,10 +155,10 @@ fn worst_vertices(comparison: &Comparison<'_>, errors: &[f64]) -> String {
 
 fn worst_frame(measured: &Measured, vertex: usize) -> usize {
     let distances: Vec<f64> = measured.frames.iter().map(|f| f.distances[vertex]).collect();
-    measured.frames[crate::evaluate::largest(&distances)].frame
+    measured.frames[largest(&distances)].frame
 }
 
-/// The palette: near-rigid vertices, and the map that each vertex follows most.
+/// The palette: near-rigid vertices, and the transform that each vertex follows most.
 pub(super) fn palette(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
@@ -172,7 +174,7 @@ pub(super) fn palette(
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
             (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),
         };
-        // Of vertices that are all alike there is nothing to see.
+        // A picture with one colour shows nothing.
         if let Some(rigid) = rigid.filter(|rigid| rigid.contains(&true) && rigid.contains(&false)) {
             let colours: Vec<Colour> =
                 rigid.iter().map(|&rigid| NEAR_RIGID[usize::from(!rigid)]).collect();
@@ -184,18 +186,52 @@ pub(super) fn palette(
         }
         let colours = dominant_colours(&model.character, examples);
         let caption = format!(
-            "{name}: each vertex in the colour of the map that it follows most, of {}",
-            maps(&model.character.envelope)
+            "{name}: each vertex in the colour of the transform that it follows most, of {}",
+            describe_palette(&model.character.envelope)
         );
         row.push(pictures.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
     }
     Ok(side_by_side(row.len().max(3), &row))
 }
 
-fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {
+fn describe_palette(envelope: &Envelope<'_>) -> String {
     let proxies = envelope.proxy_len();
     match envelope.palette_len() - proxies {
         0 => format!("{proxies} proxies"),
         joints => format!("{joints} joints and {proxies} helpers"),
     }
+}
+
+/// Colours each vertex by the transform that it follows most. Transforms that meet on the surface have different hues.
+fn dominant_colours(character: &Character<'_>, examples: &Examples) -> Vec<Colour> {
+    let firsts = examples.surface().first_copies().into_iter();
+    let dominant: Vec<usize> = firsts.map(|copy| strongest(&character.skin, copy)).collect();
+    let mut meet = vec![BTreeSet::new(); character.skin.palette_len()];
+    for corners in &examples.triangles {
+        let own = corners.map(|vertex| dominant[vertex]);
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            if own[a] != own[b] {
+                meet[own[a]].insert(own[b]);
+                meet[own[b]].insert(own[a]);
+            }
+        }
+    }
+    let neighbours: Vec<Vec<usize>> = meet.into_iter().map(Vec::from_iter).collect();
+    let colours = distinct_colours(&neighbours);
+    dominant.into_iter().map(|index| colours[index]).collect()
+}
+
+/// Marks the V vertices of a kernel model that follow only joints; `None` for a palette without joints.
+fn follow_joints(character: &Character<'_>, examples: &Examples) -> Option<Vec<bool>> {
+    let Character { envelope, skin, .. } = character;
+    let joints = envelope.palette_len() - envelope.proxy_len();
+    let alone =
+        |vertex| skin.influences(vertex).all(|(index, weight)| index < joints || weight == 0.0);
+    let firsts = examples.surface().first_copies().into_iter();
+    (joints > 0).then(|| firsts.map(alone).collect())
+}
+
+fn strongest(skin: &Skin<'_>, vertex: usize) -> usize {
+    let all = skin.influences(vertex);
+    all.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best }).0
 }

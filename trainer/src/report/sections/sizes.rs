@@ -1,6 +1,6 @@
-//! What more or fewer proxies would give.
+//! Section of trainings with more and fewer proxies.
 
-use super::series::{ERRORS, errors as cells, legend};
+use super::errors::{ERROR_HEADS, error_cells, legend};
 use crate::envelope::FitError;
 use crate::evaluate::Errors;
 use crate::page::chart::{Chart, Range};
@@ -35,7 +35,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
         sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
     let seen = match sizes.seen {
         true => {
-            "They were trained on frames that are measured here, for the model has read no others: there the error falls \
+            "They were trained on the measured frames, because the model has read no others: on these frames the error falls \
              with every proxy. The forecast shows the gain in new poses."
         }
         false => "They have not read the measured frames.",
@@ -105,11 +105,11 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
 }
 
 fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
-    let head = [&["proxies"][..], &ERRORS, &["forecast", "file", "training"]].concat();
+    let head = [&["proxies"][..], &ERROR_HEADS, &["forecast", "file", "training"]].concat();
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let row = |name: String, errors: &Errors, forecast: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
-        row.extend(cells(errors));
+        row.extend(error_cells(errors));
         let forecast = format!("{} %{}", percent(forecast), below(comparison.mm(forecast)));
         row.extend([forecast, format!("{} B", grouped(bytes)), seconds]);
         row

@@ -1,4 +1,4 @@
-//! Which poses the others make superfluous, and which stand alone.
+//! Poses that the other poses make redundant, and isolated poses.
 
 use super::context::{Context, worst_first};
 use super::finding::FrameName;
@@ -8,35 +8,35 @@ use crate::regression::gram::SampleErrors;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// How the training poses predict each other.
+/// How well the training poses predict each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct Predicted {
-    /// Training poses there are.
+    /// Number of training poses.
     pub poses: usize,
-    /// Those that were compared: all, or some, evenly apart.
+    /// Number of compared poses: all, or some at even distances.
     pub compared: usize,
-    /// RMS error of LBS in them, in % of the diagonal.
+    /// RMS error of LBS in the compared poses, in % of the diagonal.
     pub lbs_percent: f64,
-    /// RMS error to be expected in poses never seen, in % of the diagonal: each contiguous block of
-    /// poses predicted by the others.
+    /// Expected RMS error in new poses, in % of the diagonal. Each contiguous block of poses is predicted by the
+    /// others.
     pub expected_percent: f64,
-    /// The error of LBS in millimetres; `None` where the unit is not known.
+    /// The error of LBS in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lbs_mm: Option<f64>,
-    /// The expected error in millimetres.
+    /// The expected error in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_mm: Option<f64>,
-    /// Poses that predict all others, in order.
+    /// Poses that predict all others, in the order of the frames.
     pub enough: Vec<FrameName>,
-    /// The others, that which is predicted best first.
+    /// The other poses, the best predicted first.
     pub redundant: Vec<FrameName>,
-    /// Poses that no other is like, the loneliest first.
+    /// Poses unlike all others, the most isolated first.
     pub isolated: Vec<Isolated>,
 }
 
 impl Predicted {
-    /// Counts the poses that were compared, and says of how many.
-    pub fn of_compared(&self) -> String {
+    /// Describes the number of compared poses, and of all poses if more.
+    pub fn describe_poses(&self) -> String {
         let Self { poses, compared, .. } = self;
         if compared < poses {
             format!("the {compared} training poses that were compared (of {poses})")
@@ -46,27 +46,27 @@ impl Predicted {
     }
 }
 
-/// A pose that no other is like.
+/// A pose unlike all others.
 #[derive(Clone, Debug, Serialize)]
 pub struct Isolated {
     /// The frame.
     pub frame: FrameName,
-    /// The joint whose skin is predicted worst.
+    /// The joint with the worst predicted skin.
     pub joint: String,
-    /// RMS error when it is predicted by all others, in % of the diagonal.
+    /// RMS error of the prediction by all other poses, in % of the diagonal.
     pub percent: f64,
-    /// That in millimetres; `None` where the unit is not known.
+    /// The error in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mm: Option<f64>,
 }
 
-/// Compares the training poses; none where LBS leaves nothing to predict, or no joint moves.
+/// Compares the training poses; `None` if LBS is exact or no joint moves.
 pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     if context.lbs_rms() < VISIBLE {
         return None;
     }
     let poses = compared(context.frames.len());
-    let mut regions = regions(context.left(), &poses);
+    let mut regions = regions(context.lbs_residuals(), &poses);
     if regions.is_empty() {
         return None;
     }
@@ -80,7 +80,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     let block: f64 = sum(&|e| e.block.iter().sum());
     let alone: Vec<f64> = (0..poses.len()).map(|i| sum(&|e| e.alone[i])).collect();
 
-    // Sums over the vertices of the regions, to RMS over all.
+    // Scales sums over the vertices of the regions to an RMS over all vertices.
     let all: Vec<usize> = (0..context.dominant.len()).collect();
     let whole: f64 = poses.iter().map(|&i| context.rms(i, &all).powi(2)).sum();
     let percent = |squared: f64| 100.0 * (squared / lbs * whole).sqrt();
@@ -91,7 +91,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     let tolerance = (REDUNDANT.powi(2) * usual).max(NEGLIGIBLE.powi(2) * mean_lbs);
     let Enough { mut kept, redundant } = enough(&mut regions, tolerance);
     kept.sort_unstable();
-    let stands_alone =
+    let is_isolated =
         |&i: &usize| alone[i] > ISOLATED.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
     let name = |i: usize| context.frame(poses[i]);
     let worst_joint = |i: usize| {
@@ -99,7 +99,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
         let worst = (0..regions.len()).max_by(|a, b| of(a).total_cmp(&of(b)));
         worst.map_or(String::new(), |r| context.joint(regions[r].joint).to_owned())
     };
-    let isolated = (0..poses.len()).filter(stands_alone);
+    let isolated = (0..poses.len()).filter(is_isolated);
     let isolated = worst_first(isolated, |i| alone[i]).into_iter().map(|i| {
         let percent = percent(alone[i]);
         Isolated { frame: name(i), joint: worst_joint(i), percent, mm: context.mm(percent) }
@@ -117,15 +117,15 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     })
 }
 
-/// Poses by their number among those compared.
+/// Indices among the compared poses.
 struct Enough {
     kept: Vec<usize>,
-    /// Best predicted first.
+    /// The best predicted first.
     redundant: Vec<usize>,
 }
 
-/// Takes the pose that those taken predict worst, until all others are predicted to within a squared
-/// error.
+/// Selects the pose with the worst prediction by the selected poses, until the squared error of every other pose is
+/// within the tolerance.
 fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
     let n = regions.first().map_or(0, |region| region.regression.sample_len());
     let mut kept = Vec::new();

@@ -1,0 +1,200 @@
+//! Whole scenes: a character that plays a model, with skeleton, proxies, meshes and an animation for each clip; and the
+//! demo character as an artist would deliver it.
+
+use super::error::ExportError;
+use super::mesh::{FurtherMeshes, SkinnedMesh, parts};
+use super::played::Played;
+use super::proxies::ProxyNodes;
+use super::skeleton::{JointNodes, key_times, quaternion, turned};
+use crate::envelope::lbs::weights;
+use crate::envelope::levels::{Level, LevelReport};
+use crate::examples::{Clip, Examples, Split};
+use crate::formats::appearance::Appearance;
+use crate::formats::gltf::write::{Document, Placed};
+use crate::space::{Conversion, SpaceRequest};
+use sinew_runtime::format::{Axis, Handedness, Space};
+
+/// Note in an exported file.
+const NOTE: &str = "The skin follows nodes called proxy_N under the skeleton's joints. A proxy's outer \
+    node moves, turns and scales it; its inner node turns the axes of the scale back. The keys \
+    were predicted from the skeleton's pose.";
+
+/// Orientation and scale of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stand {
+    /// As in the model.
+    AsModel,
+    /// Rotated from z up to y up, about x.
+    Upright,
+    /// In the given space, where it is stated; the armature rotates and scales the character.
+    In(SpaceRequest),
+}
+
+/// An exported file.
+pub struct Exported {
+    /// Bytes of the file.
+    pub glb: Vec<u8>,
+    /// Reports on the further meshes, in order.
+    pub levels: Vec<LevelReport>,
+}
+
+/// Exports clips of the examples as a GLB with an animation for each clip. The animations are the palettes that the f32
+/// runtime predicts. The model's mesh and further meshes use one skin.
+#[derive(Clone, Copy)]
+pub struct Export<'a> {
+    /// Bytes of a model's file.
+    pub model: &'a [u8],
+    /// Name of the exported skin; the model's first if `None`.
+    pub skin: Option<&'a str>,
+    /// The poses, and the mesh's triangles and texture coordinates.
+    pub examples: &'a Examples,
+    /// The clips of the frames.
+    pub clips: &'a [Clip],
+    /// Whether helpers get more keys between frames. Between frames the skin is then within 0.1 % of the diagonal of
+    /// the model's skin.
+    pub between: bool,
+    /// Further meshes.
+    pub levels: &'a [Level],
+    /// Materials and names of the mesh. Each known name becomes a mesh, each known material a primitive.
+    pub appearance: &'a Appearance,
+    /// Orientation and scale of the scene.
+    pub stand: Stand,
+}
+
+impl Export<'_> {
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, belongs to another character, or
+    ///   refuses a pose.
+    /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
+    /// - [`ExportError::Level`]: a further mesh does not lie on the model's skin.
+    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: the requested space is impossible.
+    /// - [`ExportError::Glb`]: the file cannot be written.
+    pub fn run(&self) -> Result<Exported, ExportError> {
+        let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
+        let played = Played::new(model, skin, examples, clips, between)?;
+        let right = played.right_handed(examples)?;
+        let skin = &played.character.skin;
+        let mut further = FurtherMeshes::new(&played, examples, levels)?;
+
+        let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
+        let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
+        let own = examples.surface();
+        let mut triangles = own.engine_triangles().to_vec();
+        if let Some(mirror) = &right.mirror {
+            normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
+            mirror.triangles(&mut triangles);
+            further.convert(mirror);
+        }
+
+        let mut document = Document::new(NOTE);
+        let armature = document.node("armature".to_owned(), None, &armature(&right.space, stand)?);
+        let joints = JointNodes::new(&mut document, armature, &right.skeleton);
+        let proxies =
+            ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
+        let first_proxy = played.first_proxy();
+        let nodes: Vec<_> =
+            joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
+        let inverse_binds = [&joints.inverse_binds[..first_proxy], &proxies.inverse_binds].concat();
+        let palette_skin = document.skin(armature, &nodes, &inverse_binds);
+        document.dress(appearance, own.uv().is_some());
+        let mesh = SkinnedMesh {
+            name: appearance.mesh.as_deref().unwrap_or(skin.name()),
+            positions: &right.rest,
+            normals: &normals_at_rest,
+            uv: own.uv(),
+            influences: &played.influences,
+            primitives: &[],
+        };
+        let materials = &appearance.of_triangles;
+        let ranges = examples.ranges.iter();
+        let ranges: Vec<_> =
+            ranges.map(|(name, range)| (name.clone(), own.engine_range(range))).collect();
+        for part in parts(mesh.name, &ranges, right.rest.len(), &triangles, materials) {
+            document.mesh(&part.of(&mesh), palette_skin);
+        }
+        further.add(&mut document, palette_skin);
+        for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times);
+            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            document.animation(&clip.name, times, tracks);
+        }
+        Ok(Exported { glb: document.finish()?, levels: further.reports })
+    }
+}
+
+/// Returns the armature's transform, which puts the right-handed model into the requested space.
+fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
+    let conversion = match stand {
+        Stand::AsModel => None,
+        Stand::Upright => {
+            let space =
+                |up, forward| Space { up: Some(up), forward: Some(forward), ..Space::default() };
+            Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
+        }
+        Stand::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
+            return Err(ExportError::LeftHanded);
+        }
+        Stand::In(request) => Conversion::to(*model, &request)?.1,
+    };
+    Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
+        rotation: quaternion(&turned(&conversion.axes())),
+        scale: [conversion.scale() as f32; 3],
+        ..Placed::AT_PARENT
+    }))
+}
+
+/// Note in the demo's file.
+const DEMO_NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with the weights of \
+    linear blend skinning. The meshes that its flesh really takes are in the point cache beside it.";
+
+/// Sorts frames by use, so that each use is one clip: training, held-out and extreme frames.
+pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
+    let (mut frames, mut clips) = (Vec::new(), Vec::new());
+    for split in [Split::Train, Split::HeldOut, Split::Extreme] {
+        let (name, own) = (split.name(), examples.frames_of(split));
+        if !own.is_empty() {
+            clips.push(Clip::regular(name.to_owned(), frames.len(), own.len()));
+            frames.extend(own);
+        }
+    }
+    let mut vertices = Vec::with_capacity(examples.vertices.len());
+    frames.iter().for_each(|&frame| vertices.extend_from_slice(examples.frame(frame)));
+    let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
+    let split = frames.iter().map(|&frame| examples.split[frame]).collect();
+    let clip_starts = clips.iter().map(|clip| clip.first).collect();
+    examples = Examples { vertices, transforms, split, clip_starts, ..examples };
+    (examples, clips)
+}
+
+/// Writes examples as a rigged character: the skeleton, the rest mesh with four LBS weights a vertex, fitted to the
+/// training frames, and an animation for each clip. The rest pose is the bind pose.
+///
+/// # Errors
+/// [`ExportError::NoFrames`], [`ExportError::Times`] and [`ExportError::Glb`].
+pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
+    let weights = weights::baseline(examples);
+    let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
+
+    let mut document = Document::new(DEMO_NOTE);
+    let armature = document.node("armature".to_owned(), None, &Placed::AT_PARENT);
+    let joints = JointNodes::new(&mut document, armature, &examples.skeleton);
+    let skin = document.skin(armature, &joints.nodes, &joints.inverse_binds);
+    let mesh = SkinnedMesh {
+        name: "skin",
+        positions: &examples.rest,
+        normals: &examples.surface().normals(),
+        uv: examples.surface().uv(),
+        influences: &influences,
+        primitives: &[(None, examples.triangles.clone())],
+    };
+    document.mesh(&mesh, skin);
+    for clip in clips {
+        let frames = clip.first..clip.first + clip.times.len();
+        let poses: Vec<_> = frames.map(|frame| examples.pose(frame).to_vec()).collect();
+        let times = key_times(clip)?;
+        document.animation(&clip.name, &times, joints.tracks(&poses, &times).0);
+    }
+    Ok(document.finish()?)
+}
