@@ -1,27 +1,27 @@
 //! Frames whose meshes do not belong to their poses.
 
 use super::finding::{Finding, FrameName, Kind, LISTED, Place, Severity, count, listed, runs};
-use crate::envelope::clean::{Doubted, Sound};
+use crate::envelope::clean::{Inliers, OutlierFrame};
 use crate::examples::Clip;
 use crate::space::beside;
 
 /// Tells of frames that do not belong, and whether a fit leaves them out.
 ///
 /// - `diagonal_mm`: of the rest mesh, where the unit is known.
-pub(super) fn broken(sound: &Sound, clips: &[Clip], diagonal_mm: Option<f64>) -> Finding {
-    let Sound { doubted, stay, .. } = sound;
-    let name = |of: &Doubted| FrameName::new(clips, of.frame);
-    let line = |of: &Doubted| {
+pub(super) fn broken(sound: &Inliers, clips: &[Clip], diagonal_mm: Option<f64>) -> Finding {
+    let Inliers { outliers, keeps_outliers, .. } = sound;
+    let name = |of: &OutlierFrame| FrameName::new(clips, of.frame);
+    let line = |of: &OutlierFrame| {
         let mm = beside(of.percent, diagonal_mm);
         let (percent, usual) = (of.percent, of.usual_percent);
         format!("{} (off by {percent:.2} % of the diagonal{mm}, {usual:.2} % is usual)", name(of))
     };
-    let names: Vec<FrameName> = doubted.iter().map(name).collect();
-    let all = match doubted.len() {
+    let names: Vec<FrameName> = outliers.iter().map(name).collect();
+    let all = match outliers.len() {
         0..=LISTED => String::new(),
         _ => format!("; all of them: {}", runs(&names).join(", ")),
     };
-    let then = match stay {
+    let then = match keeps_outliers {
         true => "without them too few frames or no motion would be left, so training keeps them",
         false => "a training leaves out what is named here",
     };
@@ -31,8 +31,8 @@ pub(super) fn broken(sound: &Sound, clips: &[Clip], diagonal_mm: Option<f64>) ->
         text: format!(
             "{} a mesh that does not belong to the pose, by what all others tell (a simulation that exploded, a mesh \
              that is moved, or of another frame); {then}: look, and mend or leave out yourself: frame {}{all}",
-            count(doubted.len(), "frame has", "frames have"),
-            listed(doubted.iter().map(line))
+            count(outliers.len(), "frame has", "frames have"),
+            listed(outliers.iter().map(line))
         ),
         places: names.into_iter().map(Place::Frame).collect(),
     }

@@ -3,7 +3,7 @@
 use super::finding::{FrameName, Place};
 use super::turns::Turns;
 use crate::envelope::correction::features::Features;
-use crate::envelope::lbs::residuals::Residuals;
+use crate::envelope::lbs::training::Residuals;
 use crate::envelope::lbs::training::Training;
 use crate::examples::{Clip, Examples};
 use crate::space::beside;
@@ -26,7 +26,7 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(super) fn new(clips: &'a [Clip], training: &'a Training<'a>) -> Self {
-        let (residuals, dominant) = training.left_by_lbs();
+        let (residuals, dominant) = training.lbs_residuals();
         Self {
             examples: training.examples,
             clips,

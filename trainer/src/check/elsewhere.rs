@@ -2,8 +2,8 @@
 
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Severity, count};
-use crate::envelope::clean::stands;
-use crate::envelope::lbs::residuals::Residuals;
+use crate::envelope::clean::rigid_offsets;
+use crate::envelope::lbs::training::Residuals;
 
 /// Share of a frame's squared error that is left where its mesh is put back, where most frames bend LBS.
 const LEFT: f64 = 0.25;
@@ -11,10 +11,10 @@ const LEFT: f64 = 0.25;
 /// Tells of most training frames that their meshes stand elsewhere; of fewer the others tell ([`super::broken`]).
 pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
     let Context { training, residuals: left, dominant, .. } = context;
-    let stands = stands(Residuals { training, left, dominant });
-    let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
-    let worst = worst_first(places, |pose| stands[pose].moved);
-    if 2 * worst.len() < stands.len() {
+    let offsets = rigid_offsets(Residuals { training, left, dominant });
+    let places = (0..offsets.len()).filter(|&pose| offsets[pose].is_offset(LEFT));
+    let worst = worst_first(places, |pose| offsets[pose].distance);
+    if 2 * worst.len() < offsets.len() {
         return None;
     }
     let farthest = *worst.first()?;
@@ -26,8 +26,8 @@ pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
              {}: as if the root moved in the meshes or in the joints alone, all stood in another place, or the meshes were of \
              other frames; nothing below is to be trusted until they go together",
             worst.len(),
-            count(stands.len(), "training frame has", "training frames have"),
-            context.length(stands[farthest].moved),
+            count(offsets.len(), "training frame has", "training frames have"),
+            context.length(offsets[farthest].distance),
             context.frame(farthest)
         ),
         places: context.frames(worst.iter().copied()),

@@ -25,8 +25,8 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
-use crate::envelope::clean::Sound;
-use crate::envelope::lbs::own::own_weights;
+use crate::envelope::clean::Inliers;
+use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::lbs::targets::Targets;
 use crate::envelope::lbs::training::Training;
 use crate::evaluate::NOTHING;
@@ -116,11 +116,11 @@ pub fn judge<'a>(
     examples: &'a Examples,
     clips: &[Clip],
     progress: &dyn Progress,
-) -> Result<(Check, Sound<'a>), CheckError> {
+) -> Result<(Check, Inliers<'a>), CheckError> {
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = size::size(examples, &mut findings);
-    let given = Sound::new(examples, progress)?;
+    let given = Inliers::new(examples, progress)?;
     progress.step("steps", 1);
     let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
@@ -129,13 +129,13 @@ pub fn judge<'a>(
     let stepped;
     let sound = match &in_step {
         Some(in_step) => {
-            stepped = Sound::new(in_step, progress)?;
+            stepped = Inliers::new(in_step, progress)?;
             &stepped
         }
         None => &given,
     };
     let examples = sound.training.examples;
-    let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
+    let doubted: Vec<usize> = sound.outliers.iter().map(|of| of.frame).collect();
     let mut named =
         (!doubted.is_empty()).then(|| broken::broken(sound, clips, examples.diagonal_mm()));
     // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
@@ -162,7 +162,7 @@ pub fn judge<'a>(
         let order = order::of_vertices(learnt);
         findings.extend(order.or_else(|| elsewhere::elsewhere(&context)));
     }
-    if sound.stay && findings.len() > before {
+    if sound.keeps_outliers && findings.len() > before {
         // So many do not belong because the whole does not.
         named = None;
     }
@@ -175,7 +175,7 @@ pub fn judge<'a>(
     progress.step("faces in poses", 1);
     folded::folded(all, &mut findings);
     progress.step("frames", 1);
-    if context.training.poses.are_one() {
+    if context.training.poses.are_equal() {
         findings.push(Finding {
             kind: Kind::OnePose,
             severity: Severity::Warning,
@@ -239,6 +239,6 @@ fn own_weights_rms(context: &Context<'_>) -> Option<f64> {
     let training = context.training;
     let own = own_weights(context.examples, &training.lbs.weights)?;
     // Every vertex counts the same, as for the fitted weights.
-    let targets = Targets { importance: Importance::ALIKE, ..training.targets(&own) };
+    let targets = Targets { importance: Importance::UNIFORM, ..training.targets(&own) };
     Some(targets.rms(&training.poses.stacked()))
 }

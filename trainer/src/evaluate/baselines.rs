@@ -1,7 +1,7 @@
 //! Baselines of a model, on the same frames: LBS by fitted weights, and LBS by the artist's own weights.
 
 use super::{Baseline, Measured, Told};
-use crate::envelope::lbs::own::own_weights;
+use crate::envelope::lbs::prior::own_weights;
 use crate::examples::Examples;
 
 /// Name of the baseline that is fitted to the training frames.

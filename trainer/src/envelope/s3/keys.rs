@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the step.
 const STEP: &str = "keys";
-const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, ahead: 0.0 };
+const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, momentum: 0.0 };
 
 /// Fitted keys.
 pub struct Keys {
@@ -115,7 +115,7 @@ mod tests {
             (affine((row / 3) as f64) * nalgebra::Vector3::from(rest[vertex]))[row % 3] + row as f64
         });
         let basis = basis(&moved);
-        let surface = Surface::new(&rest, triangles, &moved, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &moved, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let options =
             RotationalOptions { proxies: ProxyCount::Fixed(1), ..RotationalOptions::default() };
@@ -135,7 +135,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let options = RotationalOptions {

@@ -8,7 +8,7 @@
 
 use super::reduce::Reduced;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::stacked::in_poses;
+use crate::envelope::lbs::targets::in_poses;
 use crate::numeric::columns::solve_ridge;
 use faer::Mat;
 
