@@ -50,7 +50,7 @@ impl<'a> Context<'a> {
     }
 
     pub(super) fn left(&self) -> Residuals<'_> {
-        Residuals { training: self.training, left: &self.residuals, dominant: &self.dominant }
+        Residuals { training: self.training, residuals: &self.residuals, dominant: &self.dominant }
     }
 
     /// Names the `i`-th training frame.

@@ -10,8 +10,8 @@ const LEFT: f64 = 0.25;
 
 /// Tells of most training frames that their meshes stand elsewhere; of fewer the others tell ([`super::broken`]).
 pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
-    let Context { training, residuals: left, dominant, .. } = context;
-    let offsets = rigid_offsets(Residuals { training, left, dominant });
+    let Context { training, residuals, dominant, .. } = context;
+    let offsets = rigid_offsets(Residuals { training, residuals, dominant });
     let places = (0..offsets.len()).filter(|&pose| offsets[pose].is_offset(LEFT));
     let worst = worst_first(places, |pose| offsets[pose].distance);
     if 2 * worst.len() < offsets.len() {

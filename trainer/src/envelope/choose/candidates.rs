@@ -8,6 +8,38 @@ use crate::envelope::s3::{ProxyCount, RotationalReport};
 use crate::settings::{COEFFICIENTS_COST, TIED, UNSEEN};
 use sinew_runtime::Limits;
 
+/// Smallest usual number of proxies.
+const PROXIES: usize = 40;
+/// Candidate numbers of proxies, in quarters of the usual number. The last one is tried only under a budget.
+const QUARTERS: [usize; 4] = [4, 8, 2, 1];
+
+/// Lists the numbers of proxies to try, the usual number first.
+pub(super) fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
+    if let Some(count) = options.proxies {
+        return vec![count];
+    }
+    let most = proxies_max(training).min(options.method().proxies_max());
+    let usual = usual_count(training);
+    let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
+    let mut counts = Vec::new();
+    for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
+        if !counts.contains(&ProxyCount::Fixed(count)) {
+            counts.push(ProxyCount::Fixed(count));
+        }
+    }
+    counts
+}
+
+/// Returns the usual number of proxies. It is at least the number of joints. So proxies without joints reach the error of LBS.
+pub(super) fn usual_count(training: &Training) -> usize {
+    training.poses.joint_len().max(PROXIES).min(proxies_max(training))
+}
+
+/// Returns the largest number of proxies that the mesh and a file allow.
+pub(super) fn proxies_max(training: &Training) -> usize {
+    training.triangles.len().min(Limits::DEFAULT.proxies as usize)
+}
+
 /// Fitted envelope within the budget.
 pub(super) struct Candidate {
     pub(super) fitted: Fitted,
@@ -52,38 +84,6 @@ fn smallest_tied(all: &[(f64, Option<usize>)]) -> Option<usize> {
     let least = all.iter().map(|own| own.0).fold(f64::INFINITY, f64::min);
     let tied = (0..all.len()).filter(|&i| all[i].0 <= TIED * least.max(UNSEEN));
     tied.min_by_key(|&i| all[i].1)
-}
-
-/// Smallest usual number of proxies.
-const PROXIES: usize = 40;
-/// Candidate numbers of proxies, in quarters of the usual number. The last one is tried only under a budget.
-const QUARTERS: [usize; 4] = [4, 8, 2, 1];
-
-/// Lists the numbers of proxies to try, the usual number first.
-pub(super) fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
-    if let Some(count) = options.proxies {
-        return vec![count];
-    }
-    let most = proxies_max(training).min(options.method().proxies_max());
-    let usual = usual_count(training);
-    let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
-    let mut counts = Vec::new();
-    for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
-        if !counts.contains(&ProxyCount::Fixed(count)) {
-            counts.push(ProxyCount::Fixed(count));
-        }
-    }
-    counts
-}
-
-/// Returns the usual number of proxies. It is at least the number of joints, so that proxies alone are as good as LBS.
-pub(super) fn usual_count(training: &Training) -> usize {
-    training.poses.joint_len().max(PROXIES).min(proxies_max(training))
-}
-
-/// Returns the largest number of proxies that the mesh and a file allow.
-pub(super) fn proxies_max(training: &Training) -> usize {
-    training.triangles.len().min(Limits::DEFAULT.proxies as usize)
 }
 
 #[cfg(test)]

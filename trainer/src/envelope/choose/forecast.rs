@@ -63,8 +63,8 @@ mod tests {
         };
         let found = forecast(&training, &vertices, &clips, &fit).unwrap();
         let squared = |&vertex: &usize| -> f64 {
-            let (rest, moved) = (training.rest[vertex], training.trajectories.col_as_slice(vertex));
-            moved.iter().enumerate().map(|(k, y)| (y - rest[k % 3]).powi(2)).sum()
+            let (rest, truth) = (training.rest[vertex], training.trajectories.col_as_slice(vertex));
+            truth.iter().enumerate().map(|(k, y)| (y - rest[k % 3]).powi(2)).sum()
         };
         let expected = (vertices.iter().map(squared).sum::<f64>() / (100.0 * 40.0)).sqrt();
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");

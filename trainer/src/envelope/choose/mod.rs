@@ -11,18 +11,14 @@ use super::correction::joint_sets::{self, JointSets};
 use super::correction::target::CorrectionTarget;
 use super::error::{FitError, TrainError};
 use super::fitted::{Fitted, corrected};
-use super::helpers::{
-    Helpers,
-    fit::{HelperFit, STEP},
-};
+use super::helpers::Helpers;
+use super::helpers::fit::{HelperFit, STEP};
 use super::lbs::prior::own_weights;
 use super::lbs::training::Training;
-use super::levels::AddError;
-use super::levels::{self, LevelReport};
+use super::levels::{self, AddError, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
-use super::s3::ProxyCount;
-use super::s3::{self, Rotational, RotationalOptions};
+use super::s3::{self, ProxyCount, Rotational, RotationalOptions};
 use crate::examples::spread;
 use crate::progress::{Progress, Silent};
 use crate::settings::FEW_VERTICES;

@@ -9,8 +9,7 @@
 //! even many equal offsets are found.
 
 use super::region::{POSES, Region, regions};
-use crate::envelope::lbs::training::Residuals;
-use crate::envelope::lbs::training::Training;
+use crate::envelope::lbs::training::{Residuals, Training};
 use crate::numeric::so3;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -29,6 +28,11 @@ const FEW: f64 = 16.0;
 pub(super) const ROUNDS: usize = 4;
 /// Largest share of outliers. If more frames are flagged, they are not exceptions and stay.
 pub(super) const MOST: f64 = 0.25;
+/// Smallest length of a rigid offset, RMS in diagonals. Inlier frames have up to a quarter of this.
+const FAR: f64 = 0.02;
+/// Largest share of the squared error that may be left without the rigid offset. On an inlier nearly all error is left. The
+/// exception is a small set in which one wrong frame bends LBS: then twice this share is left.
+const REMAINING: f64 = 0.02;
 
 /// Training pose whose mesh does not belong to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,13 +46,34 @@ pub struct OutlierPose {
     pub usual: f64,
 }
 
+/// Rigid motion that brings the skinned mesh of a pose nearest to the true mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidOffset {
+    /// Distance of the rigid motion, RMS in diagonals.
+    pub distance: f64,
+    /// Share of the squared error that is left after the rigid motion.
+    pub remaining: f64,
+}
+
+impl RigidOffset {
+    /// Returns whether the mesh certainly has a rigid offset from its joints.
+    pub fn is_certain(&self) -> bool {
+        self.is_offset(REMAINING)
+    }
+
+    /// Returns whether the offset is long and leaves less than a share `most` of the squared error.
+    pub fn is_offset(&self, most: f64) -> bool {
+        self.distance > FAR && self.remaining < most
+    }
+}
+
 /// Finds the outlier poses, sorted by error over usual error, the largest first.
 ///
 /// - `out`: poses that LBS was fitted without. Any other pose with a rigid offset bends LBS. Then only rigid offsets are
 ///   returned.
 pub fn outliers(training: &Training, out: &[usize]) -> Vec<OutlierPose> {
-    let (left, dominant) = training.lbs_residuals();
-    let residuals = Residuals { training, left: &left, dominant: &dominant };
+    let (errors, dominant) = training.lbs_residuals();
+    let residuals = Residuals { training, residuals: &errors, dominant: &dominant };
     let mut found = offset_poses(residuals);
     if found.iter().all(|outlier| out.contains(&outlier.pose)) {
         let rest = without(training.poses.len(), &found);
@@ -63,132 +88,6 @@ pub fn outliers(training: &Training, out: &[usize]) -> Vec<OutlierPose> {
     found
 }
 
-/// Finds the poses with a rigid offset; none if most poses have one.
-fn offset_poses(residuals: Residuals<'_>) -> Vec<OutlierPose> {
-    let all = rigid_offsets(residuals);
-    let usual = middle(all.iter().map(|offset| offset.distance).collect());
-    let found = all.iter().enumerate().filter(|(_, offset)| offset.is_certain());
-    let found: Vec<OutlierPose> =
-        found.map(|(pose, offset)| OutlierPose { pose, error: offset.distance, usual }).collect();
-    if 2 * found.len() < all.len() { found } else { Vec::new() }
-}
-
-/// Finds the outliers among some poses.
-fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<OutlierPose> {
-    let regions = regions(residuals, poses);
-    let left = |i: usize| regions.iter().map(|region| region.regression.left(i)).sum();
-    let compared = Compared {
-        left: (0..poses.len()).map(left).collect(),
-        vertex_len: regions.iter().map(|region| region.vertex_len as f64).sum(),
-        regions,
-    };
-    let found = compared.outliers().unwrap_or_default();
-    found.into_iter().map(|found| OutlierPose { pose: poses[found.pose], ..found }).collect()
-}
-
-/// Poses that predict each other.
-struct Compared {
-    /// Skin of each joint.
-    regions: Vec<Region>,
-    /// Squared error of LBS in each pose, summed over the regions.
-    left: Vec<f64>,
-    /// Number of sampled vertices of all regions.
-    vertex_len: f64,
-}
-
-impl Compared {
-    /// Finds the outliers. The first inliers are the poses with the smallest standardised residuals.
-    fn outliers(&self) -> Option<Vec<OutlierPose>> {
-        let n = self.left.len();
-        let all = self.errors(&Vec::from_iter(0..n))?;
-        let mut inliers: Vec<usize> = (0..n).collect();
-        inliers.sort_by(|&a, &b| all[a].0.total_cmp(&all[b].0));
-        inliers.truncate(n - ((MOST * n as f64) as usize).max(1));
-        inliers.sort_unstable();
-        let mut found = Vec::new();
-        for _ in 0..ROUNDS {
-            found = self.judged_by(&inliers)?;
-            let belong = without(n, &found);
-            if belong == inliers || 2 * belong.len() < n {
-                break;
-            }
-            inliers = belong;
-        }
-        Some(found)
-    }
-
-    /// Finds the poses whose error is much larger than usual, if the inliers predict them.
-    ///
-    /// The usual squared error is the variance of the prediction times the median standardised residual of the inliers. The
-    /// squared error of LBS limits it.
-    fn judged_by(&self, inliers: &[usize]) -> Option<Vec<OutlierPose>> {
-        let bulge = BULGE.powi(2) * self.vertex_len;
-        let errors = self.errors(inliers)?;
-        let usual = middle(inliers.iter().map(|&i| errors[i].0).collect()).max(bulge);
-        let judge = |i: usize| {
-            let (standardised, squared) = errors[i];
-            let others = inliers.iter().filter(|&&other| other != i);
-            let count = others.clone().count().max(1) as f64;
-            let lbs = others.map(|&other| self.left[other]).sum::<f64>() / count;
-            let times = (standardised / usual).max(squared / lbs.max(bulge)).sqrt();
-            let is_outlier = times > TIMES && squared > FEW / (count + 1.0) * lbs;
-            let error = (squared / self.vertex_len).sqrt();
-            is_outlier.then_some(OutlierPose { pose: i, error, usual: error / times })
-        };
-        Some((0..self.left.len()).filter_map(judge).collect())
-    }
-
-    /// Predicts each pose from the other inliers. Returns the squared error over its variance, and the squared error, both
-    /// summed over the regions.
-    fn errors(&self, inliers: &[usize]) -> Option<Vec<(f64, f64)>> {
-        let mut sums = vec![(0.0, 0.0); self.left.len()];
-        for region in &self.regions {
-            for (sum, own) in sums.iter_mut().zip(region.regression.surprises(inliers)?) {
-                *sum = (sum.0 + own.0, sum.1 + own.1);
-            }
-        }
-        Some(sums)
-    }
-}
-
-/// Lists the poses among n that are not outliers.
-fn without(n: usize, found: &[OutlierPose]) -> Vec<usize> {
-    (0..n).filter(|&pose| found.iter().all(|outlier| outlier.pose != pose)).collect()
-}
-
-/// Returns the median, 0 without values.
-fn middle(mut values: Vec<f64>) -> f64 {
-    let place = values.len() / 2;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
-}
-
-/// Smallest length of a rigid offset, RMS in diagonals. Inlier frames have up to a quarter of this.
-const FAR: f64 = 0.02;
-/// Largest share of the squared error that may be left without the rigid offset. On an inlier nearly all error is left. The
-/// exception is a small set in which one wrong frame bends LBS: then twice this share is left.
-const LEFT: f64 = 0.02;
-
-/// Rigid motion that brings the skinned mesh of a pose nearest to the true mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidOffset {
-    /// Distance by which the rigid motion moves vertices, RMS in diagonals.
-    pub distance: f64,
-    /// Share of the squared error that is left after the rigid motion.
-    pub left: f64,
-}
-
-impl RigidOffset {
-    /// Returns whether the mesh certainly has a rigid offset from its joints.
-    pub fn is_certain(&self) -> bool {
-        self.is_offset(LEFT)
-    }
-
-    /// Returns whether the offset is long and leaves less than a share `left` of the squared error.
-    pub fn is_offset(&self, left: f64) -> bool {
-        self.distance > FAR && self.left < left
-    }
-}
-
 /// Fits the rigid offset of each training frame, n.
 pub fn rigid_offsets(residuals: Residuals<'_>) -> Vec<RigidOffset> {
     (0..residuals.training.poses.len())
@@ -197,13 +96,13 @@ pub fn rigid_offsets(residuals: Residuals<'_>) -> Vec<RigidOffset> {
         .collect()
 }
 
-fn rigid_offset(Residuals { training, left, .. }: Residuals<'_>, pose: usize) -> RigidOffset {
+fn rigid_offset(Residuals { training, residuals, .. }: Residuals<'_>, pose: usize) -> RigidOffset {
     let len = training.rest.len();
     let at = |columns: &Mat<f64>, vertex: usize| {
         Vector3::from_column_slice(&columns.col_as_slice(vertex)[3 * pose..3 * pose + 3])
     };
     let truth = |vertex: usize| at(&training.trajectories, vertex);
-    let skinned = |vertex: usize| truth(vertex) - at(left, vertex);
+    let skinned = |vertex: usize| truth(vertex) - at(residuals, vertex);
     let mean = |of: &dyn Fn(usize) -> Vector3<f64>| -> Vector3<f64> {
         (0..len).map(of).sum::<Vector3<f64>>() / len as f64
     };
@@ -219,8 +118,107 @@ fn rigid_offset(Residuals { training, left, .. }: Residuals<'_>, pose: usize) ->
     let error = sum(&|v| truth(v) - skinned(v)).max(f64::MIN_POSITIVE);
     RigidOffset {
         distance: (offset / len as f64).sqrt(),
-        left: sum(&|v| truth(v) - shifted(v)) / error,
+        remaining: sum(&|v| truth(v) - shifted(v)) / error,
     }
+}
+
+/// Finds the poses with a rigid offset; none if most poses have one.
+fn offset_poses(residuals: Residuals<'_>) -> Vec<OutlierPose> {
+    let all = rigid_offsets(residuals);
+    let usual = median(all.iter().map(|offset| offset.distance).collect());
+    let found = all.iter().enumerate().filter(|(_, offset)| offset.is_certain());
+    let found: Vec<OutlierPose> =
+        found.map(|(pose, offset)| OutlierPose { pose, error: offset.distance, usual }).collect();
+    if 2 * found.len() < all.len() { found } else { Vec::new() }
+}
+
+/// Finds the outliers among some poses.
+fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<OutlierPose> {
+    let regions = regions(residuals, poses);
+    let lbs_error = |i: usize| regions.iter().map(|region| region.regression.left(i)).sum();
+    let compared = Compared {
+        lbs_errors: (0..poses.len()).map(lbs_error).collect(),
+        vertex_len: regions.iter().map(|region| region.vertex_len as f64).sum(),
+        regions,
+    };
+    let found = compared.outliers().unwrap_or_default();
+    found.into_iter().map(|found| OutlierPose { pose: poses[found.pose], ..found }).collect()
+}
+
+/// Poses that predict each other.
+struct Compared {
+    /// Skin of each joint.
+    regions: Vec<Region>,
+    /// Squared error of LBS in each pose, summed over the regions.
+    lbs_errors: Vec<f64>,
+    /// Number of sampled vertices of all regions.
+    vertex_len: f64,
+}
+
+impl Compared {
+    /// Finds the outliers. The first inliers are the poses with the smallest standardised residuals.
+    fn outliers(&self) -> Option<Vec<OutlierPose>> {
+        let n = self.lbs_errors.len();
+        let all = self.errors(&Vec::from_iter(0..n))?;
+        let mut inliers: Vec<usize> = (0..n).collect();
+        inliers.sort_by(|&a, &b| all[a].0.total_cmp(&all[b].0));
+        inliers.truncate(n - ((MOST * n as f64) as usize).max(1));
+        inliers.sort_unstable();
+        let mut found = Vec::new();
+        for _ in 0..ROUNDS {
+            found = self.predicted_by(&inliers)?;
+            let belong = without(n, &found);
+            if belong == inliers || 2 * belong.len() < n {
+                break;
+            }
+            inliers = belong;
+        }
+        Some(found)
+    }
+
+    /// Finds the poses whose error is much larger than usual, if the inliers predict them.
+    ///
+    /// The usual squared error is the variance of the prediction times the median standardised residual of the inliers. The
+    /// squared error of LBS limits it.
+    fn predicted_by(&self, inliers: &[usize]) -> Option<Vec<OutlierPose>> {
+        let bulge = BULGE.powi(2) * self.vertex_len;
+        let errors = self.errors(inliers)?;
+        let usual = median(inliers.iter().map(|&i| errors[i].0).collect()).max(bulge);
+        let judge = |i: usize| {
+            let (standardised, squared) = errors[i];
+            let others = inliers.iter().filter(|&&other| other != i);
+            let count = others.clone().count().max(1) as f64;
+            let lbs = others.map(|&other| self.lbs_errors[other]).sum::<f64>() / count;
+            let times = (standardised / usual).max(squared / lbs.max(bulge)).sqrt();
+            let is_outlier = times > TIMES && squared > FEW / (count + 1.0) * lbs;
+            let error = (squared / self.vertex_len).sqrt();
+            is_outlier.then_some(OutlierPose { pose: i, error, usual: error / times })
+        };
+        Some((0..self.lbs_errors.len()).filter_map(judge).collect())
+    }
+
+    /// Predicts each pose from the other inliers. Returns the squared error over its variance, and the squared error, both
+    /// summed over the regions.
+    fn errors(&self, inliers: &[usize]) -> Option<Vec<(f64, f64)>> {
+        let mut sums = vec![(0.0, 0.0); self.lbs_errors.len()];
+        for region in &self.regions {
+            for (sum, own) in sums.iter_mut().zip(region.regression.surprises(inliers)?) {
+                *sum = (sum.0 + own.0, sum.1 + own.1);
+            }
+        }
+        Some(sums)
+    }
+}
+
+/// Lists the poses among n that are not outliers.
+fn without(n: usize, found: &[OutlierPose]) -> Vec<usize> {
+    (0..n).filter(|&pose| found.iter().all(|outlier| outlier.pose != pose)).collect()
+}
+
+/// Returns the median, 0 without values.
+fn median(mut values: Vec<f64>) -> f64 {
+    let place = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
 }
 
 #[cfg(test)]

@@ -76,10 +76,10 @@ impl<'a> Features<'a> {
     /// Computes the features of a joint: half of the rotation relative to the parent ([`so3::half`]) and, last in each row, the
     /// displacement of the joint's origin in the parent's frame. The root's features are 0.
     fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
-        let (rotation, moved) = self.relative(poses, pose, joint);
+        let (rotation, displacement) = self.relative(poses, pose, joint);
         let turn = so3::half(&rotation);
         std::array::from_fn(|k| match (k / 4, k % 4) {
-            (r, 3) => moved[r],
+            (r, 3) => displacement[r],
             (r, c) => turn[(r, c)],
         })
     }
@@ -98,8 +98,8 @@ impl<'a> Features<'a> {
         let inverse = poses.parent_rotation(pose, joint).transpose();
         let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
         let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
-        let apart = inverse * (at(joint) - at(parent));
-        (inverse * own, apart - (self.origins[joint] - self.origins[parent]))
+        let offset = inverse * (at(joint) - at(parent));
+        (inverse * own, offset - (self.origins[joint] - self.origins[parent]))
     }
 }
 

@@ -17,9 +17,24 @@ use std::ops::Range;
 
 /// Name of the step.
 const STEP: &str = "inputs of kernel maps";
+/// Candidate hops, the fewest inputs first.
+const HOPS: [usize; 3] = [1, 2, 3];
+/// Largest number of centres while inputs are chosen. 128 centres do not show the inputs that a larger map needs.
+const CENTRES: usize = 192;
 
 /// Joint sets of each dominant joint: one, or several for different helpers.
 pub type JointSets = BTreeMap<usize, Vec<JointSet>>;
+
+/// Input joints of a kernel map, and its kernel.
+#[derive(Clone)]
+pub struct JointSet {
+    /// Largest number of hops to an input joint.
+    pub hops: usize,
+    /// Features of the joints.
+    pub inputs: Vec<Input>,
+    /// Kernel, and its squared width in median squared distances.
+    pub kernel: (GroupKernel, f64),
+}
 
 /// Chooses the joint sets of each dominant joint.
 pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> JointSets {
@@ -32,6 +47,22 @@ pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> JointSe
         (joint, sets)
     };
     groups.into_par_iter().map(of_joint).collect()
+}
+
+/// Returns the index of the joint set with the best score for each helper, P.
+pub fn assign(target: &CorrectionTarget<'_>, joint_sets: &JointSets) -> Vec<usize> {
+    let groups = groups(target.dominant.len(), |helper| target.dominant[helper]);
+    let of_joint = |helpers: Range<usize>| -> Vec<usize> {
+        let len = helpers.len();
+        let sets = joint_sets.get(&target.dominant[helpers.start]).map_or(&[][..], Vec::as_slice);
+        if sets.len() < 2 {
+            return vec![0; len];
+        }
+        let scores = Scores::new(target, &EachOutputs::new(target, helpers), sets);
+        let all: Vec<usize> = (0..sets.len()).collect();
+        (0..len).map(|helper| scores.best(&all, helper).0).collect()
+    };
+    groups.into_par_iter().map(of_joint).collect::<Vec<_>>().concat()
 }
 
 /// Chooses joint sets for the helpers of a joint.
@@ -71,6 +102,19 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, helpers: Range<usize>) -> 
     taken.iter().map(refined).collect()
 }
 
+/// Lists candidate joints for the joint sets of a joint, with their hops: the joints nearby, on all sides or on one side.
+fn candidate_joints(
+    parents: &[Option<usize>],
+    joint: usize,
+) -> impl Iterator<Item = (usize, Vec<usize>)> {
+    HOPS.into_iter().flat_map(move |hops| {
+        let all = near(parents, joint, hops);
+        let side = |side| on_side(parents, joint, side, &all);
+        let sides: Vec<_> = neighbours(parents, joint).map(side).collect();
+        std::iter::once(all).chain(sides).map(move |joints| (hops, joints))
+    })
+}
+
 /// Score of each joint set for each helper.
 struct Scores(Vec<Vec<f64>>);
 
@@ -93,51 +137,6 @@ impl Scores {
     fn sum(&self, sets: &[usize]) -> f64 {
         (0..self.0[0].len()).map(|helper| self.best(sets, helper).1).sum()
     }
-}
-
-/// Lists candidate joints for the joint sets of a joint, with their hops: the joints nearby, on all sides or on one side.
-fn candidate_joints(
-    parents: &[Option<usize>],
-    joint: usize,
-) -> impl Iterator<Item = (usize, Vec<usize>)> {
-    HOPS.into_iter().flat_map(move |hops| {
-        let all = near(parents, joint, hops);
-        let side = |side| on_side(parents, joint, side, &all);
-        let sides: Vec<_> = neighbours(parents, joint).map(side).collect();
-        std::iter::once(all).chain(sides).map(move |joints| (hops, joints))
-    })
-}
-
-/// Returns the index of the joint set with the best score for each helper, P.
-pub fn assign(target: &CorrectionTarget<'_>, joint_sets: &JointSets) -> Vec<usize> {
-    let groups = groups(target.dominant.len(), |helper| target.dominant[helper]);
-    let of_joint = |helpers: Range<usize>| -> Vec<usize> {
-        let len = helpers.len();
-        let sets = joint_sets.get(&target.dominant[helpers.start]).map_or(&[][..], Vec::as_slice);
-        if sets.len() < 2 {
-            return vec![0; len];
-        }
-        let scores = Scores::new(target, &EachOutputs::new(target, helpers), sets);
-        let all: Vec<usize> = (0..sets.len()).collect();
-        (0..len).map(|helper| scores.best(&all, helper).0).collect()
-    };
-    groups.into_par_iter().map(of_joint).collect::<Vec<_>>().concat()
-}
-
-/// Candidate hops, the fewest inputs first.
-const HOPS: [usize; 3] = [1, 2, 3];
-/// Largest number of centres while inputs are chosen. 128 centres do not show the inputs that a larger map needs.
-const CENTRES: usize = 192;
-
-/// Input joints of a kernel map, and its kernel.
-#[derive(Clone)]
-pub struct JointSet {
-    /// Largest number of hops to an input joint.
-    pub hops: usize,
-    /// Features of the joints.
-    pub inputs: Vec<Input>,
-    /// Kernel, and its squared width in median squared distances.
-    pub kernel: (GroupKernel, f64),
 }
 
 impl JointSet {

@@ -19,8 +19,7 @@ use candidates::{GroupCandidates, GroupReport};
 use faer::Mat;
 use joint_sets::JointSets;
 use rayon::prelude::*;
-use target::CorrectionTarget;
-use target::groups;
+use target::{CorrectionTarget, groups};
 
 /// Name of the step.
 const STEP: &str = "kernel maps";
@@ -133,9 +132,8 @@ mod tests {
     use crate::envelope::helpers::fit::HelperFit;
     use crate::envelope::lbs::targets::Targets;
     use crate::envelope::lbs::training::Training;
-    use crate::examples::Importance;
-    use crate::examples::Split;
     use crate::examples::demo::{DemoOptions, demo};
+    use crate::examples::{Importance, Split};
     use crate::progress::Silent;
 
     #[test]
@@ -182,7 +180,7 @@ mod tests {
         let palette = fitted.envelope.palettes(&rest);
         let len = palette.ncols() / 4;
         let identity = |row: usize, column: usize| f64::from(u8::from(row % 3 == column % 4));
-        let off = palette - Mat::from_fn(3, 4 * len, identity);
-        assert!(off.norm_max() < 1e-12);
+        let difference = palette - Mat::from_fn(3, 4 * len, identity);
+        assert!(difference.norm_max() < 1e-12);
     }
 }

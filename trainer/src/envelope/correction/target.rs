@@ -3,7 +3,7 @@
 use super::features::{Features, near};
 use crate::envelope::folds::Folds;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::projection::UNSEEN;
+use crate::envelope::lbs::projection::RIDGE;
 use crate::envelope::lbs::targets::map_of;
 use crate::regression::outputs::{Block, Outputs};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// Default of the largest number of certainty values of a map.
 pub const CERTAINTY: usize = 16;
+/// RMS error of the whole skin, in diagonals, that counts as 0.
+const NOTHING: f64 = 2e-4;
 
 /// Target of a correction: the part of P helper transforms that joints do not predict, on n training poses.
 #[derive(Clone, Copy)]
@@ -46,9 +48,6 @@ impl CorrectionTarget<'_> {
         (self.dominant[helper], self.joint_sets.get(helper).copied().unwrap_or(0))
     }
 }
-
-/// RMS error of the whole skin, in diagonals, that counts as 0.
-const NOTHING: f64 = 2e-4;
 
 /// Regression outputs of a group's kernel map: the residual of its helpers' transforms, measured on the skin.
 pub struct GroupOutputs {
@@ -139,58 +138,6 @@ impl EachOutputs {
     }
 }
 
-/// Returns the blocks that test the extrapolation of a joint's maps.
-fn range_ends(target: &CorrectionTarget<'_>, joint: usize) -> Vec<Block> {
-    let CorrectionTarget { poses, folds, features, .. } = target;
-    folds.range_ends(poses, &near(features.parents, joint, 1), features.settings.range_ends)
-}
-
-/// Splits helpers into groups of adjacent helpers with equal keys.
-pub fn groups<K: PartialEq>(len: usize, key: impl Fn(usize) -> K) -> Vec<Range<usize>> {
-    let mut ranges = Vec::<Range<usize>>::new();
-    for helper in 0..len {
-        match ranges.last_mut() {
-            Some(range) if key(range.start) == key(helper) => range.end = helper + 1,
-            _ => ranges.push(helper..helper + 1),
-        }
-    }
-    ranges
-}
-
-/// Converts the residual of a group of p helpers to the frame of its joint: n x 12p. Column `r 4p + 4k + c` is entry (r, c)
-/// of helper k.
-fn local(residual: &Mat<f64>, poses: &Poses, joint: usize, helpers: &Range<usize>) -> Mat<f64> {
-    let width = 4 * helpers.len();
-    let mut out = Mat::zeros(poses.len(), 3 * width);
-    for pose in 0..poses.len() {
-        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
-        for (k, helper) in helpers.clone().enumerate() {
-            let map = turn.transpose() * map_of(residual, pose, helper);
-            for r in 0..3 {
-                for c in 0..4 {
-                    out[(pose, r * width + 4 * k + c)] = map[(r, c)];
-                }
-            }
-        }
-    }
-    out
-}
-
-/// Returns the leading right singular directions. The directions left out carry at most a share `negligible` of the squared
-/// size.
-fn leading(values: &Mat<f64>, negligible: f64) -> Mat<f64> {
-    let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
-    let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
-    let total: f64 = s.iter().sum();
-    let mut left = total;
-    let rank = s.iter().take_while(|&&s| {
-        let kept = left > negligible * total && s > 0.0;
-        left -= s;
-        kept
-    });
-    svd.V().subcols(0, rank.count()).to_owned()
-}
-
 /// Metric in which transform entries of a group measure squared distances of the skin: L Lᵀ = Σ φ φᵀ.
 pub struct Metric {
     factor: Mat<f64>,
@@ -204,7 +151,7 @@ impl Metric {
         let width = 4 * helpers.len();
         let mut own = gram.submatrix(4 * helpers.start, 4 * helpers.start, width, width).to_owned();
         let mean = own.diagonal().column_vector().sum() / width.max(1) as f64;
-        (0..width).for_each(|i| own[(i, i)] += UNSEEN * mean + f64::MIN_POSITIVE);
+        (0..width).for_each(|i| own[(i, i)] += RIDGE * mean + f64::MIN_POSITIVE);
         let factor = match own.llt(Side::Lower) {
             Ok(factor) => factor.L().to_owned(),
             // Only rounding can make the matrix indefinite. All entries then get equal weights.
@@ -245,6 +192,58 @@ impl Metric {
     }
 }
 
+/// Splits helpers into groups of adjacent helpers with equal keys.
+pub fn groups<K: PartialEq>(len: usize, key: impl Fn(usize) -> K) -> Vec<Range<usize>> {
+    let mut ranges = Vec::<Range<usize>>::new();
+    for helper in 0..len {
+        match ranges.last_mut() {
+            Some(range) if key(range.start) == key(helper) => range.end = helper + 1,
+            _ => ranges.push(helper..helper + 1),
+        }
+    }
+    ranges
+}
+
+/// Returns the blocks that test the extrapolation of a joint's maps.
+fn range_ends(target: &CorrectionTarget<'_>, joint: usize) -> Vec<Block> {
+    let CorrectionTarget { poses, folds, features, .. } = target;
+    folds.range_ends(poses, &near(features.parents, joint, 1), features.settings.range_ends)
+}
+
+/// Converts the residual of a group of p helpers to the frame of its joint: n x 12p. Column `r 4p + 4k + c` is entry (r, c)
+/// of helper k.
+fn local(residual: &Mat<f64>, poses: &Poses, joint: usize, helpers: &Range<usize>) -> Mat<f64> {
+    let width = 4 * helpers.len();
+    let mut out = Mat::zeros(poses.len(), 3 * width);
+    for pose in 0..poses.len() {
+        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        for (k, helper) in helpers.clone().enumerate() {
+            let map = turn.transpose() * map_of(residual, pose, helper);
+            for r in 0..3 {
+                for c in 0..4 {
+                    out[(pose, r * width + 4 * k + c)] = map[(r, c)];
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Returns the leading right singular directions. The directions left out carry at most a share `negligible` of the squared
+/// size.
+fn leading(values: &Mat<f64>, negligible: f64) -> Mat<f64> {
+    let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
+    let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
+    let total: f64 = s.iter().sum();
+    let mut left = total;
+    let rank = s.iter().take_while(|&&s| {
+        let kept = left > negligible * total && s > 0.0;
+        left -= s;
+        kept
+    });
+    svd.V().subcols(0, rank.count()).to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,11 +255,11 @@ mod tests {
         let gram = Mat::from_fn(8, 8, |r, c| phi[r] * phi[c]);
         let metric = Metric::new(&gram, &(1..2));
         let entries = Mat::from_fn(1, 12, |_, k| k as f64 * 0.1 - 0.3);
-        let moved: f64 = (0..3)
+        let squared: f64 = (0..3)
             .map(|r| (0..4).map(|c| entries[(0, 4 * r + c)] * phi[4 + c]).sum::<f64>().powi(2))
             .sum();
         let weighed = metric.weigh(&entries);
-        assert!((weighed.squared_norm_l2() / moved - 1.0).abs() < 1e-4);
+        assert!((weighed.squared_norm_l2() / squared - 1.0).abs() < 1e-4);
         let back = metric.unweigh(&weighed.transpose().to_owned());
         assert!((back.transpose() - entries).norm_max() < 1e-6);
     }

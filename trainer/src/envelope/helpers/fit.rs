@@ -274,8 +274,8 @@ impl InTurn for OnBasis<'_> {
 fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f64) -> Mat<f64> {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
     let Targets { rest, trajectories, importance, .. } = *targets;
-    let others = Some((&on_joints, joints));
-    let items = Items { others, ..Items::vertices(rest, trajectories, importance) };
+    let fixed = Some((&on_joints, joints));
+    let items = Items { fixed, ..Items::vertices(rest, trajectories, importance) };
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
 }
 

@@ -128,8 +128,8 @@ impl Poses {
 
     /// Returns whether two joints have equal rotations in all poses, up to invisible motions.
     pub fn turn_together(&self, a: usize, b: usize) -> bool {
-        let apart = |pose| self.map(pose, a) - self.map(pose, b);
-        (0..self.len()).all(|pose| apart(pose).fixed_columns::<3>(0).amax() <= EQUAL)
+        let difference = |pose| self.map(pose, a) - self.map(pose, b);
+        (0..self.len()).all(|pose| difference(pose).fixed_columns::<3>(0).amax() <= EQUAL)
     }
 
     /// Returns whether the entries of all joint transforms differ by at most `most` between two poses.
@@ -178,8 +178,8 @@ impl Poses {
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         let centre = Vector3::from(centre);
         for map in self.maps.iter_mut().chain(&mut self.roots) {
-            let moved = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
-            map.set_column(3, &moved);
+            let shifted = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
+            map.set_column(3, &shifted);
         }
         self
     }

@@ -99,9 +99,9 @@ fn bones_of(joint: usize, parents: &[Option<usize>], places: &[Option<Vector3<f6
 
 impl Bone {
     fn distance(&self, x: &Vector3<f64>) -> f64 {
-        let (apart, square) = (x - self.from, self.along.norm_squared());
-        let at = if square > 0.0 { apart.dot(&self.along) / square } else { 0.0 };
-        (apart - self.along * at.clamp(0.0, 1.0)).norm()
+        let (offset, square) = (x - self.from, self.along.norm_squared());
+        let at = if square > 0.0 { offset.dot(&self.along) / square } else { 0.0 };
+        (offset - self.along * at.clamp(0.0, 1.0)).norm()
     }
 }
 

@@ -2,13 +2,12 @@
 
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::columns::dot;
-use crate::numeric::columns::solve_ridge;
+use crate::numeric::columns::{dot, solve_ridge};
 use faer::Mat;
 use std::ops::Range;
 
 /// Ridge as a share of the mean diagonal. It decides directions of the palette that move no vertex.
-pub const UNSEEN: f64 = 1e-6;
+pub const RIDGE: f64 = 1e-6;
 
 /// Training meshes projected onto a palette of P transforms.
 pub struct Projection {
@@ -57,10 +56,10 @@ impl Projection {
     ///
     /// - `maps`: 3n x 4P.
     pub fn rms(&self, maps: &Mat<f64>) -> f64 {
-        let off = maps - &self.nearest;
-        let weighted = &off * &self.gram - &self.slope * faer::Scale(2.0);
-        let squared: f64 = (0..off.ncols())
-            .map(|column| dot(off.col_as_slice(column), weighted.col_as_slice(column)))
+        let difference = maps - &self.nearest;
+        let weighted = &difference * &self.gram - &self.slope * faer::Scale(2.0);
+        let squared: f64 = (0..difference.ncols())
+            .map(|column| dot(difference.col_as_slice(column), weighted.col_as_slice(column)))
             .sum();
         let count = (self.vertices * maps.nrows() / 3).max(1) as f64;
         (self.floor + squared / count).max(0.0).sqrt()
@@ -71,7 +70,7 @@ impl Projection {
 fn nearest(gram: &Mat<f64>, onto: &Mat<f64>) -> Mat<f64> {
     let mut gram = gram.clone();
     let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
-    solve_ridge(&mut gram, onto.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
+    solve_ridge(&mut gram, onto.transpose().to_owned(), RIDGE * mean).transpose().to_owned()
 }
 
 /// Sums φ φᵀ over the vertices, for a span of l palette transforms: 4l x 4l.

@@ -218,7 +218,7 @@ pub struct Residuals<'a> {
     /// The training frames.
     pub training: &'a Training<'a>,
     /// Residuals, 3n x V, in diagonals.
-    pub left: &'a Mat<f64>,
+    pub residuals: &'a Mat<f64>,
     /// Dominant joint of each vertex, V.
     pub dominant: &'a [usize],
 }
@@ -233,22 +233,22 @@ impl Residuals<'_> {
         skins
     }
 
-    /// Computes the inner products of the residuals of some poses, in the joint's frame and weighted by importance.
+    /// Computes the inner products of the residuals of some poses, in the joint's frame and weighted by importance. Returns a
+    /// row and a column for each pose.
     ///
     /// - `skin`: vertices of the joint.
-    /// - Returns one row and one column a pose.
     pub fn gram(&self, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
-        let mut left = Mat::zeros(3 * skin.len(), poses.len());
+        let mut weighted = Mat::zeros(3 * skin.len(), poses.len());
         for (i, &pose) in poses.iter().enumerate() {
             let turn: Matrix3<f64> =
                 self.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
             for (k, &vertex) in skin.iter().enumerate() {
                 let weight = self.training.importance().of(vertex).sqrt();
-                let column = self.left.col_as_slice(vertex);
+                let column = self.residuals.col_as_slice(vertex);
                 let own = turn * Vector3::from_column_slice(&column[3 * pose..3 * pose + 3]);
-                (0..3).for_each(|axis| left[(3 * k + axis, i)] = weight * own[axis]);
+                (0..3).for_each(|axis| weighted[(3 * k + axis, i)] = weight * own[axis]);
             }
         }
-        left.transpose() * &left
+        weighted.transpose() * &weighted
     }
 }

@@ -4,8 +4,7 @@
 use super::blend::{Items, Maps, Pull, Supports, Weights, fit_weights};
 use super::poses::{Poses, local, seen_from};
 use super::prior::prior;
-use super::targets::Targets;
-use super::targets::in_poses;
+use super::targets::{Targets, in_poses};
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};

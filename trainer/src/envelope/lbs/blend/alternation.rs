@@ -9,6 +9,8 @@ use rayon::prelude::*;
 
 /// Pull of a map to its last value, as a share of the mean diagonal.
 const PROXIMAL: f64 = 1e-7;
+/// Number of partial sums of a fit. A fixed number keeps the order of additions for any number of threads.
+const CHUNKS: usize = 4;
 
 /// Problem whose weights and maps are fitted in turn.
 pub trait InTurn {
@@ -94,48 +96,11 @@ impl Alternation {
     }
 }
 
-/// State after a round.
-#[derive(Clone)]
-struct Round {
-    weights: Weights,
-    /// Squared error before the maps were fitted.
-    error: f64,
-    /// Fitted maps.
-    maps: Maps,
-    /// Start of the next round.
-    start: Maps,
-    /// Number of rounds since the last restart.
-    steps: f64,
-}
-
-impl Round {
-    fn first(weights: Weights, maps: Maps) -> Self {
-        Self { weights, error: f64::INFINITY, start: maps.clone(), maps, steps: 0.0 }
-    }
-
-    /// Fits weights, then maps, with momentum (Nesterov 1983). If the error has risen, the next round restarts from the last
-    /// maps without momentum.
-    fn next(&self, fit: &impl InTurn, supports: Supports<'_>, momentum: f64) -> Self {
-        let (weights, error) = fit.weights(&self.start, supports);
-        if self.steps > 0.0 && error > self.error {
-            return Self { start: self.maps.clone(), steps: 0.0, ..self.clone() };
-        }
-        let maps = fit.maps(&weights, &self.start);
-        let step = momentum * self.steps / (self.steps + 3.0);
-        let columns = &maps.columns + (&maps.columns - &self.maps.columns) * faer::Scale(step);
-        let start = Maps { width: maps.width, columns };
-        Self { weights, error, maps, start, steps: self.steps + 1.0 }
-    }
-}
-
-/// Number of partial sums of a fit. A fixed number keeps the order of additions for any number of threads.
-const CHUNKS: usize = 4;
-
 /// Fits maps to given weights.
 ///
 /// - `previous`: target of the proximal term.
-/// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides what the items leave open: a map
-///   without items, or the direction out of a flat patch. It also keeps the system positive definite.
+/// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items leave
+///   open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
 pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
     let m = items.width;
     let (size, rank) = (previous.columns.ncols(), items.y.nrows());
@@ -198,5 +163,39 @@ fn accumulate(
                 column[k] += phi * value;
             }
         }
+    }
+}
+
+/// State after a round.
+#[derive(Clone)]
+struct Round {
+    weights: Weights,
+    /// Squared error before the maps were fitted.
+    error: f64,
+    /// Fitted maps.
+    maps: Maps,
+    /// Start of the next round.
+    start: Maps,
+    /// Number of rounds since the last restart.
+    steps: f64,
+}
+
+impl Round {
+    fn first(weights: Weights, maps: Maps) -> Self {
+        Self { weights, error: f64::INFINITY, start: maps.clone(), maps, steps: 0.0 }
+    }
+
+    /// Fits weights, then maps, with momentum (Nesterov 1983). If the error has risen, the next round restarts from the last
+    /// maps without momentum.
+    fn next(&self, fit: &impl InTurn, supports: Supports<'_>, momentum: f64) -> Self {
+        let (weights, error) = fit.weights(&self.start, supports);
+        if self.steps > 0.0 && error > self.error {
+            return Self { start: self.maps.clone(), steps: 0.0, ..self.clone() };
+        }
+        let maps = fit.maps(&weights, &self.start);
+        let step = momentum * self.steps / (self.steps + 3.0);
+        let columns = &maps.columns + (&maps.columns - &self.maps.columns) * faer::Scale(step);
+        let start = Maps { width: maps.width, columns };
+        Self { weights, error, maps, start, steps: self.steps + 1.0 }
     }
 }

@@ -20,7 +20,7 @@ pub struct Items<'a> {
     pub pull: Option<Pull<'a>>,
     /// Weights of the items on further, fixed maps, and these maps, r x (l·m). [`fit_maps`](super::fit_maps) fits the open
     /// maps to the rest of the motion.
-    pub others: Option<(&'a Weights, &'a Mat<f64>)>,
+    pub fixed: Option<(&'a Weights, &'a Mat<f64>)>,
 }
 
 impl<'a> Items<'a> {
@@ -31,7 +31,7 @@ impl<'a> Items<'a> {
         y: &'a Mat<f64>,
         importance: Importance<'a>,
     ) -> Self {
-        Self { width, rows, h, y, importance, pull: None, others: None }
+        Self { width, rows, h, y, importance, pull: None, fixed: None }
     }
 
     /// Creates an item with one row `[x̂ 1]` for each vertex.
@@ -60,7 +60,7 @@ impl<'a> Items<'a> {
     /// Returns the target of a row minus its motion by the fixed maps.
     pub(super) fn target(&self, row: usize) -> Cow<'_, [f64]> {
         let y = self.y.col_as_slice(row);
-        let Some((weights, maps)) = self.others else { return Cow::Borrowed(y) };
+        let Some((weights, maps)) = self.fixed else { return Cow::Borrowed(y) };
         let blended = weights.blend(row / self.rows, self.row(row), maps);
         Cow::Owned(y.iter().zip(blended).map(|(y, blended)| y - blended).collect())
     }

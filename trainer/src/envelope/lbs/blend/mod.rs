@@ -166,8 +166,8 @@ mod tests {
             Weights::from_lists(3, truth.iter().map(of).collect::<Vec<_>>().into_iter())
         };
         let (fixed, open) = (lists(0..1), lists(1..3));
-        let others = Some((&fixed, &maps.columns));
-        let items = Items { others, ..items };
+        let fixed = Some((&fixed, &maps.columns));
+        let items = Items { fixed, ..items };
         let start = Maps { width: 4, columns: Mat::zeros(30, 8) };
         let fitted = fit_maps(&items, &open, &start, 1e-7).columns;
         assert!((fitted - maps.columns.subcols(4, 8)).norm_max() < 1e-4);
