@@ -7,7 +7,8 @@ pub const TIED: f64 = 1.02;
 pub const UNSEEN: f64 = 1e-4;
 /// Number of vertices for comparing candidates and for forecasts. More vertices give equal results.
 pub const FEW_VERTICES: usize = 250;
-/// A file without tangent coefficients is chosen only if the best file with them has more than this multiple of its error.
+/// A file without tangent coefficients is chosen only if the best file with them has more than this multiple of its
+/// error.
 pub const COEFFICIENTS_COST: f64 = 1.5;
 
 /// Settings of the fit of helpers and their kernel maps. Lengths are in diagonals of the rest mesh.
@@ -18,15 +19,16 @@ pub const COEFFICIENTS_COST: f64 = 1.5;
 pub struct Settings {
     /// Vertices with a larger RMS error of LBS get helpers. Smaller errors are invisible.
     pub active: f64,
-    /// Vertices with a larger RMS error of LBS get new weights. The others keep their LBS weights: there is nothing to gain.
+    /// Vertices with a larger RMS error of LBS get new weights. The others keep their LBS weights: there is nothing to
+    /// gain.
     pub refit: f64,
     /// Weight of residuals against rest positions when vertices are clustered.
     pub residuals: f64,
     /// Pull of a helper's transform to that of its dominant joint, as a share of the mean diagonal of its equations. A
     /// motion that few vertices support is noise, and no map can predict noise.
     pub pull: f64,
-    /// Weight of the error without a correction when vertex weights are fitted. Outside the trained range the correction
-    /// fades out, and only the base palette is left.
+    /// Weight of the error without a correction when vertex weights are fitted. Outside the trained range the
+    /// correction fades out, and only the base palette is left.
     pub base: f64,
     /// Strength of the pull of helper weights to LBS weights, as a share of the strength of the pull of LBS weights to
     /// prior weights.
@@ -39,8 +41,8 @@ pub struct Settings {
     pub displacement: f64,
     /// Smallest weighted RMS spread of a displacement that becomes an input.
     pub displacement_min: f64,
-    /// Scores of joint sets and of kernel widths tie if they differ by less than this share. Folds of the training poses
-    /// say little about other poses. There fewer inputs and narrower kernels have smaller errors.
+    /// Scores of joint sets and of kernel widths tie if they differ by less than this share. Folds of the training
+    /// poses say little about other poses. There fewer inputs and narrower kernels have smaller errors.
     pub input_tie: f64,
     /// Share of the outputs' squared size that latent outputs may leave out.
     pub negligible: f64,

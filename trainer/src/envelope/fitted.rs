@@ -52,8 +52,8 @@ impl Fitted {
         self
     }
 
-    /// Reorders the proxies, if the palette has no joints. The first proxy is then the proxy that is least likely to mirror
-    /// its vertices: runtimes test transform 0 to find out whether a pose is mirrored (METHOD §1.8).
+    /// Reorders the proxies, if the palette has no joints. The first proxy is then the proxy that is least likely to
+    /// mirror its vertices: runtimes test transform 0 to find out whether a pose is mirrored (METHOD §1.8).
     ///
     /// - `palettes`: the palettes of the training poses, 3n x 4P. They are reordered too.
     pub fn with_upright_first(&self, palettes: Mat<f64>) -> (Self, Mat<f64>) {

@@ -54,8 +54,8 @@ impl<'a> Budget<'a> {
         self.options.budget.unwrap_or(usize::MAX)
     }
 
-    /// Lists the options for tangent coefficients. Under a budget a model without them is tried too: positions may need their
-    /// bytes.
+    /// Lists the options for tangent coefficients. Under a budget a model without them is tried too: positions may need
+    /// their bytes.
     pub(super) fn with_coefficients(&self) -> impl Iterator<Item = bool> + use<> {
         [true].into_iter().chain(self.options.budget.map(|_| false))
     }

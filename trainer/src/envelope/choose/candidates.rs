@@ -30,7 +30,8 @@ pub(super) fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyC
     counts
 }
 
-/// Returns the usual number of proxies. It is at least the number of joints. So proxies without joints reach the error of LBS.
+/// Returns the usual number of proxies. It is at least the number of joints. So proxies without joints reach the error
+/// of LBS.
 pub(super) fn usual_count(training: &Training) -> usize {
     training.poses.joint_len().max(PROXIES).min(proxies_max(training))
 }
@@ -62,8 +63,8 @@ pub(super) fn chosen<'a>(
     smallest_tied(&Vec::from_iter(rated)).map(|index| comparable[index])
 }
 
-/// Finds the candidate with the least error. A candidate without tangent coefficients wins only if the best candidate with
-/// them has more than [`COEFFICIENTS_COST`] times its error.
+/// Finds the candidate with the least error. A candidate without tangent coefficients wins only if the best candidate
+/// with them has more than [`COEFFICIENTS_COST`] times its error.
 fn best(candidates: &[Candidate]) -> Option<&Candidate> {
     let least = |coefficients| {
         let comparable = candidates.iter().filter(move |c| c.tangent_coefficients == coefficients);

@@ -7,8 +7,8 @@ use crate::envelope::lbs::training::Training;
 use crate::regression::outputs::Block;
 use rayon::prelude::*;
 
-/// Repeats a fit without each block of poses in turn. Returns the RMS error over all blocks, in diagonals. Returns `None` if
-/// there are no blocks, or if a fit fails.
+/// Repeats a fit without each block of poses in turn. Returns the RMS error over all blocks, in diagonals. Returns
+/// `None` if there are no blocks, or if a fit fails.
 ///
 /// - `vertices`: the vertices that are fitted and measured.
 /// - `fit`: fits a model to a part of the training.

@@ -29,8 +29,8 @@ use forecast::forecast;
 use report::{CandidateReport, TrainingReport};
 use sinew_runtime::envelope::{Certificate, Predictor};
 
-/// Largest number of certainty values of a map under a budget. The confidence gets coarser, but more bytes are left for the
-/// motion of the skin.
+/// Largest number of certainty values of a map under a budget. The confidence gets coarser, but more bytes are left for
+/// the motion of the skin.
 const FEW_VALUES: usize = 4;
 
 /// A trained model.
@@ -97,7 +97,7 @@ pub fn choose(
     choice.take()
 }
 
-/// Candidates fitted so far.
+/// Search over the numbers of proxies: candidates so far, and input shared by their fits.
 struct PredictorSearch<'a> {
     training: &'a Training<'a>,
     options: &'a Options,
@@ -115,8 +115,8 @@ struct PredictorSearch<'a> {
 }
 
 impl PredictorSearch<'_> {
-    /// Chooses joint sets with the usual number of helpers. All numbers of helpers share them, so the result does not depend on
-    /// the numbers that are tried.
+    /// Chooses joint sets with the usual number of helpers. All numbers of helpers share them, so the result does not
+    /// depend on the numbers that are tried.
     fn choose_joint_sets(&mut self) {
         self.progress.step(STEP, 1);
         self.helper_fit = HelperFit::new(self.training);
@@ -128,8 +128,8 @@ impl PredictorSearch<'_> {
         });
     }
 
-    /// Returns whether to try a number of proxies. Without a budget, numbers below the usual number are skipped once a larger
-    /// number is best.
+    /// Returns whether to try a number of proxies. Without a budget, numbers below the usual number are skipped once a
+    /// larger number is best.
     fn needs(&self, count: ProxyCount) -> bool {
         let usual = usual_count(self.training);
         let is_fewer = matches!(count, ProxyCount::Fixed(count) if count < usual);
@@ -329,7 +329,8 @@ impl PredictorSearch<'_> {
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
-        // A forecast fits few vertices. With an equal number of helpers, few vertices have a smaller error than all vertices.
+        // A forecast fits few vertices. With an equal number of helpers, few vertices have a smaller error than all
+        // vertices.
         let [same_clips, other_clip] =
             self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);

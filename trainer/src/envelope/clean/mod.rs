@@ -20,8 +20,8 @@ use serde::Serialize;
 pub struct OutlierFrame {
     /// Index of the frame.
     pub frame: usize,
-    /// Distance of the mesh from its prediction by the other frames, RMS in % of the diagonal. For a rigid offset, the length
-    /// of the offset.
+    /// Distance of the mesh from its prediction by the other frames, RMS in % of the diagonal. For a rigid offset, the
+    /// length of the offset.
     pub percent: f64,
     /// Usual error at this pose, in % of the diagonal.
     pub usual_percent: f64,
@@ -38,11 +38,11 @@ pub struct Inliers<'a> {
 }
 
 impl<'a> Inliers<'a> {
-    /// Finds the outliers among the training frames, on some of the vertices. Meshes that are skinned by the scene itself
-    /// have no outliers.
+    /// Finds the outliers among the training frames, on some of the vertices. Meshes that are skinned by the scene
+    /// itself have no outliers.
     ///
-    /// Each round judges all frames by LBS fitted without the last round's outliers. So a good frame comes back if only a
-    /// wrong frame made it an outlier.
+    /// Each round judges all frames by LBS fitted without the last round's outliers. So a good frame comes back if only
+    /// a wrong frame made it an outlier.
     ///
     /// # Errors
     /// Those of [`Training::new`].
@@ -130,8 +130,8 @@ mod tests {
     use crate::examples::demo::{DemoOptions, demo};
     use crate::progress::Silent;
 
-    /// Finds the outliers of a demo whose last meshes explode. Returns the outlier frames, and the numbers of frames that are
-    /// left out and that are trained on.
+    /// Finds the outliers of a demo whose last meshes explode. Returns the outlier frames, and the numbers of frames
+    /// that are left out and that are trained on.
     fn find(poses: usize, broken: usize) -> (Vec<usize>, [usize; 2]) {
         let mut examples = demo(&DemoOptions { vertices: 300, poses, held_out: 0, seed: 1 });
         let first = (poses - broken) * examples.vertex_len();

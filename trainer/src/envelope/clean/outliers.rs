@@ -2,11 +2,11 @@
 //! frame late.
 //!
 //! The other frames predict each frame from its pose. The error is measured against the uncertainty of the prediction:
-//! a pose unlike all others may be predicted badly. A wrong frame spoils the predictions of its neighbours, so only inlier
-//! frames predict. Frames are judged again each time the inliers change.
+//! a pose unlike all others may be predicted badly. A wrong frame spoils the predictions of its neighbours, so only
+//! inlier frames predict. Frames are judged again each time the inliers change.
 //!
-//! A rigid offset is found without the other frames: LBS blends joint transforms, and no blend moves a mesh as a whole. So
-//! even many equal offsets are found.
+//! A rigid offset is found without the other frames: LBS blends joint transforms, and no blend moves a mesh as a whole.
+//! So even many equal offsets are found.
 
 use super::region::{POSES, Region, regions};
 use crate::envelope::lbs::training::{Residuals, Training};
@@ -15,14 +15,14 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// An outlier has more than this multiple of the usual error. A bound of 4 flags inliers of small sets. A bound of 6 misses
-/// an exploded frame among 12.
+/// An outlier has more than this multiple of the usual error. A bound of 4 flags inliers of small sets. A bound of 6
+/// misses an exploded frame among 12.
 const TIMES: f64 = 5.0;
-/// Smallest usual error in a pose unlike all others, RMS in diagonals. LBS has an error of 0.003 to 0.007 on the arm, the
-/// leg and the bone.
+/// Smallest usual error in a pose unlike all others, RMS in diagonals. LBS has an error of 0.003 to 0.007 on the arm,
+/// the leg and the bone.
 const BULGE: f64 = 0.005;
-/// From this number of frames, an outlier may have a smaller error than LBS. The bound falls with the root of the number,
-/// because many frames predict each other well.
+/// From this number of frames, an outlier may have a smaller error than LBS. The bound falls with the root of the
+/// number, because many frames predict each other well.
 const FEW: f64 = 16.0;
 /// Largest number of rounds, as the inliers or LBS change.
 pub(super) const ROUNDS: usize = 4;
@@ -30,8 +30,8 @@ pub(super) const ROUNDS: usize = 4;
 pub(super) const MOST: f64 = 0.25;
 /// Smallest length of a rigid offset, RMS in diagonals. Inlier frames have up to a quarter of this.
 const FAR: f64 = 0.02;
-/// Largest share of the squared error that may be left without the rigid offset. On an inlier nearly all error is left. The
-/// exception is a small set in which one wrong frame bends LBS: then twice this share is left.
+/// Largest share of the squared error that may be left without the rigid offset. On an inlier nearly all error is left.
+/// The exception is a small set in which one wrong frame bends LBS: then twice this share is left.
 const REMAINING: f64 = 0.02;
 
 /// Training pose whose mesh does not belong to it.
@@ -39,8 +39,8 @@ const REMAINING: f64 = 0.02;
 pub struct OutlierPose {
     /// Index among the training poses.
     pub pose: usize,
-    /// Distance of the mesh from its prediction by the other poses, RMS in diagonals. For a rigid offset, the length of the
-    /// offset.
+    /// Distance of the mesh from its prediction by the other poses, RMS in diagonals. For a rigid offset, the length of
+    /// the offset.
     pub error: f64,
     /// Usual error at this pose, RMS in diagonals.
     pub usual: f64,
@@ -69,8 +69,8 @@ impl RigidOffset {
 
 /// Finds the outlier poses, sorted by error over usual error, the largest first.
 ///
-/// - `out`: poses that LBS was fitted without. Any other pose with a rigid offset bends LBS. Then only rigid offsets are
-///   returned.
+/// - `out`: poses that LBS was fitted without. Any other pose with a rigid offset bends LBS. Then only rigid offsets
+///   are returned.
 pub fn outliers(training: &Training, out: &[usize]) -> Vec<OutlierPose> {
     let (errors, dominant) = training.lbs_residuals();
     let residuals = Residuals { training, residuals: &errors, dominant: &dominant };
@@ -178,8 +178,8 @@ impl Compared {
 
     /// Finds the poses whose error is much larger than usual, if the inliers predict them.
     ///
-    /// The usual squared error is the variance of the prediction times the median standardised residual of the inliers. The
-    /// squared error of LBS limits it.
+    /// The usual squared error is the variance of the prediction times the median standardised residual of the inliers.
+    /// The squared error of LBS limits it.
     fn predicted_by(&self, inliers: &[usize]) -> Option<Vec<OutlierPose>> {
         let bulge = BULGE.powi(2) * self.vertex_len;
         let errors = self.errors(inliers)?;
@@ -197,8 +197,8 @@ impl Compared {
         Some((0..self.lbs_errors.len()).filter_map(judge).collect())
     }
 
-    /// Predicts each pose from the other inliers. Returns the squared error over its variance, and the squared error, both
-    /// summed over the regions.
+    /// Predicts each pose from the other inliers. Returns the squared error over its variance, and the squared error,
+    /// both summed over the regions.
     fn errors(&self, inliers: &[usize]) -> Option<Vec<(f64, f64)>> {
         let mut sums = vec![(0.0, 0.0); self.lbs_errors.len()];
         for region in &self.regions {

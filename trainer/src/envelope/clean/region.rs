@@ -1,5 +1,5 @@
-//! Predictions of training poses from each other: kernel ridge regression of the residuals of LBS. The inputs for a joint's
-//! skin are the joints near this joint (METHOD §1.9).
+//! Predictions of training poses from each other: kernel ridge regression of the residuals of LBS. The inputs for a
+//! joint's skin are the joints near this joint (METHOD §1.9).
 
 use crate::envelope::correction::features::{Features, near};
 use crate::envelope::folds::Folds;

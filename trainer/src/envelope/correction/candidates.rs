@@ -83,8 +83,8 @@ impl GroupCandidates {
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
-        // Joint sets are chosen for the usual number of helpers. With another number, or on a part of the poses, further
-        // joints may get helpers.
+        // Joint sets are chosen for the usual number of helpers. With another number, or on a part of the poses,
+        // further joints may get helpers.
         let choose = || joint_sets::of_joint(target, helpers.clone()).into_iter().next();
         let known = joint_sets.get(&joint).and_then(|sets| sets.get(set));
         let joint_set = known.cloned().or_else(choose);
@@ -191,7 +191,8 @@ fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
     sizes
 }
 
-/// Returns the bytes of a map in the file, with d inputs, n centres, r latent outputs, m certainty values and p helpers.
+/// Returns the bytes of a map in the file, with d inputs, n centres, r latent outputs, m certainty values and p
+/// helpers.
 fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
     let narrow = |len: usize| u16::try_from(len).unwrap_or(u16::MAX);
     let row = GroupRow {

@@ -73,8 +73,8 @@ impl<'a> Features<'a> {
         out
     }
 
-    /// Computes the features of a joint: half of the rotation relative to the parent ([`so3::half`]) and, last in each row, the
-    /// displacement of the joint's origin in the parent's frame. The root's features are 0.
+    /// Computes the features of a joint: half of the rotation relative to the parent ([`so3::half`]) and, last in each
+    /// row, the displacement of the joint's origin in the parent's frame. The root's features are 0.
     fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
         let (rotation, displacement) = self.relative(poses, pose, joint);
         let turn = so3::half(&rotation);
@@ -84,8 +84,8 @@ impl<'a> Features<'a> {
         })
     }
 
-    /// Computes the rotation of a joint relative to its parent, and the displacement of its origin in the parent's frame. The
-    /// root has the identity and zero.
+    /// Computes the rotation of a joint relative to its parent, and the displacement of its origin in the parent's
+    /// frame. The root has the identity and zero.
     pub fn relative(
         &self,
         poses: &Poses,

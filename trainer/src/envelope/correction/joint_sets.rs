@@ -1,5 +1,5 @@
-//! Selection of the joints that are inputs of kernel maps (METHOD §1.9). The helpers of a joint share one joint set or use
-//! several.
+//! Selection of the joints that are inputs of kernel maps (METHOD §1.9). The helpers of a joint share one joint set or
+//! use several.
 
 use super::features::{near, neighbours, on_side};
 use super::target::{CorrectionTarget, EachOutputs, groups};
@@ -67,8 +67,8 @@ pub fn assign(target: &CorrectionTarget<'_>, joint_sets: &JointSets) -> Vec<usiz
 
 /// Chooses joint sets for the helpers of a joint.
 ///
-/// The first set is for all helpers. Further sets have fewer or more joints, or the joints on one side: an armpit uses its own
-/// arm. A set is added as long as the sum of each helper's best score falls by enough.
+/// The first set is for all helpers. Further sets have fewer or more joints, or the joints on one side: an armpit uses
+/// its own arm. A set is added as long as the sum of each helper's best score falls by enough.
 pub(super) fn of_joint(target: &CorrectionTarget<'_>, helpers: Range<usize>) -> Vec<JointSet> {
     let joint = target.dominant[helpers.start];
     let each = EachOutputs::new(target, helpers);
@@ -102,7 +102,8 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, helpers: Range<usize>) -> 
     taken.iter().map(refined).collect()
 }
 
-/// Lists candidate joints for the joint sets of a joint, with their hops: the joints nearby, on all sides or on one side.
+/// Lists candidate joints for the joint sets of a joint, with their hops: the joints nearby, on all sides or on one
+/// side.
 fn candidate_joints(
     parents: &[Option<usize>],
     joint: usize,
@@ -142,8 +143,8 @@ impl Scores {
 impl JointSet {
     /// Chooses joints and the width of the smoothest kernel; `None` if nothing near the joint moves.
     ///
-    /// Among tied sets the narrowest kernel wins, then the fewest joints. A narrow kernel fades first outside the trained
-    /// range.
+    /// Among tied sets the narrowest kernel wins, then the fewest joints. A narrow kernel fades first outside the
+    /// trained range.
     fn near(target: &CorrectionTarget<'_>, outputs: &Outputs, joint: usize) -> Option<Self> {
         let mut tried = Vec::<(Self, f64)>::new();
         for hops in HOPS {

@@ -1,8 +1,8 @@
 //! Correction of helper transforms by local kernel maps from the pose (METHOD §1.9).
 //!
-//! `T_l(q) = base_l + Q_dom K_l(φ(q))`. Helpers with one dominant joint and one joint set are a group and share a kernel map.
-//! The inputs are features of joints within some hops of the dominant joint. The outputs are a few latent numbers: leading
-//! directions of the residual, measured on the skin.
+//! `T_l(q) = base_l + Q_dom K_l(φ(q))`. Helpers with one dominant joint and one joint set are a group and share a
+//! kernel map. The inputs are features of joints within some hops of the dominant joint. The outputs are a few latent
+//! numbers: leading directions of the residual, measured on the skin.
 
 pub mod candidates;
 pub mod features;

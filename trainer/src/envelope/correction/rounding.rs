@@ -10,8 +10,8 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Bounds the distance that rounding may move any vertex of a skin, in units of the input. The bound holds for the training
-/// poses, and for an equal number of random poses in their bounding box.
+/// Bounds the distance that rounding may move any vertex of a skin, in units of the input. The bound holds for the
+/// training poses, and for an equal number of random poses in their bounding box.
 pub(in crate::envelope) fn bound(
     groups: &[Group],
     training: &Training,

@@ -27,8 +27,8 @@ pub struct CorrectionTarget<'a> {
     pub features: Features<'a>,
     /// Dominant joint of each helper, P. Helpers of one joint are adjacent.
     pub dominant: &'a [usize],
-    /// Index of the joint set that each helper uses, P. Helpers of one joint set are adjacent. Empty if each joint has one
-    /// joint set.
+    /// Index of the joint set that each helper uses, P. Helpers of one joint set are adjacent. Empty if each joint has
+    /// one joint set.
     pub joint_sets: &'a [usize],
     /// Helper transforms minus base transforms, 3n x 4P.
     pub residual: &'a Mat<f64>,
@@ -210,8 +210,8 @@ fn range_ends(target: &CorrectionTarget<'_>, joint: usize) -> Vec<Block> {
     folds.range_ends(poses, &near(features.parents, joint, 1), features.settings.range_ends)
 }
 
-/// Converts the residual of a group of p helpers to the frame of its joint: n x 12p. Column `r 4p + 4k + c` is entry (r, c)
-/// of helper k.
+/// Converts the residual of a group of p helpers to the frame of its joint: n x 12p. Column `r 4p + 4k + c` is entry
+/// (r, c) of helper k.
 fn local(residual: &Mat<f64>, poses: &Poses, joint: usize, helpers: &Range<usize>) -> Mat<f64> {
     let width = 4 * helpers.len();
     let mut out = Mat::zeros(poses.len(), 3 * width);
@@ -229,8 +229,8 @@ fn local(residual: &Mat<f64>, poses: &Poses, joint: usize, helpers: &Range<usize
     out
 }
 
-/// Returns the leading right singular directions. The directions left out carry at most a share `negligible` of the squared
-/// size.
+/// Returns the leading right singular directions. The directions left out carry at most a share `negligible` of the
+/// squared size.
 fn leading(values: &Mat<f64>, negligible: f64) -> Mat<f64> {
     let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
     let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();

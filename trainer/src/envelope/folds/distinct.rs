@@ -6,8 +6,8 @@ use crate::envelope::lbs::poses::{Poses, Time};
 use crate::regression::outputs::Block;
 use std::ops::Range;
 
-/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size. Export
-/// leaves such differences in a loop.
+/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size.
+/// Export leaves such differences in a loop.
 const REPEAT: f64 = 1e-3;
 /// Largest size of the motion: the entries of two rotations differ by 2 at most.
 const LARGEST: f64 = 2.0;
@@ -66,8 +66,8 @@ impl Distinct {
         at > 0 && clip(at - 1) != clip(at)
     }
 
-    /// Creates a block of consecutive groups. The neighbours in time and their repeats are left out with the block: at most
-    /// as many poses as the block has, and at most half of the other poses.
+    /// Creates a block of consecutive groups. The neighbours in time and their repeats are left out with the block: at
+    /// most as many poses as the block has, and at most half of the other poses.
     pub(super) fn run(&self, range: Range<usize>) -> Block {
         let own = self.poses_of(range.clone());
         let most = own.len().min((self.of.len() - own.len()) / 2);
@@ -131,7 +131,8 @@ pub(super) mod tests {
         placed(&[times * poses], |pose| pose % poses)
     }
 
-    /// Makes clips in which the place of a joint depends on a number of each frame. Different numbers give distant places.
+    /// Makes clips in which the place of a joint depends on a number of each frame. Different numbers give distant
+    /// places.
     fn placed(clips: &[usize], number: impl Fn(usize) -> usize) -> Poses {
         let frames: Vec<usize> = (0..clips.iter().sum()).collect();
         let mut examples = triangle(frames.len());

@@ -1,8 +1,8 @@
 //! Blocks of training frames that are left out together (METHOD §1.9), for every choice of the fit.
 //!
-//! Neighbouring frames of an animation are almost equal poses. A fit without a single frame therefore proves nothing. So
-//! whole blocks are left out: runs of frames with gaps around them, clips, or the ends of joints' ranges. Repeats of a
-//! pose are always left out together.
+//! Neighbouring frames of an animation are almost equal poses. A fit without a single frame therefore proves nothing.
+//! So whole blocks are left out: runs of frames with gaps around them, clips, or the ends of joints' ranges. Repeats of
+//! a pose are always left out together.
 
 mod distinct;
 
@@ -63,8 +63,8 @@ impl Folds {
         &self.overlapping
     }
 
-    /// Returns the parts of the runs. The final model is fitted to all poses, so fits without a whole run have larger errors
-    /// than the model itself.
+    /// Returns the parts of the runs. The final model is fitted to all poses, so fits without a whole run have larger
+    /// errors than the model itself.
     pub fn parts(&self) -> &[Block] {
         &self.parts
     }
@@ -89,8 +89,8 @@ impl Folds {
 
     /// Lists two blocks for a forecast on more frames of the training clips: the middle halves of every second stretch.
     ///
-    /// A stretch has at most a fifth of the poses and ends at a hole of missing frames. A block next to a hole would merge
-    /// with the hole.
+    /// A stretch has at most a fifth of the poses and ends at a hole of missing frames. A block next to a hole would
+    /// merge with the hole.
     pub fn spread(&self) -> Vec<Block> {
         let times = &self.distinct.times;
         let n = times.len();
@@ -137,8 +137,8 @@ impl Folds {
     }
 }
 
-/// Cuts distinct poses into ranges with nearly equal numbers of poses, repeats included. A range ends at the end of a clip
-/// if a clip ends nearby.
+/// Cuts distinct poses into ranges with nearly equal numbers of poses, repeats included. A range ends at the end of a
+/// clip if a clip ends nearby.
 fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
     if distinct.count() < 2 {
         return (0..distinct.count()).map(|at| at..at + 1).collect();

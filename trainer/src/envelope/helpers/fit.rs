@@ -86,8 +86,9 @@ impl<'a> HelperFit<'a> {
 
     /// Computes the targets of the pull on helper transforms, 3n x 4P: the transforms of the dominant joints.
     ///
-    /// Some directions are decided only by the pull, for example the normal of a flat group. There the dominant joint would
-    /// shear the skin. In these directions the target is a blend of joint transforms by the group's mean LBS weights.
+    /// Some directions are decided only by the pull, for example the normal of a flat group. There the dominant joint
+    /// would shear the skin. In these directions the target is a blend of joint transforms by the group's mean LBS
+    /// weights.
     fn anchors(&self, groups: &[(usize, Vec<usize>)], bases: &Mat<f64>) -> Mat<f64> {
         let grams: Vec<Matrix4<f64>> = groups.iter().map(|group| self.gram(&group.1)).collect();
         let mean = grams.iter().map(Matrix4::trace).sum::<f64>() / (4 * grams.len()) as f64;
@@ -135,8 +136,8 @@ impl<'a> HelperFit<'a> {
         members.iter().map(|&v| h(v) * h(v).transpose()).sum()
     }
 
-    /// Clusters the active vertices by LBS error and rest position. Returns the clusters, sorted by their dominant joint: the
-    /// joint that dominates most of the vertices.
+    /// Clusters the active vertices by LBS error and rest position. Returns the clusters, sorted by their dominant
+    /// joint: the joint that dominates most of the vertices.
     fn groups(&self, count: usize) -> Vec<(usize, Vec<usize>)> {
         let joints = &self.training.lbs.weights;
         let group = cluster(&self.features, count);
@@ -279,8 +280,8 @@ fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
 }
 
-/// Writes the LBS error of a vertex in the frame of its dominant joint, pose by pose, and then its rest position: 3n + 3
-/// numbers.
+/// Writes the LBS error of a vertex in the frame of its dominant joint, pose by pose, and then its rest position: 3n +
+/// 3 numbers.
 fn features(training: &Training, vertex: usize, column: &mut [f64]) {
     let (poses, joints) = (&training.poses, &training.lbs.weights);
     let scale = training.settings.residuals / (poses.len() as f64).sqrt();

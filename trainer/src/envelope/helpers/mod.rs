@@ -1,4 +1,5 @@
-//! Joints and helpers (METHOD §1.9): helpers are added where LBS has an error, and kernel maps drive them from the pose.
+//! Joints and helpers (METHOD §1.9): helpers are added where LBS has an error, and kernel maps drive them from the
+//! pose.
 
 pub mod fit;
 
@@ -20,7 +21,8 @@ pub struct Helpers {
     pub weights: Weights,
     /// Dominant joint of each helper, P, ascending.
     pub dominant: Vec<usize>,
-    /// Index of the joint set that each helper uses, P, ascending within a joint. All 0 before [`Helpers::with_joint_sets`].
+    /// Index of the joint set that each helper uses, P, ascending within a joint. All 0 before
+    /// [`Helpers::with_joint_sets`].
     pub joint_sets: Vec<usize>,
     /// True transforms of the helpers in the training poses minus those of their dominant joints, 3n x 4P.
     pub residual: Mat<f64>,

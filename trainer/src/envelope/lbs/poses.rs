@@ -118,8 +118,8 @@ impl Poses {
         &self.parent_rotations[pose * self.joint_len + joint]
     }
 
-    /// Returns whether all poses are equal up to invisible motions. A skeleton of one joint is compared by the motion of that
-    /// joint itself.
+    /// Returns whether all poses are equal up to invisible motions. A skeleton of one joint is compared by the motion
+    /// of that joint itself.
     pub fn are_equal(&self) -> bool {
         let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
         let all = maps.chunks(self.joint_len);
@@ -150,7 +150,8 @@ impl Poses {
             .collect()
     }
 
-    /// Returns the gap between a joint's origin and the place where its parent carries this origin, in the root's frame.
+    /// Returns the gap between a joint's origin and the place where its parent carries this origin, in the root's
+    /// frame.
     ///
     /// - `origin`: the joint's origin in the rest pose.
     pub fn gap(

@@ -81,8 +81,8 @@ struct Bone {
     along: Vector3<f64>,
 }
 
-/// Lists the bones of a joint, one to each child. A joint without children continues its parent's bone at full length. A
-/// joint without an origin has a bone of length 0 at each child's origin.
+/// Lists the bones of a joint, one to each child. A joint without children continues its parent's bone at full length.
+/// A joint without an origin has a bone of length 0 at each child's origin.
 fn bones_of(joint: usize, parents: &[Option<usize>], places: &[Option<Vector3<f64>>]) -> Vec<Bone> {
     let children = (0..places.len()).filter(|&child| parents[child] == Some(joint));
     let children = children.filter_map(|child| places[child]);
@@ -105,8 +105,8 @@ impl Bone {
     }
 }
 
-/// Returns the mesh's own joint weights: all influences of a vertex, scaled to a sum of 1. A vertex without weights gets
-/// its fitted weights. `None` if no vertex has weights.
+/// Returns the mesh's own joint weights: all influences of a vertex, scaled to a sum of 1. A vertex without weights
+/// gets its fitted weights. `None` if no vertex has weights.
 ///
 /// - `fitted`: LBS weights of the V vertices.
 pub fn own_weights(examples: &Examples, fitted: &Weights) -> Option<Weights> {

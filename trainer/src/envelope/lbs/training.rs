@@ -19,8 +19,8 @@ use std::sync::OnceLock;
 
 /// Training frames in the units of the fit: n poses and the trajectories of V vertices.
 ///
-/// The root's motion is removed. Lengths are in units of the rest diagonal, and the centre of the rest mesh is the origin.
-/// So constants and rounding of the fit do not depend on the unit and the place of the input.
+/// The root's motion is removed. Lengths are in units of the rest diagonal, and the centre of the rest mesh is the
+/// origin. So constants and rounding of the fit do not depend on the unit and the place of the input.
 pub struct Training<'a> {
     /// The examples.
     pub examples: &'a Examples,
@@ -183,8 +183,8 @@ impl<'a> Training<'a> {
         (self.lbs.errors.iter().sum::<f64>() / count.max(1) as f64).sqrt()
     }
 
-    /// Shares the squared errors of LBS among a span of palette transforms, in proportion to the weights of each vertex.
-    /// Errors are weighted by importance.
+    /// Shares the squared errors of LBS among a span of palette transforms, in proportion to the weights of each
+    /// vertex. Errors are weighted by importance.
     pub fn lbs_errors(&self, weights: &Weights, span: Range<usize>) -> Vec<f64> {
         let mut errors = vec![0.0; span.len()];
         for (vertex, error) in self.lbs.errors.iter().enumerate() {
@@ -233,8 +233,8 @@ impl Residuals<'_> {
         skins
     }
 
-    /// Computes the inner products of the residuals of some poses, in the joint's frame and weighted by importance. Returns a
-    /// row and a column for each pose.
+    /// Computes the inner products of the residuals of some poses, in the joint's frame and weighted by importance.
+    /// Returns a row and a column for each pose.
     ///
     /// - `skin`: vertices of the joint.
     pub fn gram(&self, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {

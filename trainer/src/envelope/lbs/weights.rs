@@ -24,8 +24,8 @@ pub const FREE: f64 = 1e-12;
 /// Errors below this RMS in diagonals tie: rounding to single precision is as large.
 const EXACT: f64 = 1e-6;
 
-/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the squared error of each
-/// vertex, summed over the poses.
+/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the squared error of
+/// each vertex, summed over the poses.
 ///
 /// - `pull`: prior weights, J x V, and the strength of the pull to prior weights, in squared units of the trajectories.
 ///   With `None` only the poses decide.

@@ -62,8 +62,8 @@ impl Alternation {
 
     /// Fits weights and maps in turn.
     ///
-    /// - `others`, `maps`: starting weights and maps. An item chooses among the maps with the least error and the maps of
-    ///   its starting weights.
+    /// - `others`, `maps`: starting weights and maps. An item chooses among the maps with the least error and the maps
+    ///   of its starting weights.
     /// - `most`: largest number of maps that an item follows.
     /// - `advance`: called once a round.
     pub fn run(
@@ -99,8 +99,8 @@ impl Alternation {
 /// Fits maps to given weights.
 ///
 /// - `previous`: target of the proximal term.
-/// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items leave
-///   open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
+/// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items
+///   leave open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
 pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
     let m = items.width;
     let (size, rank) = (previous.columns.ncols(), items.y.nrows());
@@ -185,8 +185,8 @@ impl Round {
         Self { weights, error: f64::INFINITY, start: maps.clone(), maps, steps: 0.0 }
     }
 
-    /// Fits weights, then maps, with momentum (Nesterov 1983). If the error has risen, the next round restarts from the last
-    /// maps without momentum.
+    /// Fits weights, then maps, with momentum (Nesterov 1983). If the error has risen, the next round restarts from the
+    /// last maps without momentum.
     fn next(&self, fit: &impl InTurn, supports: Supports<'_>, momentum: f64) -> Self {
         let (weights, error) = fit.weights(&self.start, supports);
         if self.steps > 0.0 && error > self.error {

@@ -18,8 +18,8 @@ pub struct Items<'a> {
     pub importance: Importance<'a>,
     /// Pull of the weights to prior weights; `None` if only the error decides.
     pub pull: Option<Pull<'a>>,
-    /// Weights of the items on further, fixed maps, and these maps, r x (l·m). [`fit_maps`](super::fit_maps) fits the open
-    /// maps to the rest of the motion.
+    /// Weights of the items on further, fixed maps, and these maps, r x (l·m). [`fit_maps`](super::fit_maps) fits the
+    /// open maps to the rest of the motion.
     pub fixed: Option<(&'a Weights, &'a Mat<f64>)>,
 }
 
@@ -90,7 +90,8 @@ pub(super) struct PullTerm {
 }
 
 impl PullTerm {
-    /// Returns the inner product of two maps in the cost of an item, without the constant part. The item's weights sum to 1.
+    /// Returns the inner product of two maps in the cost of an item, without the constant part. The item's weights sum
+    /// to 1.
     pub(super) fn product(&self, other: &Self) -> f64 {
         let square = if self.joint == other.joint { self.square } else { 0.0 };
         square - self.linear - other.linear
@@ -213,8 +214,8 @@ impl Weights {
 pub enum Supports<'a> {
     /// At most this number of maps. The candidates are the maps with the least cost alone.
     Free(usize),
-    /// Like `Free`, with the maps of some other weights as further candidates. An item keeps the maps of its last weights
-    /// if they cost less.
+    /// Like `Free`, with the maps of some other weights as further candidates. An item keeps the maps of its last
+    /// weights if they cost less.
     Better {
         /// Largest number of maps of an item.
         most: usize,

@@ -63,8 +63,8 @@ impl Products {
         Self { pairs, own, by_entry }
     }
 
-    /// Computes the inner products of [`Products::by_entry`] with the targets of some items, row by row. Maps outside the
-    /// supports may be left out.
+    /// Computes the inner products of [`Products::by_entry`] with the targets of some items, row by row. Maps outside
+    /// the supports may be left out.
     fn onto(&self, items: &Items<'_>, range: Range<usize>, supports: Supports<'_>) -> Vec<f64> {
         let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
         let size = self.by_entry.ncols();
