@@ -6,7 +6,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::envelope::clean::Inliers;
 use sinew_trainer::envelope::lbs::poses::Poses;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -204,7 +204,7 @@ fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn E
         let mut spoiled = examples.clone();
         let before = examples.frame(frame - 1).to_vec();
         spoil(&mut spoiled.vertices[frame * len..(frame + 1) * len], &before, examples.diagonal());
-        let sound = Sound::new(&spoiled, &Silent)?;
+        let sound = Inliers::new(&spoiled, &Silent)?;
         let left_out = sound.left_out();
         let is_named = left_out.iter().any(|out| out.frame == frame);
         named += usize::from(is_named);

@@ -1,90 +1,92 @@
-//! The numbers that set a fit of helpers and their maps.
+//! Settings of the fit of helpers and their kernel maps.
 
 /// Errors that differ by less than this factor are tied.
 pub const TIED: f64 = 1.02;
 /// RMS error in diagonals below which nobody sees a difference: a fifth of a millimetre on a body. Without this floor,
 /// noise would choose between candidates that all fit well.
 pub const UNSEEN: f64 = 1e-4;
-/// Vertices on which candidates are compared and forecasts are made. More give the same result.
+/// Number of vertices for comparing candidates and for forecasts. More vertices give equal results.
 pub const FEW_VERTICES: usize = 250;
-/// A file without tangent coefficients is chosen only if files with them have this many times its error.
+/// A file without tangent coefficients is chosen only if the best file with them has more than this multiple of its
+/// error.
 pub const COEFFICIENTS_COST: f64 = 1.5;
 
-/// The numbers that set a fit of helpers and their maps. Lengths are in diagonals of the rest mesh.
+/// Settings of the fit of helpers and their kernel maps. Lengths are in diagonals of the rest mesh.
 ///
-/// `cargo bench -p sinew-trainer --bench figures -- settings` trains with a third and with three times of each. The table is in
-/// `trainer/NOTES.md`, "Settings".
+/// `cargo bench -p sinew-trainer --bench figures -- settings` trains with a third and with three times each number. The
+/// results are in `trainer/NOTES.md`, "Settings".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// A vertex with a larger RMS error of LBS belongs to a helper. Smaller errors are not seen.
+    /// Vertices with a larger RMS error of LBS get helpers. Smaller errors are invisible.
     pub active: f64,
-    /// A vertex with a smaller RMS error of LBS keeps its weights: there is nothing to gain.
-    pub served: f64,
-    /// Weight of residuals against positions where vertices are grouped.
+    /// Vertices with a larger RMS error of LBS get new weights. The others keep their LBS weights: there is nothing to
+    /// gain.
+    pub refit: f64,
+    /// Weight of residuals against rest positions when vertices are clustered.
     pub residuals: f64,
-    /// Pull of a helper to its dominant joint, as a share of the mean diagonal of its equations. What few vertices support
-    /// is noise that no map can predict.
+    /// Pull of a helper's transform to that of its dominant joint, as a share of the mean diagonal of its equations. A
+    /// motion that few vertices support is noise, and no map can predict noise.
     pub pull: f64,
-    /// Weight of the palette before any correction where weights are fitted. Only this palette is left in poses unlike those of
-    /// training.
+    /// Weight of the error without a correction when vertex weights are fitted. Outside the trained range the
+    /// correction fades out, and only the base palette is left.
     pub base: f64,
-    /// Strength of the pull of helpers' weights to those of LBS, as a share of the strength by which these are pulled to
+    /// Strength of the pull of helper weights to LBS weights, as a share of the strength of the pull of LBS weights to
     /// prior weights.
-    pub folded: f64,
-    /// The largest strength of that pull, in squared lengths: a stronger one tilts normals at hinges.
-    pub folded_most: f64,
-    /// Most of its last step that a round of helpers starts ahead. With more, rounding decides more of the result.
-    pub ahead: f64,
+    pub weight_pull: f64,
+    /// Largest strength of the pull to LBS weights, in squared lengths. A stronger pull tilts normals at hinges.
+    pub weight_pull_max: f64,
+    /// Largest momentum of a round of helpers, as a share of the last step. A larger momentum amplifies rounding.
+    pub momentum: f64,
     /// Weight of a displacement as an input, against the entries of a rotation.
     pub displacement: f64,
-    /// A displacement whose weighted RMS spread is smaller is no input.
-    pub still: f64,
-    /// Scores that differ by a smaller share are alike where joints and widths are chosen. Folds of training tell little of
-    /// poses unlike it; there fewer inputs and narrower kernels have smaller errors.
-    pub alike: f64,
-    /// Share of the outputs' squared size that no latent output carries.
+    /// Smallest weighted RMS spread of a displacement that becomes an input.
+    pub displacement_min: f64,
+    /// Scores of joint sets and of kernel widths tie if they differ by less than this share. Folds of the training
+    /// poses say little about other poses. There fewer inputs and narrower kernels have smaller errors.
+    pub input_tie: f64,
+    /// Share of the outputs' squared size that latent outputs may leave out.
     pub negligible: f64,
-    /// Share of the poses that lie beyond a joint's range, for the blocks that a map has to extrapolate to.
-    pub beyond: f64,
+    /// Share of the poses in a block at the end of a joint's range. Such blocks test extrapolation.
+    pub range_ends: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
             active: 4e-4,
-            served: UNSEEN,
+            refit: UNSEEN,
             residuals: 8.0,
             pull: 3e-6,
             base: 0.015,
-            folded: 1e-3,
-            folded_most: 3e-7,
-            ahead: 0.7,
+            weight_pull: 1e-3,
+            weight_pull_max: 3e-7,
+            momentum: 0.7,
             displacement: 3.0,
-            still: 3e-4,
-            alike: 0.2,
+            displacement_min: 3e-4,
+            input_tie: 0.2,
             negligible: 1e-7,
-            beyond: 0.25,
+            range_ends: 0.25,
         }
     }
 }
 
 impl Settings {
-    /// Lists the numbers with their names.
+    /// Lists the settings with their names.
     pub fn numbers(&mut self) -> [(&'static str, &mut f64); 13] {
         [
             ("active", &mut self.active),
-            ("served", &mut self.served),
+            ("refit", &mut self.refit),
             ("residuals", &mut self.residuals),
             ("pull", &mut self.pull),
             ("base", &mut self.base),
-            ("folded", &mut self.folded),
-            ("folded_most", &mut self.folded_most),
-            ("ahead", &mut self.ahead),
+            ("weight_pull", &mut self.weight_pull),
+            ("weight_pull_max", &mut self.weight_pull_max),
+            ("momentum", &mut self.momentum),
             ("displacement", &mut self.displacement),
-            ("still", &mut self.still),
-            ("alike", &mut self.alike),
+            ("displacement_min", &mut self.displacement_min),
+            ("input_tie", &mut self.input_tie),
             ("negligible", &mut self.negligible),
-            ("beyond", &mut self.beyond),
+            ("range_ends", &mut self.range_ends),
         ]
     }
 }

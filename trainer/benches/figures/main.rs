@@ -79,7 +79,7 @@ fn lbs() -> Result<(), Box<dyn Error>> {
             rest: &examples.rest,
             weights: &fitted,
             trajectories: &moved,
-            importance: Importance::ALIKE,
+            importance: Importance::UNIFORM,
         };
         println!("{name}: K = 4, held out {:.4} %", percent(targets.rms(&poses.stacked())));
         if name == "dem-bones" {
@@ -92,7 +92,7 @@ fn lbs() -> Result<(), Box<dyn Error>> {
                 rest: &examples.rest,
                 weights: &dense,
                 trajectories: &moved,
-                importance: Importance::ALIKE,
+                importance: Importance::UNIFORM,
             };
             println!("{name}: dense, all frames, RMSE {:.7}", targets.rms(&poses.stacked()));
         }
@@ -115,7 +115,7 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let Training { unit, rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent)?;
         let basis = basis::basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let options =

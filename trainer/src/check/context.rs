@@ -4,7 +4,7 @@ use super::finding::{FrameName, Place};
 use super::thresholds::SLIDE;
 use crate::envelope::correction::features::Features;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::residuals::Residuals;
+use crate::envelope::lbs::training::Residuals;
 use crate::envelope::lbs::training::Training;
 use crate::examples::{Clip, Examples};
 use crate::space::beside;
@@ -28,7 +28,7 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(super) fn new(clips: &'a [Clip], training: &'a Training<'a>) -> Self {
-        let (residuals, dominant) = training.left_by_lbs();
+        let (residuals, dominant) = training.lbs_residuals();
         Self {
             examples: training.examples,
             clips,
@@ -52,7 +52,7 @@ impl<'a> Context<'a> {
     }
 
     pub(super) fn lbs_residuals(&self) -> Residuals<'_> {
-        Residuals { training: self.training, left: &self.residuals, dominant: &self.dominant }
+        Residuals { training: self.training, residuals: &self.residuals, dominant: &self.dominant }
     }
 
     /// Names the `i`-th training frame.

@@ -6,8 +6,8 @@
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Severity, count};
 use super::thresholds::{MISPLACED, REMEDIED};
-use crate::envelope::clean::stands;
-use crate::envelope::lbs::residuals::Residuals;
+use crate::envelope::clean::rigid_offsets;
+use crate::envelope::lbs::training::Residuals;
 use crate::examples::{Examples, Split, is_shuffled, spread};
 use crate::numeric::affine::from_rows;
 use crate::space::{axis_names, rotations};
@@ -298,16 +298,16 @@ pub(super) fn vertex_order(examples: &Examples) -> Option<Finding> {
 
 /// Share of a frame's squared error that may remain after the offset is removed. The bound is loose because the many
 /// displaced frames distort LBS.
-const LEFT: f64 = 0.25;
+const REMAINING: f64 = 0.25;
 
 /// Reports an offset of the meshes in most training frames. If fewer frames are displaced, the others show it
 /// ([`super::frames::broken`]).
 pub(super) fn offset(context: &Context<'_>) -> Option<Finding> {
-    let Context { training, residuals: left, dominant, .. } = context;
-    let stands = stands(Residuals { training, left, dominant });
-    let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
-    let worst = worst_first(places, |pose| stands[pose].moved);
-    if 2 * worst.len() < stands.len() {
+    let Context { training, residuals, dominant, .. } = context;
+    let offsets = rigid_offsets(Residuals { training, residuals, dominant });
+    let places = (0..offsets.len()).filter(|&pose| offsets[pose].is_offset(REMAINING));
+    let worst = worst_first(places, |pose| offsets[pose].distance);
+    if 2 * worst.len() < offsets.len() {
         return None;
     }
     let farthest = *worst.first()?;
@@ -319,8 +319,8 @@ pub(super) fn offset(context: &Context<'_>) -> Option<Finding> {
              in the meshes or only in the joints, all meshes are displaced, or the meshes belong to other frames; do not \
              rely on the findings below until this is fixed",
             worst.len(),
-            count(stands.len(), "training frame has", "training frames have"),
-            context.length(stands[farthest].moved),
+            count(offsets.len(), "training frame has", "training frames have"),
+            context.length(offsets[farthest].distance),
             context.frame(farthest)
         ),
         places: context.frames(worst.iter().copied()),

@@ -9,7 +9,7 @@ use super::convention::{self, Convention};
 use super::finding::{Finding, FrameName, Kind, LISTED, Place, Severity, count, listed, runs};
 use super::step::{error, sample};
 use super::thresholds::{CONTRADICTION, SAME_POSE, UNLIKE_CLIPS, VISIBLE, WRONG_CLIP};
-use crate::envelope::clean::{Doubted, Sound};
+use crate::envelope::clean::{Inliers, OutlierFrame};
 use crate::envelope::lbs::poses::Poses;
 use crate::examples::{Clip, Examples, PosedClips, Split, spread};
 use crate::space::beside;
@@ -17,20 +17,20 @@ use crate::space::beside;
 /// Reports frames whose meshes do not belong to their poses, and whether a training leaves them out.
 ///
 /// - `diagonal_mm`: diagonal of the rest mesh in millimetres; `None` if the unit is unknown.
-pub(super) fn broken(sound: &Sound, clips: &[Clip], diagonal_mm: Option<f64>) -> Finding {
-    let Sound { doubted, stay, .. } = sound;
-    let name = |of: &Doubted| FrameName::new(clips, of.frame);
-    let line = |of: &Doubted| {
+pub(super) fn broken(inliers: &Inliers, clips: &[Clip], diagonal_mm: Option<f64>) -> Finding {
+    let Inliers { outliers, keeps_outliers, .. } = inliers;
+    let name = |of: &OutlierFrame| FrameName::new(clips, of.frame);
+    let line = |of: &OutlierFrame| {
         let mm = beside(of.percent, diagonal_mm);
         let (percent, usual) = (of.percent, of.usual_percent);
         format!("{} (off by {percent:.2} % of the diagonal{mm}, {usual:.2} % is usual)", name(of))
     };
-    let names: Vec<FrameName> = doubted.iter().map(name).collect();
-    let all = match doubted.len() {
+    let names: Vec<FrameName> = outliers.iter().map(name).collect();
+    let all = match outliers.len() {
         0..=LISTED => String::new(),
         _ => format!("; all of them: {}", runs(&names).join(", ")),
     };
-    let then = match stay {
+    let then = match keeps_outliers {
         true => "without them too few frames or no motion would be left, so a training keeps them",
         false => "a training leaves out the frames named here",
     };
@@ -40,8 +40,8 @@ pub(super) fn broken(sound: &Sound, clips: &[Clip], diagonal_mm: Option<f64>) ->
         text: format!(
             "{} a mesh that does not belong to the pose, judged by the other frames (an exploded simulation, a displaced \
              mesh, or the mesh of another frame); {then}: check them, and fix or remove them: frame {}{all}",
-            count(doubted.len(), "frame has", "frames have"),
-            listed(doubted.iter().map(line))
+            count(outliers.len(), "frame has", "frames have"),
+            listed(outliers.iter().map(line))
         ),
         places: names.into_iter().map(Place::Frame).collect(),
     }

@@ -16,8 +16,8 @@ mod step;
 pub mod thresholds;
 
 use crate::envelope::FitError;
-use crate::envelope::clean::Sound;
-use crate::envelope::lbs::own::own_weights;
+use crate::envelope::clean::Inliers;
+use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::lbs::targets::Targets;
 use crate::envelope::lbs::training::Training;
 use crate::evaluate::NOTHING;
@@ -108,32 +108,32 @@ pub fn judge<'a>(
     examples: &'a Examples,
     clips: &[Clip],
     progress: &dyn Progress,
-) -> Result<(Check, Sound<'a>), CheckError> {
+) -> Result<(Check, Inliers<'a>), CheckError> {
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = rest::size(examples, &mut findings);
-    let given = Sound::new(examples, progress)?;
+    let given = Inliers::new(examples, progress)?;
     progress.step("steps", 1);
     let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
     // Late meshes would cause other findings too, so the rest of the check uses the meshes in step.
     let in_step = step::steps(examples, clips, &left_out, &mut findings);
     let stepped;
-    let sound = match &in_step {
+    let inliers = match &in_step {
         Some(in_step) => {
-            stepped = Sound::new(in_step, progress)?;
+            stepped = Inliers::new(in_step, progress)?;
             &stepped
         }
         None => &given,
     };
-    let examples = sound.training.examples;
-    let wrong: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
+    let examples = inliers.training.examples;
+    let wrong: Vec<usize> = inliers.outliers.iter().map(|of| of.frame).collect();
     let mut broken =
-        (!wrong.is_empty()).then(|| frames::broken(sound, clips, examples.diagonal_mm()));
+        (!wrong.is_empty()).then(|| frames::broken(inliers, clips, examples.diagonal_mm()));
     // The rest mesh, units, axes and orders are tested on the frames that a training uses. Faults of single frames are
     // searched in all training frames.
     let (others, whole, all);
-    let (used, all) = if sound.left_out().is_empty() {
+    let (used, all) = if inliers.left_out().is_empty() {
         (examples, None)
     } else {
         others = examples.without(&wrong);
@@ -149,12 +149,12 @@ pub fn judge<'a>(
         true => frames::clips(examples, clips, &wrong),
         false => Vec::new(),
     };
-    let context = Context::new(clips, &sound.training);
+    let context = Context::new(clips, &inliers.training);
     if misplaced && findings.len() == before && by_clip.is_empty() {
         let order = convention::vertex_order(used);
         findings.extend(order.or_else(|| convention::offset(&context)));
     }
-    if sound.stay && findings.len() > before {
+    if inliers.keeps_outliers && findings.len() > before {
         // The fault of all frames explains the many wrong frames.
         broken = None;
     }
@@ -167,7 +167,7 @@ pub fn judge<'a>(
     progress.step("faces in poses", 1);
     faces::in_poses(all, &mut findings);
     progress.step("frames", 1);
-    if context.training.poses.are_one() {
+    if context.training.poses.are_equal() {
         findings.push(Finding {
             kind: Kind::OnePose,
             severity: Severity::Warning,
@@ -231,6 +231,6 @@ fn own_weights_rms(context: &Context<'_>) -> Option<f64> {
     let training = context.training;
     let own = own_weights(context.examples, &training.lbs.weights)?;
     // Every vertex has weight 1, as for the fitted weights.
-    let targets = Targets { importance: Importance::ALIKE, ..training.targets(&own) };
+    let targets = Targets { importance: Importance::UNIFORM, ..training.targets(&own) };
     Some(targets.rms(&training.poses.stacked()))
 }

@@ -144,7 +144,7 @@ impl ClipFrames<'_> {
             let meshes: Vec<usize> = frames.iter().map(mesh).collect();
             let trajectories = &trajectories(self.sample, &meshes, &poses);
             let targets =
-                Targets { rest, weights: &weights, trajectories, importance: Importance::ALIKE };
+                Targets { rest, weights: &weights, trajectories, importance: Importance::UNIFORM };
             let left = targets.residuals(&maps);
             let mut errors = vec![0.0; frames.len()];
             for vertex in 0..rest.len() {

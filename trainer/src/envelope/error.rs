@@ -1,38 +1,38 @@
-//! Why a training failed.
+//! Errors of a training.
 
 use super::levels::AddError;
 use crate::bake::BakeError;
 use crate::evaluate::EvaluateError;
 use crate::examples::Examples;
 
-/// Steps of single precision at the mesh's distance from the origin, in diagonals. From the first on, a fit to the
-/// rounding may exceed the range of a model. From the second on, nothing is trained.
+/// Two limits for the step of single precision at the mesh's distance from the origin, in diagonals. Above the first, a
+/// fit to rounding errors may exceed the range of a model. Above the second, training is refused.
 pub(crate) const COARSE: (f64, f64) = (1e-4, 1e-3);
 
-/// A training that failed.
+/// Reason why a training failed.
 #[derive(Debug, thiserror::Error)]
 pub enum TrainError {
-    /// The fit could not be made.
+    /// The fit failed.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// The fit could not be written.
+    /// The model could not be written.
     #[error(transparent)]
     Bake(#[from] BakeError),
     /// A further mesh cannot become a skin.
     #[error(transparent)]
     Level(#[from] AddError),
-    /// What was fitted could not be measured.
+    /// The fitted model could not be measured.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// No model can be small enough: skeleton and mesh alone are not.
+    /// The skeleton and the mesh alone exceed the budget.
     #[error("a budget of {budget} bytes is too small: skeleton and mesh alone take {least}")]
     BudgetOfMesh {
         /// Bytes allowed.
         budget: usize,
-        /// Bytes without anything that is learnt.
+        /// Bytes of the skeleton and the mesh.
         least: usize,
     },
-    /// No candidate's file is small enough.
+    /// The file of every candidate exceeds the budget.
     #[error(
         "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \
          most of which is the mesh itself"
@@ -45,10 +45,10 @@ pub enum TrainError {
     },
 }
 
-/// A fit that could not be made.
+/// Reason why a fit failed.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum FitError {
-    /// Fewer training poses than the fit has unknowns for.
+    /// There are fewer training poses than the fit has unknowns.
     #[error("the fit needs {needed} training poses, found {found}")]
     TooFewPoses {
         /// Training poses found.
@@ -56,28 +56,28 @@ pub enum FitError {
         /// Training poses needed.
         needed: usize,
     },
-    /// The training frames are one and the same.
+    /// All training frames are equal.
     #[error("all {found} training frames are one pose: there is no motion to learn")]
     OnePose {
         /// Training frames found.
         found: usize,
     },
-    /// Positions in single precision are too coarse where the character stands.
+    /// Positions in single precision are too coarse at the character's distance from the origin.
     #[error(
         "the character stands {diagonals:.0} diagonals from the origin, where positions in single precision are {:.2} % of \
          the diagonal apart: move mesh and skeleton to the origin before export",
         100.0 * share
     )]
     TooFar {
-        /// How far it stands, in diagonals.
+        /// Distance of the character from the origin, in diagonals.
         diagonals: f64,
-        /// How far apart positions are, as a share of the diagonal.
+        /// Step of single precision, as a share of the diagonal.
         share: f64,
     },
-    /// No triangle has an area.
+    /// No triangle of the rest mesh has an area.
     #[error("no triangle of the rest mesh has an area")]
     NoTriangles,
-    /// No number of proxies comes as near as was asked.
+    /// No number of proxies reaches the requested error.
     #[error(
         "{} % is out of reach: {proxies} proxies, the most there can be, come to {:.4} % of the \
          diagonal",
@@ -85,20 +85,20 @@ pub enum FitError {
         100.0 * reached
     )]
     MaxError {
-        /// RMS asked for, as a share of the diagonal.
+        /// Requested RMS error, as a share of the diagonal.
         limit: f64,
-        /// RMS reached.
+        /// Smallest RMS error reached, as a share of the diagonal.
         reached: f64,
-        /// With so many.
+        /// Number of proxies that reached this error.
         proxies: usize,
     },
-    /// No candidate gives a regular system.
+    /// Every candidate gives a singular system.
     #[error("the reduced reconstruction is singular for every choice of near-rigid vertices")]
     Singular,
 }
 
 impl FitError {
-    /// Returns the error of examples whose positions are at least so coarse, as a share of the diagonal.
+    /// Returns an error if the step of single precision is at least `least`, as a share of the diagonal.
     pub(crate) fn too_far(examples: &Examples, least: f64) -> Option<Self> {
         let share = examples.coarseness();
         let diagonals = share / f64::from(f32::EPSILON);

@@ -1,10 +1,10 @@
-//! A fitted envelope and the skin that follows it, as training sees them.
+//! A fitted envelope and its skin, in training units.
 
 use super::correction::rounding;
 use super::levels;
 use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, SkinModel};
 use crate::envelope::lbs::blend::Weights;
-use crate::envelope::lbs::stacked::{self, map_of};
+use crate::envelope::lbs::targets::{bases, map_of};
 use crate::envelope::lbs::training::Training;
 use crate::numeric::affine::linear;
 use crate::numeric::columns::largest;
@@ -12,22 +12,22 @@ use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 use std::ops::Range;
 
-/// What an envelope is called that a training makes.
+/// Name of a trained envelope.
 pub const NAME: &str = "envelope";
 
 /// A fitted envelope, in training units.
 #[derive(Clone)]
 pub struct Fitted {
-    /// What predicts the palette.
+    /// Model that predicts the palette.
     pub envelope: EnvelopeModel,
-    /// The vertices' weights on it.
+    /// Weights of the vertices on the palette.
     pub weights: Weights,
 }
 
 impl Fitted {
-    /// Makes an envelope on the joints of a training, without a correction.
+    /// Creates an envelope without a correction on the joints of a training.
     ///
-    /// - `reconstruction`: none for joints and helpers, whose groups are still to be given.
+    /// - `reconstruction`: `None` for joints and helpers. [`Fitted::with`] then adds the helpers' groups.
     pub fn new(
         training: &Training,
         weights: Weights,
@@ -45,18 +45,18 @@ impl Fitted {
         Self { envelope, weights }
     }
 
-    /// The same with a correction.
+    /// Adds a correction, given as groups of helpers.
     #[must_use]
     pub fn with(mut self, groups: Vec<Group>) -> Self {
         self.envelope.groups = groups;
         self
     }
 
-    /// The same, where no joint stands before the proxies, with that proxy first whose transform is least likely to
-    /// mirror what it moves: runtimes ask transform 0 whether a pose is mirrored (METHOD §1.8).
+    /// Reorders the proxies, if the palette has no joints. The first proxy is then the proxy that is least likely to
+    /// mirror its vertices: runtimes test transform 0 to find out whether a pose is mirrored (METHOD §1.8).
     ///
-    /// - `palettes`: of the training poses, 3n x 4P; they are put into the same order.
-    pub fn led_by_upright(&self, palettes: Mat<f64>) -> (Self, Mat<f64>) {
+    /// - `palettes`: the palettes of the training poses, 3n x 4P. They are reordered too.
+    pub fn with_upright_first(&self, palettes: Mat<f64>) -> (Self, Mat<f64>) {
         let Self { envelope, weights } = self;
         if envelope.first_proxy() > 0 {
             return (Self { envelope: envelope.clone(), weights: weights.clone() }, palettes);
@@ -72,21 +72,22 @@ impl Fitted {
         let renumbered = (0..weights.len())
             .map(|vertex| weights.of(vertex).map(|(l, alpha)| (place(l), alpha)).collect());
         let weights = Weights::from_lists(weights.most(), renumbered);
-        let palettes = stacked::bases(&palettes, &order);
+        let palettes = bases(&palettes, &order);
         (Self { envelope: envelope.ordered(&order), weights }, palettes)
     }
 
-    /// Gives what a file holds of it, in the units of the input, the skin without tangent coefficients. The
-    /// certificate's figures are RMS errors as shares of the diagonal; that of the correction is added here.
+    /// Converts to the model of a file in the units of the input, without tangent coefficients.
+    ///
+    /// - `certificate`: RMS errors as shares of the diagonal. The error of the correction is added here.
     pub fn file_model(&self, training: &Training, certificate: Certificate) -> FileModel {
         let examples = training.examples;
         let mut envelope = self.envelope.restated(training.unit, training.centre);
-        // As they were given, to the last digit.
+        // The skeleton stays exact to the last digit.
         envelope.skeleton = examples.skeleton.clone();
         let surface = examples.surface();
         let influences: Vec<_> =
             (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect();
-        let of_engine =
+        let to_engine =
             |(name, range): &(String, Range<usize>)| (name.clone(), surface.engine_range(range));
         let skin = SkinModel {
             name: levels::OWN.to_owned(),
@@ -97,7 +98,7 @@ impl Fitted {
             influences: surface.copied(&influences),
             tangent_coefficients: None,
             normal_errors: None,
-            ranges: examples.ranges.iter().map(of_engine).collect(),
+            ranges: examples.ranges.iter().map(to_engine).collect(),
             shapes: Shapes::default(),
         };
         let groups = &self.envelope.groups;
@@ -108,7 +109,7 @@ impl Fitted {
             same_clips_rms: length(certificate.same_clips_rms),
             other_clip_rms: certificate.other_clip_rms.map(length),
             lbs_training_rms: length(certificate.lbs_training_rms),
-            correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
+            correction_error: rounding::bound(groups, training, &envelope, &skin) as f32,
             base_training_rms: length(certificate.base_training_rms),
         };
         FileModel {
@@ -120,7 +121,7 @@ impl Fitted {
     }
 }
 
-/// Adds a correction to the proxies, which stand last in a palette.
+/// Adds a correction to the proxies, which come last in a palette.
 pub(super) fn corrected(mut palette: Mat<f64>, correction: &Mat<f64>) -> Mat<f64> {
     let first = palette.ncols() - correction.ncols();
     let mut proxies = palette.subcols_mut(first, correction.ncols());

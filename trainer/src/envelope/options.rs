@@ -1,51 +1,51 @@
-//! What a training is asked for.
+//! Options of a training.
 
 use super::levels::Level;
 use crate::envelope::s3::{Method, ProxyCount};
 use crate::settings::Settings;
 use sinew_runtime::envelope::Predictor;
 
-/// What predicts the palette from the pose.
+/// Predictor of the palette from the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predict {
-    /// This predictor.
+    /// The given predictor. The rotational predictor improves on S3.
     Only(Predictor),
-    /// The rotational predictor as S3 publishes it, to the letter ([`published`]).
+    /// The rotational predictor exactly as S3 publishes it ([`published`]).
     ///
     /// [`published`]: crate::envelope::s3::published
     Published,
 }
 
-/// What a training is asked for.
+/// Options of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// What predicts.
+    /// Predictor of the palette.
     pub predictor: Predict,
-    /// P, or the error that decides it; chosen by cross-validation where none is given.
+    /// Number of proxies P, or the error that decides P. `None` chooses P by cross-validation.
     pub proxies: Option<ProxyCount>,
-    /// K, the most maps of the palette that a vertex follows.
+    /// K, the largest number of palette transforms that a vertex follows.
     pub influences: usize,
-    /// Whether c1 and c2 may be refined on the training meshes; as published they never are.
+    /// Whether c1 and c2 may be refined on the training meshes. The published method never refines them.
     pub refine: bool,
-    /// Most bytes of the file, all of its skins included.
+    /// Largest size of the file with all its skins, in bytes.
     pub budget: Option<usize>,
     /// The meshes that the file holds.
     pub meshes: FileSkins,
-    /// The numbers that the fit of helpers is set to.
+    /// Settings of the fit of helpers.
     pub settings: Settings,
 }
 
 /// The meshes that a model's file holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileSkins {
-    /// The examples' own, then further ones, each as a skin.
+    /// The mesh of the examples and further meshes, each as a skin.
     Skins(Vec<Level>),
-    /// None: a palette alone, for an engine that keeps its meshes and their weights.
+    /// No mesh, only a palette, for an engine that keeps its meshes and weights.
     PaletteAlone,
 }
 
 impl Options {
-    /// How a reconstruction is to be fitted.
+    /// Returns the method of fitting the reconstruction.
     pub(super) fn method(&self) -> Method {
         match (self.predictor, self.refine) {
             (Predict::Published, _) => Method::Published,

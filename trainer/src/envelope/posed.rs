@@ -1,51 +1,51 @@
-//! The runtime on frames of the examples: palettes, and skins on them.
+//! Palettes and skins of frames of the examples, computed by the runtime.
 
 use crate::examples::{self, Clip, Examples, called};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
 
-/// The runtime refuses a frame.
+/// Call of the runtime that failed for a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("frame {frame}: {error}")]
 pub struct FrameError {
-    /// The frame, its place or what its source calls it.
+    /// Index of the frame, or the frame number in the source.
     pub frame: i64,
-    /// Why.
+    /// Error of the call.
     pub error: CallError,
 }
 
 impl FrameError {
-    /// Says that the runtime refuses a frame, by its place.
+    /// Creates the error of a frame from its index.
     fn at(frame: usize) -> impl Fn(CallError) -> Self {
         move |error| Self { frame: frame as i64, error }
     }
 
-    /// Calls the frame as its source does, of frames of these clips.
+    /// Replaces the frame index with the frame number in the source.
     pub fn called(self, clips: &[Clip]) -> Self {
         Self { frame: called(self.frame, clips), ..self }
     }
 }
 
-/// Lists a skin's V rest positions.
+/// Lists the rest positions of a skin, V.
 pub fn rest(skin: &Skin<'_>) -> Vec<[f64; 3]> {
     let position = |vertex| skin.rest_position(vertex).unwrap_or_default().map(f64::from);
     (0..skin.vertex_len()).map(position).collect()
 }
 
-/// Lists the influences of a skin's V vertices that weigh something: palette index and weight.
+/// Lists the influences of each vertex of a skin with a weight above 0, V lists of palette index and weight.
 pub fn influences(skin: &Skin<'_>) -> Vec<Vec<(usize, f64)>> {
     let of = |vertex| skin.influences(vertex).filter(|&(_, weight)| weight > 0.0);
     let wide = |(index, weight): (usize, f32)| (index, f64::from(weight));
     (0..skin.vertex_len()).map(|vertex| of(vertex).map(wide).collect()).collect()
 }
 
-/// Computes the palette of a pose with the runtime, and its confidence.
+/// Computes the palette of a pose and its confidence.
 ///
-/// - `pose`: a map from rest to posed for each of J joints.
-/// - `frame`: what errors name.
+/// - `pose`: the transform of each joint from rest to posed, J.
+/// - `frame`: frame index for errors.
 ///
 /// # Errors
-/// [`FrameError`]
+/// [`FrameError`] if the runtime refuses the pose.
 pub fn palette(
     envelope: &Envelope<'_>,
     pose: &[examples::Matrix3x4],
@@ -59,7 +59,7 @@ pub fn palette(
     Ok((palette, confidence))
 }
 
-/// Computes how confident each joint is of a frame of the examples; none where there are no maps.
+/// Computes the confidence of each joint in a frame of the examples, J; `None` if the envelope has no kernel maps.
 pub fn joint_confidences(
     envelope: &Envelope<'_>,
     examples: &Examples,
@@ -76,10 +76,10 @@ fn narrow(pose: &[examples::Matrix3x4]) -> Vec<Matrix3x4> {
     pose.iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
-/// Skins a mesh on the palette of a frame: positions and normals, 3V floats each.
+/// Skins a mesh by the palette of a frame. Returns positions and normals, 3V floats each.
 ///
 /// # Errors
-/// [`FrameError`]
+/// [`FrameError`] if the runtime refuses the palette.
 pub fn skin_on(
     skin: &Skin<'_>,
     palette: &[Matrix3x4],

@@ -2,7 +2,7 @@
 
 use super::{Measured, TrainingRecord};
 use crate::envelope::lbs::blend::Weights;
-use crate::envelope::lbs::own::own_weights;
+use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::lbs::weights;
 use crate::examples::Examples;
 use nalgebra::Vector3;

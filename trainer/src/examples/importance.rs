@@ -14,7 +14,7 @@ pub struct Importance<'a>(Option<&'a [f64]>);
 
 impl<'a> Importance<'a> {
     /// Equal weights of 1.
-    pub const ALIKE: Self = Self(None);
+    pub const UNIFORM: Self = Self(None);
 
     /// Creates weights from numbers; `None` for equal weights.
     pub fn by(numbers: Option<&'a [f64]>) -> Self {

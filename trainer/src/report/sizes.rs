@@ -2,7 +2,7 @@
 
 use super::comparison::Comparison;
 use crate::envelope::choose::choose;
-use crate::envelope::clean::Sound;
+use crate::envelope::clean::Inliers;
 use crate::envelope::lbs::poses::MIN_POSES;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::s3::ProxyCount;
@@ -82,7 +82,7 @@ impl Sizes {
         let (frames, seen) = frames(comparison);
         let examples = &comparison.source.examples.trained_on(&frames);
         let begun = Instant::now();
-        let training = Sound::new(examples, progress)?.weighted(progress)?;
+        let training = Inliers::new(examples, progress)?.weighted(progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
         let counts = counts(comparison.model.character.envelope.proxy_len(), &training);
         let mut sizes = Self { shared_seconds, seen, trials: Vec::new(), near_rigid: None };

@@ -16,7 +16,7 @@ const OTHERS: [&str; 6] = [
     "regression/rotations.rs",
 ];
 /// Limit besides the fields of [`Settings`]; raise it only for a gain of 3 % on two sets.
-const MOST: usize = 105;
+const MOST: usize = 110;
 
 fn sources(path: PathBuf, found: &mut Vec<PathBuf>) {
     if OTHERS.iter().any(|other| path.ends_with(other)) {

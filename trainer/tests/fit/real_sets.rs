@@ -171,7 +171,7 @@ fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
         rest: &examples.rest,
         weights: &dense,
         trajectories: &moved,
-        importance: Importance::ALIKE,
+        importance: Importance::UNIFORM,
     };
     let rmse = targets.rms(&poses.stacked());
     // Published: the error that Dem Bones prints for this set. All frames are training frames.
@@ -184,7 +184,7 @@ fn proxies_alone_on_dem_bones() {
     let Training { unit, rest, triangles, trajectories, .. } =
         Training::new(&examples, &Silent).unwrap();
     let basis = basis::basis(&trajectories);
-    let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+    let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
     let tree = merge::MergeTree::build(&surface, || ());
     // Promised on training frames: 0.0019, 0.0010 and 0.0006 (METHOD §1.7.1); nothing is held out
     // here.

@@ -43,7 +43,8 @@ impl<'a> Character<'a> {
         let Training { rest, triangles, poses, trajectories, .. } = &training;
         let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES, None);
         let basis = training.basis();
-        let surface = Surface::new(rest, triangles.clone(), trajectories, basis, Importance::ALIKE);
+        let surface =
+            Surface::new(rest, triangles.clone(), trajectories, basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let count = ProxyCount::Fixed(PROXIES);
         let method = Method::Unrefined;

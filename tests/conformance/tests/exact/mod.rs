@@ -16,8 +16,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Certificate;
-use sinew_trainer::envelope::correction::lists::Known;
-use sinew_trainer::envelope::correction::search::Search;
+use sinew_trainer::envelope::correction::Search;
+use sinew_trainer::envelope::correction::joint_sets::JointSets;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers::fit::HelperFit;
 use sinew_trainer::envelope::lbs::projection::Projection;
@@ -133,7 +133,7 @@ fn refinement_keeps_the_rest_pose_and_lowers_the_error() {
     let Training { rest, poses, trajectories, .. } = &character.training;
     let reduced = character.reduction(ANCHORS).run().unwrap();
     let predicted = predict_stacked(&character.predictors(&examples), poses);
-    let importance = Importance::ALIKE;
+    let importance = Importance::UNIFORM;
     let targets = Targets { rest, weights: &character.proxies, trajectories, importance };
     let palette = reduced.palette(&predicted, poses);
     let residual = Projection::new(&targets, character.proxy_len()).residual(&palette);
@@ -159,7 +159,7 @@ fn a_file_evaluates_as_it_was_fitted() {
     let rotational = s3::fit(&training, &options, &Silent).unwrap();
     let helpers = HelperFit::new(&training).unwrap().run(9, 4);
     let groups =
-        |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;
+        |target| Search::new(target, &JointSets::new(), &Silent).fit(usize::MAX).unwrap().groups;
     for fitted in
         [rotational.fitted(&training), helpers.fitted(&training, groups(helpers.target(&training)))]
     {

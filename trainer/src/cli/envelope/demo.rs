@@ -9,7 +9,7 @@ use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_trainer::envelope::FileSkins;
-use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::envelope::clean::Inliers;
 use sinew_trainer::evaluate::{Evaluation, Frames};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, Split, npz};
@@ -86,7 +86,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let page_file = OutputFile::new(&page, &[])?;
     let examples = arguments.size.generate(output)?;
     let train = |fit: &train::FitArguments| {
-        let sound = Sound::new(&examples, &Silent)?;
+        let sound = Inliers::new(&examples, &Silent)?;
         fit.train(sound, "demo", FileSkins::Skins(Vec::new()), output)
     };
     let trained = train(&arguments.fit)?;

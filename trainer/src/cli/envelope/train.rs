@@ -13,7 +13,7 @@ use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::check::finding::Kind;
 use sinew_trainer::check::judge;
-use sinew_trainer::envelope::clean::Sound;
+use sinew_trainer::envelope::clean::Inliers;
 use sinew_trainer::envelope::lbs::blend::CANDIDATES;
 use sinew_trainer::envelope::levels::AddError;
 use sinew_trainer::envelope::s3::{Method, ProxyCount};
@@ -174,7 +174,7 @@ impl FitArguments {
     /// Fits an envelope to judged training frames of examples that came from `source`.
     pub(in crate::cli) fn train(
         &self,
-        sound: Sound<'_>,
+        sound: Inliers<'_>,
         source: &str,
         meshes: FileSkins,
         output: Output,

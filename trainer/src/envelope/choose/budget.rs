@@ -1,4 +1,4 @@
-//! What the files of fits take, and whether a budget has room for them.
+//! Sizes of model files, and the budget of bytes.
 
 use crate::envelope::error::TrainError;
 use crate::envelope::fitted::{Fitted, NAME};
@@ -10,21 +10,21 @@ use crate::envelope::options::{FileSkins, Options};
 use sinew_runtime::envelope::Certificate;
 use sinew_runtime::skin::NormalErrors;
 
-/// How many bytes a file may have, and what it holds beside the envelope that is chosen.
+/// Largest size of the file, and the parts of the file besides the envelope.
 pub(super) struct Budget<'a> {
     training: &'a Training<'a>,
     options: &'a Options,
     record: RecordModel,
-    /// Bytes of the smallest file that was tried.
+    /// Bytes of the smallest candidate.
     least: usize,
 }
 
 impl<'a> Budget<'a> {
-    /// Refuses a budget that no model can meet, before anything is fitted: each holds the skeleton and, of every vertex, a
-    /// weight at least.
+    /// Creates the budget, and refuses a budget below the size of the skeleton and one weight a vertex.
     ///
     /// # Errors
-    /// [`TrainError::BudgetOfMesh`].
+    /// - [`TrainError::BudgetOfMesh`]: no model can meet the budget.
+    /// - [`TrainError::Bake`]: the smallest model cannot be baked.
     pub(super) fn new(
         training: &'a Training<'a>,
         options: &'a Options,
@@ -34,32 +34,33 @@ impl<'a> Budget<'a> {
         frames.dedup();
         let mut record = RecordModel::new(NAME, training.examples, &frames, lbs);
         if matches!(options.meshes, FileSkins::PaletteAlone) {
-            // Of weights without a mesh nothing can be made.
+            // Weights are useless without a mesh.
             record.lbs = None;
         }
-        let own = Self { training, options, record, least: usize::MAX };
-        if let Some(budget) = options.budget {
+        let budget = Self { training, options, record, least: usize::MAX };
+        if let Some(most) = options.budget {
             let strongest = |vertex| vec![(lbs.strongest(vertex).unwrap_or(0), 1.0)];
             let weights = Weights::from_lists(1, (0..lbs.len()).map(strongest));
-            let least = own.size(&Fitted::new(training, weights, None), false)?;
-            if least > budget {
-                return Err(TrainError::BudgetOfMesh { budget, least });
+            let least = budget.size(&Fitted::new(training, weights, None), false)?;
+            if least > most {
+                return Err(TrainError::BudgetOfMesh { budget: most, least });
             }
         }
-        Ok(own)
+        Ok(budget)
     }
 
-    /// Most bytes of a file.
+    /// Returns the largest size of the file, in bytes.
     pub(super) fn most(&self) -> usize {
         self.options.budget.unwrap_or(usize::MAX)
     }
 
-    /// Whether skins are to have tangent coefficients, as it is tried: under a budget positions may need their bytes.
+    /// Lists the options for tangent coefficients. Under a budget a model without them is tried too: positions may need
+    /// their bytes.
     pub(super) fn with_coefficients(&self) -> impl Iterator<Item = bool> + use<> {
         [true].into_iter().chain(self.options.budget.map(|_| false))
     }
 
-    /// Counts the bytes of the file of a candidate.
+    /// Computes the bytes of a candidate's file.
     pub(super) fn bytes(
         &mut self,
         fitted: &Fitted,
@@ -70,16 +71,16 @@ impl<'a> Budget<'a> {
         Ok(bytes)
     }
 
-    /// Says that nothing which was tried fits.
+    /// Returns the budget error.
     pub(super) fn exceeded(&self) -> TrainError {
         TrainError::Budget { budget: self.most(), least: self.least }
     }
 
-    /// Bakes a model with the record of its training, as much of it as there is room for.
+    /// Bakes a model with the record of its training. The record is shortened or left out if the budget requires it.
     pub(super) fn recorded(&self, mut model: FileModel) -> Result<Vec<u8>, TrainError> {
         let most = self.most();
-        let marks = RecordModel { lbs: None, ..self.record.clone() };
-        for record in [self.record.clone(), marks] {
+        let without_lbs = RecordModel { lbs: None, ..self.record.clone() };
+        for record in [self.record.clone(), without_lbs] {
             model.records = vec![record];
             let bytes = model.bake()?;
             if bytes.len() <= most {

@@ -1,5 +1,5 @@
-//! Forecasts of a model's error on frames that it has not seen (METHOD §1.9): the same fit without some of the frames,
-//! measured on these.
+//! Forecasts of a model's error on unseen frames (METHOD §1.9). The fit is repeated without some frames and measured on
+//! them.
 
 use crate::envelope::fitted::Fitted;
 use crate::envelope::lbs::targets::Targets;
@@ -7,11 +7,11 @@ use crate::envelope::lbs::training::Training;
 use crate::regression::outputs::Block;
 use rayon::prelude::*;
 
-/// Fits without each of some blocks of poses in turn. Returns the RMS error over all blocks, in diagonals; `None` without
-/// blocks, and where a fit fails for want of frames.
+/// Repeats a fit without each block of poses in turn. Returns the RMS error over all blocks, in diagonals. Returns
+/// `None` if there are no blocks, or if a fit fails.
 ///
-/// - `vertices`: those that are fitted and measured.
-/// - `fit`: makes a model of a part of the training.
+/// - `vertices`: the vertices that are fitted and measured.
+/// - `fit`: fits a model to a part of the training.
 pub(super) fn forecast(
     training: &Training,
     vertices: &[usize],
@@ -24,7 +24,7 @@ pub(super) fn forecast(
         let targets = Targets {
             rest: &part.rest,
             weights: &weights,
-            trajectories: &training.moved(vertices, &block.own),
+            trajectories: &training.trajectories_of(vertices, &block.own),
             importance: part.importance(),
         };
         let palettes = envelope.palettes(&training.poses.only(&block.own));
@@ -43,14 +43,14 @@ mod tests {
     use crate::progress::Silent;
 
     #[test]
-    fn a_forecast_is_the_error_on_frames_that_the_fit_has_not_seen() {
+    fn a_forecast_is_the_error_on_unseen_frames() {
         let mut examples = demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 });
         examples.clip_starts = vec![0, 15];
         let training = Training::new(&examples, &Silent).unwrap();
         let vertices: Vec<usize> = (0..100).collect();
         let clips = training.folds().clips();
         assert_eq!(clips.len(), 2);
-        // A model that leaves every vertex on the root.
+        // This model leaves every vertex on the root.
         let fit = |part: &Training| {
             let frames = part.poses.frames();
             assert!(
@@ -63,8 +63,8 @@ mod tests {
         };
         let found = forecast(&training, &vertices, &clips, &fit).unwrap();
         let squared = |&vertex: &usize| -> f64 {
-            let (rest, moved) = (training.rest[vertex], training.trajectories.col_as_slice(vertex));
-            moved.iter().enumerate().map(|(k, y)| (y - rest[k % 3]).powi(2)).sum()
+            let (rest, truth) = (training.rest[vertex], training.trajectories.col_as_slice(vertex));
+            truth.iter().enumerate().map(|(k, y)| (y - rest[k % 3]).powi(2)).sum()
         };
         let expected = (vertices.iter().map(squared).sum::<f64>() / (100.0 * 40.0)).sqrt();
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");

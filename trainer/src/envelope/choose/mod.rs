@@ -1,53 +1,49 @@
-//! The choice of predictor and number of proxies by cross-validation inside the training split
-//! (METHOD §1.9).
+//! Choice of the number of proxies by cross-validation inside the training split (METHOD §1.9).
 
 mod budget;
-mod candidate;
-mod counts;
+mod candidates;
 mod forecast;
 pub mod report;
-pub mod ties;
 
+use super::correction::Search;
 use super::correction::candidates::GroupReport;
-use super::correction::lists::{self, Known};
-use super::correction::search::Search;
+use super::correction::joint_sets::{self, JointSets};
 use super::correction::target::CorrectionTarget;
 use super::error::{FitError, TrainError};
 use super::fitted::{Fitted, corrected};
-use super::helpers::fit::{HelperFit, Helpers, STEP};
-use super::lbs::own::own_weights;
+use super::helpers::Helpers;
+use super::helpers::fit::{HelperFit, STEP};
+use super::lbs::prior::own_weights;
 use super::lbs::training::Training;
-use super::levels::AddError;
-use super::levels::{self, LevelReport};
+use super::levels::{self, AddError, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
-use super::s3::ProxyCount;
-use super::s3::{self, Rotational, RotationalOptions};
+use super::s3::{self, ProxyCount, Rotational, RotationalOptions};
 use crate::examples::spread;
 use crate::progress::{Progress, Silent};
 use crate::settings::FEW_VERTICES;
 use budget::Budget;
-use candidate::{Candidate, chosen};
-use counts::{proxies_max, proxy_counts, usual_count};
+use candidates::{Candidate, chosen, proxies_max, proxy_counts, usual_count};
 use faer::Mat;
 use forecast::forecast;
 use report::{CandidateReport, TrainingReport};
 use sinew_runtime::envelope::{Certificate, Predictor};
 
-/// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
+/// Largest number of certainty values of a map under a budget. The confidence gets coarser, but more bytes are left for
+/// the motion of the skin.
 const FEW_VALUES: usize = 4;
 
 /// A trained model.
 pub struct Trained {
-    /// The file's bytes.
+    /// Bytes of the file.
     pub model: Vec<u8>,
-    /// How it was fitted.
+    /// Report of the fit.
     pub report: TrainingReport,
-    /// How the further meshes follow, in their order.
+    /// Reports of the further meshes, in order.
     pub levels: Vec<LevelReport>,
 }
 
-/// Fits every candidate that the options allow and takes the best.
+/// Fits every candidate that the options allow and bakes the best.
 ///
 /// # Errors
 /// Every [`TrainError`].
@@ -71,7 +67,7 @@ pub fn choose(
         reports: Vec::new(),
         candidates: Vec::new(),
         helper_fit: None,
-        known: Known::new(),
+        joint_sets: JointSets::new(),
         usual: None,
     };
     let parts = counts.len();
@@ -81,7 +77,7 @@ pub fn choose(
             if options.proxies.is_none() {
                 choice.joints_alone()?;
             }
-            choice.listen();
+            choice.choose_joint_sets();
             for (count, part) in each {
                 if choice.needs(count) {
                     progress.part(part, parts);
@@ -101,6 +97,7 @@ pub fn choose(
     choice.take()
 }
 
+/// Search over the numbers of proxies: candidates so far, and input shared by their fits.
 struct PredictorSearch<'a> {
     training: &'a Training<'a>,
     options: &'a Options,
@@ -109,40 +106,43 @@ struct PredictorSearch<'a> {
     budget: Budget<'a>,
     reports: Vec<CandidateReport>,
     candidates: Vec<Candidate>,
-    /// What fits of helpers read; none where LBS errs nowhere.
+    /// Input shared by all helper fits; `None` if no vertex has an LBS error.
     helper_fit: Option<HelperFit<'a>>,
-    /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
+    /// Helpers of the usual number.
     usual: Option<Helpers>,
-    known: Known,
+    /// Joint sets for any number of helpers, chosen with the usual number.
+    joint_sets: JointSets,
 }
 
 impl PredictorSearch<'_> {
-    /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
-    /// matter which were tried.
-    fn listen(&mut self) {
+    /// Chooses joint sets with the usual number of helpers. All numbers of helpers share them, so the result does not
+    /// depend on the numbers that are tried.
+    fn choose_joint_sets(&mut self) {
         self.progress.step(STEP, 1);
         self.helper_fit = HelperFit::new(self.training);
         self.usual = self.helper_fit.as_ref().map(|fit| {
             let helpers = fit.run(usual_count(self.training), self.options.influences);
             let target = helpers.target(self.training);
-            self.known = lists::choose(&target, self.progress);
-            helpers.listening(self.training, &self.known)
+            self.joint_sets = joint_sets::choose(&target, self.progress);
+            helpers.with_joint_sets(self.training, &self.joint_sets)
         });
     }
 
-    /// Returns whether a number of proxies is to be tried: without a budget fewer than usual are not, once more were better.
+    /// Returns whether to try a number of proxies. Without a budget, numbers below the usual number are skipped once a
+    /// larger number is best.
     fn needs(&self, count: ProxyCount) -> bool {
         let usual = usual_count(self.training);
         let is_fewer = matches!(count, ProxyCount::Fixed(count) if count < usual);
         let best = chosen(&self.candidates, &self.reports);
-        let is_past = best.is_some_and(|best| best.fitted.envelope.proxy_len() > usual);
-        self.options.budget.is_some() || !is_fewer || !is_past
+        let larger_is_best = best.is_some_and(|best| best.fitted.envelope.proxy_len() > usual);
+        self.options.budget.is_some() || !is_fewer || !larger_is_best
     }
 
-    /// Fits helpers; none where LBS errs nowhere.
+    /// Fits helpers; `None` if no vertex has an LBS error.
     fn helpers(&self, count: usize) -> Option<Helpers> {
         let fit = self.helper_fit.as_ref()?;
-        Some(fit.run(count, self.options.influences).listening(self.training, &self.known))
+        let helpers = fit.run(count, self.options.influences);
+        Some(helpers.with_joint_sets(self.training, &self.joint_sets))
     }
 
     fn rotational_options(&self, proxies: ProxyCount) -> RotationalOptions {
@@ -179,7 +179,7 @@ impl PredictorSearch<'_> {
         self.corrected(fitted, &helpers.target(self.training), &base)
     }
 
-    /// Plain LBS: a palette of joints without helpers.
+    /// Adds plain LBS as a candidate: a palette of joints without helpers.
     fn joints_alone(&mut self) -> Result<(), TrainError> {
         let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
         let palette = self.training.poses.stacked();
@@ -191,7 +191,7 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    /// Doubles the helpers until their true maps come as near as asked; none where LBS does.
+    /// Doubles the number of helpers until their true transforms reach an RMS error; `None` if LBS reaches it.
     fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, FitError> {
         if self.lbs_rms <= limit {
             return Ok(None);
@@ -212,7 +212,9 @@ impl PredictorSearch<'_> {
         }
     }
 
-    /// Corrects a base, whose palette of the training poses is given, in the bytes that the budget leaves.
+    /// Adds candidates with a correction, within the bytes that the budget leaves.
+    ///
+    /// - `base`: palette of the training poses without a correction, 3n x 4(J + P).
     fn corrected(
         &mut self,
         fitted: Fitted,
@@ -221,7 +223,7 @@ impl PredictorSearch<'_> {
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
         let target = CorrectionTarget { certainty, ..*target };
-        let search = Search::new(target, &self.known, self.progress);
+        let search = Search::new(target, &self.joint_sets, self.progress);
         let fitted = fitted.with(search.nothing());
         for coefficients in self.budget.with_coefficients() {
             let without = self.budget.bytes(&fitted, coefficients)?;
@@ -238,6 +240,9 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
+    /// Adds a candidate and its report.
+    ///
+    /// - `fits`: bytes, validated palette and reports of the groups; `None` if the candidate exceeds the budget.
     fn add(
         &mut self,
         (fitted, tangent_coefficients): (Fitted, bool),
@@ -270,7 +275,7 @@ impl PredictorSearch<'_> {
         self.reports.push(report);
     }
 
-    /// Forecasts the error of the chosen model on more frames of the training clips and on another clip.
+    /// Forecasts the RMS error of the chosen model on more frames of the training clips, and on another clip.
     fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
         let training = self.training;
         let folds = training.folds();
@@ -291,7 +296,7 @@ impl PredictorSearch<'_> {
                 let bytes =
                     self.options.budget.map(|_| bytes.iter().map(|group| group.bytes).sum());
                 let fit = |part: &Training| {
-                    Some(self.again(part, envelope.proxy_len(), bytes.unwrap_or(usize::MAX)))
+                    Some(self.refit(part, envelope.proxy_len(), bytes.unwrap_or(usize::MAX)))
                 };
                 [folds.spread(), folds.clips()]
                     .map(|blocks| forecast(training, &some, &blocks, &fit))
@@ -299,21 +304,22 @@ impl PredictorSearch<'_> {
         }
     }
 
-    /// Fits helpers to a part of the training as they were fitted to all of it.
+    /// Repeats the fit of helpers on a part of the training.
     ///
-    /// - `bytes`: most bytes of their maps.
-    fn again(&self, part: &Training, count: usize, bytes: usize) -> Fitted {
+    /// - `bytes`: largest size of the maps, in bytes.
+    fn refit(&self, part: &Training, count: usize, bytes: usize) -> Fitted {
         let Some(fit) = HelperFit::new(part).filter(|_| count > 0) else {
             return Fitted::new(part, part.lbs.weights.clone(), None);
         };
-        let helpers = fit.run(count, self.options.influences).listening(part, &self.known);
-        let search = Search::new(helpers.target(part), &self.known, &Silent);
+        let helpers =
+            fit.run(count, self.options.influences).with_joint_sets(part, &self.joint_sets);
+        let search = Search::new(helpers.target(part), &self.joint_sets, &Silent);
         let correction = search.fit(bytes);
         let groups = correction.map_or_else(|| search.nothing(), |correction| correction.groups);
         helpers.fitted(part, groups)
     }
 
-    /// Takes the candidate that scores best, or a smaller one where that costs little.
+    /// Bakes the best candidate and reports all candidates.
     fn take(self) -> Result<Trained, TrainError> {
         let (training, progress, lbs_rms) = (self.training, self.progress, self.lbs_rms);
         let Some(chosen) = chosen(&self.candidates, &self.reports) else {
@@ -323,7 +329,8 @@ impl PredictorSearch<'_> {
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
-        // A forecast fits few vertices, which as many helpers follow more closely than they follow all vertices.
+        // A forecast fits few vertices. With an equal number of helpers, few vertices have a smaller error than all
+        // vertices.
         let [same_clips, other_clip] =
             self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);
@@ -335,13 +342,13 @@ impl PredictorSearch<'_> {
             base_training_rms: base_rms as f32,
             ..Certificate::default()
         };
-        let (fitted, palette) = chosen.fitted.led_by_upright(palette);
+        let (fitted, palette) = chosen.fitted.with_upright_first(palette);
         let mut model = fitted.file_model(training, certificate);
         let levels = match &self.options.meshes {
             FileSkins::Skins(further) => {
                 progress.step("normals", 1);
                 let coefficients = chosen.tangent_coefficients;
-                // A budget was measured with the lists as they are.
+                // The bytes of a budgeted model were measured with the present influences.
                 let most = self.options.budget.map_or(self.options.influences, |_| 0);
                 let palettes = coefficients.then_some(&palette);
                 fit_normals(&mut model, palettes, most, training)?;

@@ -1,62 +1,62 @@
-//! What a training tried and took.
+//! Report of a training.
 
-use crate::envelope::clean::Doubted;
+use crate::envelope::clean::OutlierFrame;
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::s3::{Method, RotationalReport};
 use serde::Serialize;
 
-/// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
+/// Report of the candidates and the chosen model. Errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct TrainingReport {
-    /// The training frames that were left out, the worst first.
-    pub left_out: Vec<Doubted>,
-    /// LBS on the training frames.
+    /// Outlier frames that were left out, the worst first.
+    pub left_out: Vec<OutlierFrame>,
+    /// Error of LBS on the training frames.
     pub lbs_rms: f64,
-    /// LBS by the joint weights that come with the mesh, on the training frames; `None` where there are none.
+    /// Error of LBS with the mesh's own weights on the training frames; `None` if the mesh has no weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_weights_rms: Option<f64>,
-    /// The folds, each as the numbers of its poses among the training frames.
+    /// Pose indices of each fold among the training frames.
     pub folds: Vec<Vec<usize>>,
-    /// Every candidate in the order in which they were tried.
+    /// Reports of all candidates in the order of their fits.
     pub candidates: Vec<CandidateReport>,
-    /// Which of them was taken.
+    /// Index of the chosen candidate.
     pub chosen: usize,
-    /// It on the training frames.
+    /// Error of the chosen model on the training frames.
     pub training_rms: f64,
-    /// Forecast of its error on more frames of the training clips.
+    /// Forecast of the chosen model's error on more frames of the training clips.
     pub same_clips_rms: f64,
-    /// Forecast of its error on another clip; `None` if training had one clip.
+    /// Forecast of the chosen model's error on another clip; `None` if training had one clip.
     pub other_clip_rms: Option<f64>,
-    /// How its reconstruction was fitted, where it has one.
+    /// Report of the reconstruction; `None` if the model has no reconstruction.
     pub rotational: Option<RotationalReport>,
     /// Largest |θ_j| in the training poses, J values in radians.
     pub angle_ranges: Vec<f64>,
 }
 
-/// A candidate and its score.
+/// Report of a candidate.
 #[derive(Clone, Debug, Serialize)]
 pub struct CandidateReport {
-    /// What predicts.
+    /// Name of the predictor.
     pub predictor: &'static str,
-    /// How c1 and c2 came about; none without them.
+    /// Method of fitting c1 and c2; `None` without a reconstruction.
     pub method: Option<Method>,
-    /// P.
+    /// Number of proxies P.
     pub proxies: usize,
     /// Whether the file's skins have tangent coefficients.
     pub tangent_coefficients: bool,
-    /// Bytes of the file; none where it would be larger than allowed.
+    /// Bytes of the file; `None` if the file exceeds the budget.
     pub bytes: Option<usize>,
-    /// Cross-validated error; none where the file would be too large.
+    /// Cross-validated error; `None` if the file exceeds the budget.
     pub validated_rms: Option<f64>,
-    /// The maps of its groups.
+    /// Reports of the groups' maps.
     pub groups: Vec<GroupReport>,
 }
 
-/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
+/// Angle |θ| in radians above which a joint is near the seam of its rotation vector at π.
 pub const SEAM: f64 = 0.9 * std::f64::consts::PI;
 
 impl TrainingReport {
-    /// The candidate that was taken.
+    /// Returns the chosen candidate.
     pub fn chosen(&self) -> &CandidateReport {
         &self.candidates[self.chosen]
     }

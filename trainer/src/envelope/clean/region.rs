@@ -1,9 +1,9 @@
-//! How well the training poses predict each other: kernel ridge regression of what LBS leaves, each
-//! joint's skin from the joints near it (METHOD §1.9).
+//! Predictions of training poses from each other: kernel ridge regression of the residuals of LBS. The inputs for a
+//! joint's skin are the joints near this joint (METHOD §1.9).
 
 use crate::envelope::correction::features::{Features, near};
 use crate::envelope::folds::Folds;
-use crate::envelope::lbs::residuals::Residuals;
+use crate::envelope::lbs::training::Residuals;
 use crate::envelope::lbs::training::Training;
 use crate::examples::spread;
 use crate::regression::gram::{GramRegression, SampleErrors};
@@ -12,31 +12,31 @@ use crate::regression::outputs::Block;
 use faer::Mat;
 use rayon::prelude::*;
 
-/// Most poses that are compared: the work grows with their cube.
+/// Largest number of poses that are compared: the work grows with its cube.
 pub(super) const POSES: usize = 300;
-/// Poses on which width and ridge are chosen.
+/// Number of poses that choose width and ridge.
 const TRIED: usize = 100;
-/// Vertices that are looked at; more tell no more of the poses.
+/// Number of sampled vertices. More vertices add no information about the poses.
 pub(super) const VERTICES: usize = 4000;
-/// Hops of the joints that a joint's skin listens to, as the kernel maps choose most often.
+/// Hops from a joint to the input joints for its skin, the most frequent choice of kernel maps.
 pub const HOPS: usize = 2;
 
-/// What LBS leaves of one joint's skin, as a function of the poses.
+/// Residuals of LBS on the skin of one joint, as a function of the pose.
 pub struct Region {
-    /// The joint.
+    /// Joint that dominates the skin.
     pub joint: usize,
-    /// How many vertices of its skin are looked at.
+    /// Number of sampled vertices.
     pub vertex_len: usize,
-    /// What it leaves in the compared poses, predicted from each other.
+    /// Regression of the residuals in the compared poses.
     pub regression: GramRegression,
 }
 
-/// Chooses those of n training poses that are compared.
+/// Samples the compared poses from n training poses.
 pub fn compared(n: usize) -> Vec<usize> {
     spread(n, POSES)
 }
 
-/// Makes the regions of all joints with skin that moves.
+/// Creates the regions of all joints that have skin and inputs that move.
 pub fn regions(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Region> {
     let stride = residuals.dominant.len().div_ceil(VERTICES);
     let skins = residuals.skins();
@@ -67,13 +67,13 @@ impl Region {
         Some(Self { joint, vertex_len: skin.len(), regression })
     }
 
-    /// Predicts every compared pose by the others.
+    /// Predicts every compared pose from the others by cross-validation.
     pub fn errors(&self, training: &Training, poses: &[usize]) -> Option<SampleErrors> {
         self.regression.errors(&blocks(training, poses))
     }
 }
 
-/// Folds of some of the training poses.
+/// Returns folds of some of the training poses.
 fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
     Folds::new(&training.poses.only(poses)).runs().to_vec()
 }

@@ -1,10 +1,7 @@
-//! The candidates for a group's kernel map, chosen by folds of the training poses.
+//! Candidates for the kernel map of a group, scored by cross-validation on the training poses.
 
-use super::group_outputs::GroupOutputs;
-use super::listening::Listening;
-use super::lists::{self, Known};
-use super::metric::Metric;
-use super::target::CorrectionTarget;
+use super::joint_sets::{self, JointSet, JointSets};
+use super::target::{CorrectionTarget, GroupOutputs, Metric};
 use crate::envelope::model::{Group, Input};
 use crate::regression::design::{Design, Hyperparameters};
 use crate::regression::inputs::Inputs;
@@ -16,95 +13,100 @@ use serde::Serialize;
 use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow};
 use std::ops::Range;
 
-/// Candidate numbers of centres beside the origin, and the most.
+/// Candidate numbers of centres, without the origin.
 const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
-/// How a group's map was chosen.
+
+/// Report of the choice of a group's map.
 #[derive(Clone, Debug, Serialize)]
 pub struct GroupReport {
-    /// The group's joint.
+    /// Dominant joint of the group.
     pub joint: usize,
-    /// Its proxies.
+    /// Number of helpers.
     pub proxies: usize,
-    /// Hops of the joints that it listens to.
+    /// Largest number of hops to an input joint.
     pub hops: usize,
-    /// Inputs.
+    /// Number of inputs.
     pub inputs: usize,
-    /// What its map is fitted with; none where there is no map.
+    /// Hyperparameters of the map; `None` if there is no map.
     pub choice: Option<Hyperparameters>,
-    /// Latent outputs.
+    /// Number of latent outputs.
     pub rank: usize,
-    /// Bytes that its map takes.
+    /// Bytes of the map.
     pub bytes: usize,
-    /// Score without a map: squared distances of a fold, in a mean over the folds.
+    /// Score without a map: squared distances of a fold, averaged over the folds.
     pub before: f64,
-    /// Score of the map, cross-validated.
+    /// Cross-validated score of the map.
     pub after: f64,
 }
 
-/// Sizes of a group's map to choose from.
+/// Candidate sizes of a group's map.
 pub struct GroupCandidates {
-    /// The dominant joint.
+    /// Dominant joint of the group.
     pub joint: usize,
-    proxies: Range<usize>,
-    /// What its map listens to; none where nothing moves.
-    pub listening: Option<Listening>,
+    helpers: Range<usize>,
+    /// Joint set of the map; `None` if nothing moves.
+    pub joint_set: Option<JointSet>,
     metric: Metric,
     directions: Mat<f64>,
     outputs: Outputs,
     before: f64,
-    /// By ascending bytes and descending score; the first is no map.
+    /// Sizes by ascending bytes and descending score. The first size is no map.
     pub sizes: Vec<MapSize>,
-    /// The one to take where there is room.
+    /// Index of the preferred size if the budget allows it.
     pub preferred: usize,
 }
 
-/// A size of a map.
+/// Candidate size of a map.
 #[derive(Clone)]
 pub struct MapSize {
     scored: Option<Scored>,
     rank: usize,
     /// Bytes in the file.
     pub bytes: usize,
-    /// Its score, the lower the better.
+    /// Score; lower is better.
     pub score: f64,
 }
 
 impl GroupCandidates {
-    /// Tries all there is to choose for some proxies of one dominant joint.
+    /// Scores all candidates for some helpers of one dominant joint.
     ///
-    /// - `known`: what joints' maps listen to.
-    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, known: &Known) -> Self {
-        let (_, listens) = target.place(proxies.start);
-        let group = GroupOutputs::new(target, proxies);
-        let GroupOutputs { joint, proxies, metric, directions, outputs } = group;
+    /// - `joint_sets`: chosen joint sets of each joint.
+    pub fn new(
+        target: &CorrectionTarget<'_>,
+        helpers: Range<usize>,
+        joint_sets: &JointSets,
+    ) -> Self {
+        let (_, set) = target.group_key(helpers.start);
+        let group = GroupOutputs::new(target, helpers);
+        let GroupOutputs { joint, helpers, metric, directions, outputs } = group;
         let sizes = outputs.sizes();
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
-        // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
-        let choose = || lists::of_joint(target, proxies.clone()).into_iter().next();
-        let known = known.get(&joint).and_then(|lists| lists.get(listens));
-        let listening = known.cloned().or_else(choose);
-        if let Some(listening) = &listening {
-            let inputs = target.features.evaluate(target.poses, &listening.inputs);
+        // Joint sets are chosen for the usual number of helpers. With another number, or on a part of the poses,
+        // further joints may get helpers.
+        let choose = || joint_sets::of_joint(target, helpers.clone()).into_iter().next();
+        let known = joint_sets.get(&joint).and_then(|sets| sets.get(set));
+        let joint_set = known.cloned().or_else(choose);
+        if let Some(joint_set) = &joint_set {
+            let inputs = target.features.evaluate(target.poses, &joint_set.inputs);
             let inputs = Inputs::new(inputs);
             let found_of =
-                |inputs| choose_size(&inputs, listening.kernel, &outputs, &sizes, proxies.len());
+                |inputs| map_sizes(&inputs, joint_set.kernel, &outputs, &sizes, helpers.len());
             found.extend(inputs.map(found_of).unwrap_or_default());
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
         let preferred = sizes.iter().position(|s| s.score <= TIED * least).unwrap_or(0);
-        Self { joint, proxies, listening, metric, directions, outputs, before, sizes, preferred }
+        Self { joint, helpers, joint_set, metric, directions, outputs, before, sizes, preferred }
     }
 
     /// Returns a group without a map.
     pub fn nothing(&self) -> Group {
-        Group::nothing(self.joint, self.proxies.clone())
+        Group::nothing(self.joint, self.helpers.clone())
     }
 
-    /// Fits a size; also gives what each pose's latent outputs are predicted to be without its
-    /// fold, n x r.
+    /// Fits a map of a size. Also returns the latent outputs of each pose, predicted without its fold, n x r.
     pub fn fit(
         &self,
         target: &CorrectionTarget<'_>,
@@ -113,7 +115,7 @@ impl GroupCandidates {
         let CorrectionTarget { poses, features, .. } = *target;
         let mut report = GroupReport {
             joint: self.joint,
-            proxies: self.proxies.len(),
+            proxies: self.helpers.len(),
             hops: 0,
             inputs: 0,
             choice: None,
@@ -123,20 +125,20 @@ impl GroupCandidates {
             after: self.before,
         };
         let mut group = self.nothing();
-        let fitted = self.listening.as_ref().zip(size.scored.as_ref()).and_then(|(to, scored)| {
-            let inputs = Inputs::new(features.evaluate(poses, &to.inputs))?;
+        let fitted = self.joint_set.as_ref().zip(size.scored.as_ref()).and_then(|(set, scored)| {
+            let inputs = Inputs::new(features.evaluate(poses, &set.inputs))?;
             let design = Design::new(&inputs, scored.hyperparameters)?;
-            Some((to, ridge::fit(&design, &self.outputs, &scored.ridges[..size.rank])?))
+            Some((set, ridge::fit(&design, &self.outputs, &scored.ridges[..size.rank])?))
         });
-        let Some((to, KernelFit { map, scale, predicted })) = fitted else {
+        let Some((set, KernelFit { map, scale, predicted })) = fitted else {
             return (group, report, Mat::zeros(poses.len(), 0));
         };
         let scaled = |input: &Input| Input { weight: scale * input.weight, ..*input };
-        group.inputs = to.inputs.iter().map(scaled).collect();
+        group.inputs = set.inputs.iter().map(scaled).collect();
         group.map = map;
         group.outputs = self.metric.unweigh(&self.directions.subcols(0, size.rank).to_owned());
-        report.hops = to.hops;
-        report.inputs = to.inputs.len();
+        report.hops = set.hops;
+        report.inputs = set.inputs.len();
         report.choice = size.scored.as_ref().map(|scored| scored.hyperparameters);
         report.rank = size.rank;
         report.bytes = size.bytes;
@@ -145,13 +147,13 @@ impl GroupCandidates {
     }
 }
 
-/// Returns every number of centres and rank of a kernel and width.
-fn choose_size(
+/// Lists the sizes of a map with a given kernel and width: every number of centres and every rank.
+fn map_sizes(
     inputs: &Inputs,
     (kernel, width): (GroupKernel, f64),
     outputs: &Outputs,
     nothing: &[f64],
-    proxies: usize,
+    helpers: usize,
 ) -> Vec<MapSize> {
     let counts = CENTRES.map(|count| count.min(inputs.sample_len()));
     let mut sizes = Vec::new();
@@ -167,7 +169,7 @@ fn choose_size(
                     centres,
                     rank,
                     design.certainty_len(outputs.certainty),
-                    proxies,
+                    helpers,
                 ),
                 score: scored.scores[..rank].iter().sum::<f64>() + left,
                 scored: Some(scored.clone()),
@@ -177,7 +179,7 @@ fn choose_size(
     sizes
 }
 
-/// Sorts by bytes and leaves out what is no better than something smaller.
+/// Sorts sizes by bytes and removes each size that is no better than a smaller size.
 fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
     sizes.sort_by(|a, b| a.bytes.cmp(&b.bytes).then(a.score.total_cmp(&b.score)));
     let mut least = f64::INFINITY;
@@ -189,8 +191,8 @@ fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
     sizes
 }
 
-/// Bytes that a map of d inputs, n centres, r latent outputs and m values of its certainty for p proxies adds to the
-/// file.
+/// Returns the bytes of a map in the file, with d inputs, n centres, r latent outputs, m certainty values and p
+/// helpers.
 fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
     let narrow = |len: usize| u16::try_from(len).unwrap_or(u16::MAX);
     let row = GroupRow {

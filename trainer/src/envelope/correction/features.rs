@@ -1,4 +1,4 @@
-//! Pose features: what the kernel maps take for inputs (METHOD §1.9).
+//! Pose features, the inputs of kernel maps (METHOD §1.9).
 
 use crate::envelope::lbs::poses::Poses;
 use crate::envelope::lbs::training::Training;
@@ -8,28 +8,28 @@ use crate::settings::Settings;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
-/// Entries of rotations that spread less than this (RMS) carry nothing.
+/// Smallest RMS spread of a rotation entry that becomes an input.
 const CONSTANT: f64 = 1e-5;
 
-/// The joints' rest geometry, as the features see it.
+/// Rest geometry of the joints, for computing features.
 #[derive(Clone, Copy)]
 pub struct Features<'a> {
     /// Parent of each joint.
     pub parents: &'a [Option<usize>],
-    /// Rest origin of each joint, as the training sees it.
+    /// Rest origin of each joint, in training units.
     pub origins: &'a [Vector3<f64>],
-    /// What the fit is set to.
+    /// Settings of the fit.
     pub settings: &'a Settings,
 }
 
 impl<'a> Features<'a> {
-    /// Takes the joints of a training.
+    /// Uses the joints of a training.
     pub fn of(training: &'a Training<'a>) -> Self {
         let Training { skeleton, origins, settings, .. } = training;
         Self { parents: &skeleton.parents, origins, settings }
     }
 
-    /// Lists the inputs that some joints give, those that vary over the poses.
+    /// Lists the features of some joints that vary over the poses.
     pub fn inputs(&self, poses: &Poses, joints: &[usize]) -> Vec<Input> {
         joints
             .iter()
@@ -43,7 +43,7 @@ impl<'a> Features<'a> {
                 };
                 let moves =
                     [3, 7, 11].map(|entry| self.settings.displacement * spread(entry)).into_iter();
-                let moves = moves.fold(0.0, f64::max) > self.settings.still;
+                let moves = moves.fold(0.0, f64::max) > self.settings.displacement_min;
                 let entries: Vec<_> = (0..12)
                     .filter(|&entry| if entry % 4 == 3 { moves } else { spread(entry) > CONSTANT })
                     .collect();
@@ -73,19 +73,19 @@ impl<'a> Features<'a> {
         out
     }
 
-    /// Half of the rotation against the parent ([`so3::half`]) and, last in each row, the displacement of
-    /// the joint's origin in its parent's frame; zero for the root.
+    /// Computes the features of a joint: half of the rotation relative to the parent ([`so3::half`]) and, last in each
+    /// row, the displacement of the joint's origin in the parent's frame. The root's features are 0.
     fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
-        let (rotation, moved) = self.relative(poses, pose, joint);
+        let (rotation, displacement) = self.relative(poses, pose, joint);
         let turn = so3::half(&rotation);
         std::array::from_fn(|k| match (k / 4, k % 4) {
-            (r, 3) => moved[r],
+            (r, 3) => displacement[r],
             (r, c) => turn[(r, c)],
         })
     }
 
-    /// The rotation of a joint as its parent sees it, and the displacement of its origin; of the root the
-    /// identity and zero.
+    /// Computes the rotation of a joint relative to its parent, and the displacement of its origin in the parent's
+    /// frame. The root has the identity and zero.
     pub fn relative(
         &self,
         poses: &Poses,
@@ -98,12 +98,12 @@ impl<'a> Features<'a> {
         let inverse = poses.parent_rotation(pose, joint).transpose();
         let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
         let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
-        let apart = inverse * (at(joint) - at(parent));
-        (inverse * own, apart - (self.origins[joint] - self.origins[parent]))
+        let offset = inverse * (at(joint) - at(parent));
+        (inverse * own, offset - (self.origins[joint] - self.origins[parent]))
     }
 }
 
-/// Features within some hops of a joint, the root left out; all of them where that leaves none.
+/// Lists the joints within some hops of a joint, without the root. If none are left, lists all joints but the root.
 pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
     let mut found = vec![false; parents.len()];
     found[joint] = true;
@@ -117,11 +117,11 @@ pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> 
         }
     }
     let turning = |j: &usize| parents[*j].is_some();
-    let listens: Vec<usize> = (0..parents.len()).filter(|j| found[*j] && turning(j)).collect();
-    if listens.is_empty() { (0..parents.len()).filter(turning).collect() } else { listens }
+    let near: Vec<usize> = (0..parents.len()).filter(|j| found[*j] && turning(j)).collect();
+    if near.is_empty() { (0..parents.len()).filter(turning).collect() } else { near }
 }
 
-/// Of some joints those on one side of a joint, behind a neighbour of it in the tree, and the joint itself.
+/// Selects the joints on one side of a joint: the joint itself, and those behind one of its neighbours in the tree.
 pub fn on_side(
     parents: &[Option<usize>],
     joint: usize,
@@ -140,7 +140,7 @@ pub fn on_side(
     joints.iter().copied().filter(is_own).collect()
 }
 
-/// The neighbours of a joint in the tree.
+/// Lists the neighbours of a joint in the tree.
 pub fn neighbours(parents: &[Option<usize>], joint: usize) -> impl Iterator<Item = usize> + '_ {
     let children = (0..parents.len()).filter(move |&child| parents[child] == Some(joint));
     children.chain(parents[joint])
@@ -156,11 +156,11 @@ mod tests {
         let chain = [None, Some(0), Some(1), Some(2), Some(1)];
         assert_eq!(near(&chain, 2, 1), [1, 2, 3]);
         assert_eq!(near(&chain, 2, 2), [1, 2, 3, 4]);
-        assert_eq!(near(&chain, 0, 0), [1, 2, 3, 4], "the root alone hears nothing");
+        assert_eq!(near(&chain, 0, 0), [1, 2, 3, 4], "the root alone has no input");
     }
 
     #[test]
-    fn a_side_is_what_lies_behind_a_neighbour() {
+    fn a_side_has_the_joints_behind_a_neighbour() {
         let chain = [None, Some(0), Some(1), Some(2), Some(1)];
         let all = [0, 1, 2, 3, 4];
         let side = |neighbour| on_side(&chain, 1, neighbour, &all);
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_varies_is_no_input() {
+    fn constant_features_are_no_inputs() {
         let mut examples = demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 3 });
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let inputs = |examples: &crate::examples::Examples| {

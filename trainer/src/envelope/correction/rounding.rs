@@ -1,4 +1,4 @@
-//! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
+//! Bound on the motion of a vertex by rounding of the correction to f32 (METHOD §2.7).
 
 use super::features::Features;
 use crate::envelope::lbs::training::Training;
@@ -10,9 +10,9 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Bounds the farthest that rounding may move any vertex of a skin, over the training poses and as many random
-/// ones within their box, in units of the input.
-pub(in crate::envelope) fn farthest(
+/// Bounds the distance that rounding may move any vertex of a skin, in units of the input. The bound holds for the
+/// training poses, and for an equal number of random poses in their bounding box.
+pub(in crate::envelope) fn bound(
     groups: &[Group],
     training: &Training,
     restated: &EnvelopeModel,
@@ -25,14 +25,14 @@ pub(in crate::envelope) fn farthest(
         let x = skin.rest_positions[v];
         let followed = follow(restated, &skin.influences[v], [x[0], x[1], x[2], 1.0]);
         let at = |input: usize| {
-            let moved = |r: usize| -> f64 {
+            let motion = |r: usize| -> f64 {
                 let of = |(group, moves): &(usize, Vec<Moves>)| -> f64 {
                     let latents = errors[*group][input].iter().zip(moves);
-                    latents.map(|(own, m)| m.sum[r].abs() * own.error + m.size[r] * own.own).sum()
+                    latents.map(|(own, m)| m.sum[r].abs() * own.error + m.size[r] * own.term).sum()
                 };
                 followed.iter().map(of).sum()
             };
-            (0..3).map(|r| moved(r).powi(2)).sum::<f64>().sqrt()
+            (0..3).map(|r| motion(r).powi(2)).sum::<f64>().sqrt()
         };
         (0..inputs).map(at).fold(0.0, f64::max)
     };
@@ -40,24 +40,24 @@ pub(in crate::envelope) fn farthest(
     all.into_iter().fold(0.0, f64::max)
 }
 
-/// What rounding does to a latent output at one input.
+/// Rounding errors of a latent output at one input.
 struct Latent {
-    /// To the output itself, with its share.
+    /// Error of the output, times its share.
     error: f64,
-    /// To each term that it is multiplied into.
-    own: f64,
+    /// Error of each term that is multiplied by the output.
+    term: f64,
 }
 
 type Latents = Vec<Latent>;
 
-/// How a latent output moves a vertex: as its terms add up, and with all of them taken as positive.
+/// Motion of a vertex per latent output: sum of the terms, and sum of their sizes.
 #[derive(Clone, Default)]
 struct Moves {
     sum: [f64; 3],
     size: [f64; 3],
 }
 
-/// The errors of a group's latent outputs at every input.
+/// Computes the rounding errors of a group's latent outputs at every input.
 fn latents(group: &Group, training: &Training) -> Vec<Latents> {
     columns::narrow_registers();
     let samples = Features::of(training).evaluate(&training.poses, &group.inputs);
@@ -67,18 +67,18 @@ fn latents(group: &Group, training: &Training) -> Vec<Latents> {
         let share = evidence.share();
         let (least, most) = error.evidence.shares(Arithmetic::IEEE);
         let of_share = (share - least).max(most - share);
-        // A sum of r products, the share, and the product with the joint's rotation.
-        let own = (outputs.len() as f64 + 6.0) * U * most;
+        // The roundings are a sum of r products, the share, and the product with the joint's rotation.
+        let term = (outputs.len() as f64 + 6.0) * U * most;
         let latent = |(z, error): (&f64, &f64)| Latent {
             error: most * error + of_share * z.abs(),
-            own: own * z.abs(),
+            term: term * z.abs(),
         };
         outputs.iter().zip(&error.outputs).map(latent).collect()
     };
     with_box(&samples).map(at).collect()
 }
 
-/// Lists the groups that a vertex follows, and how their latent outputs move it.
+/// Lists the groups that a vertex follows, with the motion of the vertex per latent output.
 fn follow(
     restated: &EnvelopeModel,
     influences: &[(usize, f64)],
@@ -108,7 +108,7 @@ fn follow(
     out
 }
 
-/// Lists samples (columns), then as many random points of the box around them.
+/// Lists samples (columns), then an equal number of random points of their bounding box, which contains the origin.
 fn with_box(samples: &Mat<f64>) -> impl Iterator<Item = Vec<f64>> + '_ {
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
     let ranges: Vec<(f64, f64)> = samples

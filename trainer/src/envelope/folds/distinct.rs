@@ -1,22 +1,22 @@
-//! Poses that repeat others: a looped walk, a held frame.
+//! Repeated poses, for example of a looped walk or a held frame.
 //!
-//! A fit that has seen a pose knows its repeats, so repeats are left out together.
+//! A fit to a pose also knows its repeats, so repeats are left out together.
 
 use crate::envelope::lbs::poses::{Poses, Time};
 use crate::regression::outputs::Block;
 use std::ops::Range;
 
-/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size. Export
-/// leaves such differences in a loop.
-const SAME: f64 = 1e-3;
+/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size.
+/// Export leaves such differences in a loop.
+const REPEAT: f64 = 1e-3;
 /// Largest size of the motion: the entries of two rotations differ by 2 at most.
-const FARTHEST: f64 = 2.0;
+const LARGEST: f64 = 2.0;
 /// Frames on either side of a block that are left out with it.
 const GAP: usize = 3;
 
 /// Poses in groups of repeats.
 pub(super) struct Distinct {
-    /// When each of the n poses was taken.
+    /// Clip and frame of each of the n poses.
     pub(super) times: Vec<Time>,
     /// Pose numbers of each group, ascending; groups in the order of their first pose.
     groups: Vec<Vec<usize>>,
@@ -25,17 +25,17 @@ pub(super) struct Distinct {
 }
 
 impl Distinct {
-    /// Groups the poses that repeat the first pose of a group. If all poses are one, each gets its own group.
+    /// Groups the poses that repeat the first pose of a group. If all poses are equal, each pose gets its own group.
     pub(super) fn new(poses: &Poses) -> Self {
-        let most = SAME * poses.farthest_apart().min(FARTHEST);
+        let most = REPEAT * poses.largest_difference().min(LARGEST);
         let mut groups = Vec::<Vec<usize>>::new();
         for pose in 0..poses.len() {
-            match groups.iter_mut().find(|group| poses.are_alike(group[0], pose, most)) {
+            match groups.iter_mut().find(|group| poses.are_close(group[0], pose, most)) {
                 Some(group) => group.push(pose),
                 None => groups.push(vec![pose]),
             }
         }
-        if groups.len() == 1 || poses.are_one() {
+        if groups.len() == 1 || poses.are_equal() {
             groups = (0..poses.len()).map(|pose| vec![pose]).collect();
         }
         let mut of = vec![0; poses.len()];
@@ -66,8 +66,8 @@ impl Distinct {
         at > 0 && clip(at - 1) != clip(at)
     }
 
-    /// Makes a block of consecutive groups. Near it are its neighbours in time and their repeats: at most as many poses as
-    /// the block has, and at most half of the others.
+    /// Creates a block of consecutive groups. The neighbours in time and their repeats are left out with the block: at
+    /// most as many poses as the block has, and at most half of the other poses.
     pub(super) fn run(&self, range: Range<usize>) -> Block {
         let own = self.poses_of(range.clone());
         let most = own.len().min((self.of.len() - own.len()) / 2);
@@ -77,7 +77,7 @@ impl Distinct {
         Block { near: near.unwrap_or_default(), own }
     }
 
-    /// Makes a block of poses, in order, with their repeats near it.
+    /// Creates a block of poses, given in order. Repeats of the poses are left out with the block.
     pub(super) fn block(&self, own: Vec<usize>) -> Block {
         Block { near: without(self.with_repeats(own.iter().copied()), &own), own }
     }
@@ -109,17 +109,41 @@ impl Distinct {
     }
 }
 
-/// Returns the poses that are not among others, which are in order.
+/// Removes poses that are among others, given in order.
 fn without(mut poses: Vec<usize>, others: &[usize]) -> Vec<usize> {
     poses.retain(|pose| others.binary_search(pose).is_err());
     poses
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::Folds;
-    use super::super::testing::{looped, moving};
     use super::*;
+    use crate::examples::testing::triangle;
+
+    /// Makes clips of the given lengths, in which no pose repeats another.
+    pub(in super::super) fn moving(clips: &[usize]) -> Poses {
+        placed(clips, |pose| pose)
+    }
+
+    /// Makes one clip that plays a loop of poses several times.
+    pub(in super::super) fn looped(poses: usize, times: usize) -> Poses {
+        placed(&[times * poses], |pose| pose % poses)
+    }
+
+    /// Makes clips in which the place of a joint depends on a number of each frame. Different numbers give distant
+    /// places.
+    fn placed(clips: &[usize], number: impl Fn(usize) -> usize) -> Poses {
+        let frames: Vec<usize> = (0..clips.iter().sum()).collect();
+        let mut examples = triangle(frames.len());
+        examples.clip_starts = (0..clips.len()).map(|clip| clips[..clip].iter().sum()).collect();
+        for &frame in &frames {
+            let map = &mut examples.transforms[2 * frame + 1];
+            let place = [0.8192, 0.6711, 0.5497].map(|step| step * number(frame) as f64);
+            (0..3).for_each(|axis| map[axis][3] = place[axis].fract());
+        }
+        Poses::new(&examples, &frames)
+    }
 
     #[test]
     fn neighbours_of_a_block_are_left_out_with_it() {
@@ -149,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn some_poses_are_always_left_to_fit_to() {
+    fn some_poses_are_always_left_for_the_fit() {
         let held: Vec<usize> = [0; 90].into_iter().chain(1..5).collect();
         let few = (2..7).flat_map(|poses| (2..5).map(move |times| looped(poses, times)));
         for poses in few.chain([moving(&[5]).only(&held)]) {
@@ -162,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn where_all_poses_are_one_each_is_its_own() {
+    fn equal_poses_are_groups_of_one() {
         assert_eq!(Distinct::new(&looped(1, 9)).count(), 9);
     }
 }

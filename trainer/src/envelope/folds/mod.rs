@@ -1,33 +1,31 @@
-//! Which training frames are left out together (METHOD §1.9). Every choice of the fit asks here.
+//! Blocks of training frames that are left out together (METHOD §1.9), for every choice of the fit.
 //!
-//! Neighbours in an animation are almost the same pose. A fit without a single frame therefore proves nothing. Whole
-//! blocks are left out: runs of frames with gaps around them, clips, or the ends of joints' ranges. Repeats of a pose are
-//! always left out together.
+//! Neighbouring frames of an animation are almost equal poses. A fit without a single frame therefore proves nothing.
+//! So whole blocks are left out: runs of frames with gaps around them, clips, or the ends of joints' ranges. Repeats of
+//! a pose are always left out together.
 
 mod distinct;
-#[cfg(test)]
-mod testing;
 
 use crate::envelope::lbs::poses::{MIN_POSES, Poses};
 use crate::regression::outputs::Block;
 use distinct::Distinct;
 use std::ops::Range;
 
-/// Most runs that the training poses are cut into.
+/// Largest number of runs of the training poses.
 const RUNS: usize = 10;
-/// Fewest poses of a run or a part, so that it holds more than neighbours of the poses that are left.
+/// Smallest number of poses of a run or a part. A single pose would be a neighbour of the remaining poses.
 const RUN_LEN: usize = 2;
-/// Most parts of a run.
+/// Largest number of parts of a run.
 const PARTS: usize = 4;
-/// Fewest stretches of poses for a forecast.
+/// Smallest number of stretches of poses for a forecast.
 const STRETCHES: usize = 5;
-/// Joints whose angles spread less, in radians, have no range.
+/// Smallest range of a joint's angle, in radians. Joints with a smaller range give no block.
 const STILL: f64 = 0.03;
 
-/// The training poses, cut into blocks that are left out together.
+/// Blocks of training poses that are left out together.
 pub struct Folds {
     distinct: Distinct,
-    /// Number of runs, which are the first of the overlapping blocks.
+    /// Number of runs. The runs come first in `overlapping`.
     run_len: usize,
     overlapping: Vec<Block>,
     parts: Vec<Block>,
@@ -55,26 +53,26 @@ impl Folds {
         }
     }
 
-    /// Returns the runs, at least two, which cover all poses.
+    /// Returns at least two runs, which cover all poses.
     pub fn runs(&self) -> &[Block] {
         &self.overlapping[..self.run_len]
     }
 
-    /// Returns the runs and a further one across the middle of each pair: more blocks choose better.
+    /// Returns the runs, and a further run across each border between two runs. More blocks choose better.
     pub fn overlapping(&self) -> &[Block] {
         &self.overlapping
     }
 
-    /// Returns the parts of the runs. The model has seen all poses, so that fits without a whole run have larger errors than
-    /// the model itself.
+    /// Returns the parts of the runs. The final model is fitted to all poses, so fits without a whole run have larger
+    /// errors than the model itself.
     pub fn parts(&self) -> &[Block] {
         &self.parts
     }
 
-    /// Lists the blocks that a fit for some joints has to extrapolate to: for each joint the poses that turn it most.
+    /// Lists blocks that test extrapolation: for each of some joints, the poses with the largest rotations.
     ///
-    /// - `share`: of the poses, for each joint.
-    pub fn beyond(&self, poses: &Poses, joints: &[usize], share: f64) -> Vec<Block> {
+    /// - `share`: share of the poses in a block.
+    pub fn range_ends(&self, poses: &Poses, joints: &[usize], share: f64) -> Vec<Block> {
         let count = (share * poses.len() as f64) as usize;
         let end = |&joint: &usize| {
             let angle = |pose: usize| poses.angle(pose, joint).norm();
@@ -89,9 +87,10 @@ impl Folds {
         blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
     }
 
-    /// Lists two blocks for a forecast on more frames of the same clips: the middle halves of every second stretch. A
-    /// stretch holds at most a fifth of the poses, and ends where frames are missing: next to a hole, the block would be one
-    /// with the hole.
+    /// Lists two blocks for a forecast on more frames of the training clips: the middle halves of every second stretch.
+    ///
+    /// A stretch has at most a fifth of the poses and ends at a hole of missing frames. A block next to a hole would
+    /// merge with the hole.
     pub fn spread(&self) -> Vec<Block> {
         let times = &self.distinct.times;
         let n = times.len();
@@ -120,13 +119,13 @@ impl Folds {
         blocks.filter(is_some).collect()
     }
 
-    /// Lists the blocks that are least like the poses that are left: the clips, or with one clip the runs.
-    pub fn elsewhere(&self) -> Vec<Block> {
+    /// Lists the blocks that differ most from the remaining poses: the clips, or the runs if there is one clip.
+    pub fn clips_or_runs(&self) -> Vec<Block> {
         let clips = self.clips();
         if clips.is_empty() { self.runs().to_vec() } else { clips }
     }
 
-    /// Lists the clips without which enough poses are left; none with one clip.
+    /// Lists the clips that leave enough other poses; none if there is one clip.
     pub fn clips(&self) -> Vec<Block> {
         let times = &self.distinct.times;
         let cuts = (1..times.len()).filter(|&i| times[i].clip != times[i - 1].clip);
@@ -138,8 +137,8 @@ impl Folds {
     }
 }
 
-/// Cuts distinct poses into ranges of nearly as many poses, repeats included. A range ends where a clip does if one ends
-/// nearby.
+/// Cuts distinct poses into ranges with nearly equal numbers of poses, repeats included. A range ends at the end of a
+/// clip if a clip ends nearby.
 fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
     if distinct.count() < 2 {
         return (0..distinct.count()).map(|at| at..at + 1).collect();
@@ -163,14 +162,14 @@ fn ranges(distinct: &Distinct) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::testing::{looped, moving};
+    use super::distinct::tests::{looped, moving};
     use super::*;
     use crate::envelope::correction::features::near;
     use crate::examples::Examples;
     use crate::examples::demo::{DemoOptions, demo};
 
     #[test]
-    fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
+    fn runs_are_contiguous_and_cover_all_poses() {
         for n in 2..60 {
             let folds = Folds::new(&moving(&[n])).runs().to_vec();
             assert_eq!(folds.len(), (n / 2).clamp(2, 10));
@@ -182,14 +181,14 @@ mod tests {
     }
 
     #[test]
-    fn folds_end_where_clips_do() {
+    fn runs_end_at_clip_ends() {
         let folds = Folds::new(&moving(&[33, 41, 26])).runs().to_vec();
         let ends: Vec<usize> = folds.iter().map(|fold| fold.own[fold.own.len() - 1] + 1).collect();
         assert_eq!(ends, [10, 20, 33, 40, 50, 60, 74, 80, 90, 100]);
     }
 
     #[test]
-    fn a_pose_that_is_held_counts_as_often_as_it_is_there() {
+    fn a_held_pose_counts_once_per_frame() {
         let held: Vec<usize> = (0..20).chain([20; 20]).chain(20..40).collect();
         let folds = Folds::new(&moving(&[40]).only(&held)).runs().to_vec();
         let lengths: Vec<usize> = folds.iter().map(|fold| fold.own.len()).collect();
@@ -197,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn folds_of_a_loop_hold_every_pass() {
+    fn runs_of_a_loop_contain_every_pass() {
         let folds = Folds::new(&looped(40, 2)).runs().to_vec();
         assert_eq!(folds.len(), 10);
         assert_eq!(folds[1].own, [4, 5, 6, 7, 44, 45, 46, 47]);
@@ -207,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_lie_across_two_folds_and_parts_in_one() {
+    fn further_runs_cross_borders_and_parts_do_not() {
         let poses = moving(&[40]);
         let folds = Folds::new(&poses);
         let (blocks, parts) = (folds.overlapping(), folds.parts());
@@ -221,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn forecasts_leave_out_runs_that_are_spread_over_the_poses() {
+    fn forecast_blocks_are_spread_over_the_poses() {
         let own = |poses: &Poses| -> Vec<Vec<usize>> {
             Folds::new(poses).spread().into_iter().map(|block| block.own).collect()
         };
@@ -240,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clip_without_which_too_few_poses_are_left_is_not_left_out() {
+    fn a_clip_that_leaves_too_few_poses_is_not_left_out() {
         let clips = |lengths: &[usize]| -> Vec<usize> {
             Folds::new(&moving(lengths)).clips().iter().map(|block| block.own.len()).collect()
         };
@@ -261,8 +260,8 @@ mod tests {
         let poses = Poses::new(&examples, &frames);
         let joint = moving(&poses);
         let joints = near(&parents, joint, 1);
-        let beyond = |poses: &Poses| Folds::new(poses).beyond(poses, &joints, 0.25);
-        for block in beyond(&poses) {
+        let blocks = |poses: &Poses| Folds::new(poses).range_ends(poses, &joints, 0.25);
+        for block in blocks(&poses) {
             let angle = |pose: usize, joint: usize| poses.angle(pose, joint).norm();
             let is_end = |joint: &usize| {
                 let least =
@@ -273,11 +272,11 @@ mod tests {
             assert_eq!(block.own.len(), 10);
             assert!(joints.iter().any(is_end));
         }
-        assert!(!beyond(&poses).is_empty());
+        assert!(!blocks(&poses).is_empty());
     }
 
     #[test]
-    fn a_clip_is_left_out_with_what_repeats_it() {
+    fn a_clip_is_left_out_with_its_repeats() {
         let mut examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
         examples.clip_starts = vec![0, 10, 20];
         let first_two = |examples: &Examples| {

@@ -6,12 +6,13 @@ use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 
-/// Fewest training poses: one row of H has six unknowns.
+/// Smallest number of training poses: one row of H has six unknowns.
 pub const MIN_POSES: usize = 6;
-/// Entries of joints' maps, lengths in diagonals, that differ by less are one: nobody sees what they move.
-const ONE: f64 = 1e-4;
+/// Entries of joint transforms, with lengths in diagonals, are equal if they differ by at most this: such a motion is
+/// invisible.
+const EQUAL: f64 = 1e-4;
 
-/// The joints of n poses of J joints, relative to the reference root.
+/// n poses of J joints, relative to the reference root.
 #[derive(Clone, Debug)]
 pub struct Poses {
     joint_len: usize,
@@ -23,12 +24,12 @@ pub struct Poses {
     times: Vec<Time>,
 }
 
-/// When a pose was taken.
+/// Clip and frame of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Time {
-    /// The number of its clip.
+    /// Index of the clip.
     pub clip: usize,
-    /// Its frame.
+    /// Index of the frame.
     pub frame: usize,
 }
 
@@ -87,7 +88,7 @@ impl Poses {
         self.root
     }
 
-    /// Returns when each of the n poses was taken, in order.
+    /// Returns clip and frame of each of the n poses, in order.
     pub fn times(&self) -> &[Time] {
         &self.times
     }
@@ -117,27 +118,27 @@ impl Poses {
         &self.parent_rotations[pose * self.joint_len + joint]
     }
 
-    /// Whether all are one pose, each joint within what nobody sees of where it is in the first; of a skeleton of one joint,
-    /// whether that stands still.
-    pub fn are_one(&self) -> bool {
+    /// Returns whether all poses are equal up to invisible motions. A skeleton of one joint is compared by the motion
+    /// of that joint itself.
+    pub fn are_equal(&self) -> bool {
         let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
         let all = maps.chunks(self.joint_len);
-        all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
+        all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= EQUAL)
     }
 
-    /// Whether two joints turn as one in all poses, each within what nobody sees of the other.
-    pub fn turn_as_one(&self, a: usize, b: usize) -> bool {
-        let apart = |pose| self.map(pose, a) - self.map(pose, b);
-        (0..self.len()).all(|pose| apart(pose).fixed_columns::<3>(0).amax() <= ONE)
+    /// Returns whether two joints have equal rotations in all poses, up to invisible motions.
+    pub fn turn_together(&self, a: usize, b: usize) -> bool {
+        let difference = |pose| self.map(pose, a) - self.map(pose, b);
+        (0..self.len()).all(|pose| difference(pose).fixed_columns::<3>(0).amax() <= EQUAL)
     }
 
-    /// Whether entries of the joints' maps differ by no more than this in two poses.
-    pub fn are_alike(&self, a: usize, b: usize, most: f64) -> bool {
+    /// Returns whether the entries of all joint transforms differ by at most `most` between two poses.
+    pub fn are_close(&self, a: usize, b: usize, most: f64) -> bool {
         self.pose(a).iter().zip(self.pose(b)).all(|(a, b)| (a - b).amax() <= most)
     }
 
-    /// Returns how far an entry of a joint's map is from the same in the first pose, where it is farthest.
-    pub fn farthest_apart(&self) -> f64 {
+    /// Returns the largest difference between an entry of a joint transform and that entry in the first pose.
+    pub fn largest_difference(&self) -> f64 {
         let all = self.maps.chunks(self.joint_len).flat_map(|pose| pose.iter().zip(&self.maps));
         all.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max)
     }
@@ -149,7 +150,10 @@ impl Poses {
             .collect()
     }
 
-    /// Returns how a joint's origin, given in the rest pose, parts from where its parent carries it, as the root sees it.
+    /// Returns the gap between a joint's origin and the place where its parent carries this origin, in the root's
+    /// frame.
+    ///
+    /// - `origin`: the joint's origin in the rest pose.
     pub fn gap(
         &self,
         pose: usize,
@@ -159,10 +163,9 @@ impl Poses {
         (self.map(pose, joint) - self.map(pose, parent)) * origin.push(1.0)
     }
 
-    /// Returns how far each joint's origin comes from where its parent carries it, the most over the poses, J
-    /// lengths; 0 for the root.
+    /// Returns the largest length of each joint's [`Poses::gap`] over the poses, J lengths; 0 for the root.
     ///
-    /// - `origins`: of the joints in the rest pose, J, in the poses' unit and about their centre.
+    /// - `origins`: origins of the joints in the rest pose, J, in the unit and about the centre of the poses.
     pub fn gaps(&self, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<f64> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             let Some(parent) = *parent else { return 0.0 };
@@ -172,17 +175,17 @@ impl Poses {
         parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Returns the poses with positions measured from a centre.
+    /// Measures positions from a centre.
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         let centre = Vector3::from(centre);
         for map in self.maps.iter_mut().chain(&mut self.roots) {
-            let moved = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
-            map.set_column(3, &moved);
+            let shifted = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
+            map.set_column(3, &shifted);
         }
         self
     }
 
-    /// Returns the poses with lengths measured in a unit.
+    /// Measures lengths in a unit.
     pub fn in_units_of(mut self, unit: f64) -> Self {
         for map in self.maps.iter_mut().chain(&mut self.roots) {
             map.column_mut(3).unscale_mut(unit);
@@ -190,7 +193,7 @@ impl Poses {
         self
     }
 
-    /// Stacks the joints as maps of trajectories: 3n x 4J, columns 4j..4j+4 are joint j.
+    /// Stacks the joint transforms of all poses: 3n x 4J, columns 4j..4j+4 are joint j.
     pub fn stacked(&self) -> Mat<f64> {
         Mat::from_fn(3 * self.len(), 4 * self.joint_len, |row, column| {
             self.map(row / 3, column / 4)[(row % 3, column % 4)]
@@ -200,18 +203,18 @@ impl Poses {
     /// Returns some of the poses.
     #[must_use]
     pub fn only(&self, poses: &[usize]) -> Self {
-        fn of<T: Copy>(all: &[T], width: usize, poses: &[usize]) -> Vec<T> {
+        fn some<T: Copy>(all: &[T], width: usize, poses: &[usize]) -> Vec<T> {
             poses.iter().flat_map(|&pose| &all[pose * width..][..width]).copied().collect()
         }
         let joints = self.joint_len;
         Self {
             joint_len: joints,
             root: self.root,
-            maps: of(&self.maps, joints, poses),
-            angles: of(&self.angles, joints, poses),
-            parent_rotations: of(&self.parent_rotations, joints, poses),
-            roots: of(&self.roots, 1, poses),
-            times: of(&self.times, 1, poses),
+            maps: some(&self.maps, joints, poses),
+            angles: some(&self.angles, joints, poses),
+            parent_rotations: some(&self.parent_rotations, joints, poses),
+            roots: some(&self.roots, 1, poses),
+            times: some(&self.times, 1, poses),
         }
     }
 }
@@ -235,7 +238,7 @@ pub fn local(x: &[f64; 3], (centre, unit): ([f64; 3], f64)) -> [f64; 3] {
     std::array::from_fn(|axis| (x[axis] - centre[axis]) / unit)
 }
 
-/// Gathers poses and [`trajectories`] with positions measured from a centre in a unit.
+/// Gathers poses and [`trajectories`], with positions measured from a centre in a unit.
 pub fn seen_from(
     examples: &Examples,
     frames: &[usize],
@@ -273,7 +276,7 @@ mod tests {
     use crate::numeric::affine::to_rows;
 
     #[test]
-    fn gaps_are_how_far_joints_part_in_any_unit_and_about_any_centre() {
+    fn gaps_do_not_depend_on_unit_and_centre() {
         let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
         let mut parted = demo(&options);
         let origin = |joint: usize| parted.skeleton.rest[joint].map(|row| row[3]);
@@ -291,15 +294,15 @@ mod tests {
             assert!((found - expected).abs() < 1e-9 + still, "{joint}: {found} {expected}");
         }
         let centre = Vector3::new(0.5, -2.0, 1.0);
-        let elsewhere = poses.about(centre.into()).in_units_of(4.0);
+        let shifted = poses.about(centre.into()).in_units_of(4.0);
         let origins: Vec<_> = origins.iter().map(|origin| (origin - centre) / 4.0).collect();
-        for (a, b) in elsewhere.gaps(&parents, &origins).iter().zip(&found) {
+        for (a, b) in shifted.gaps(&parents, &origins).iter().zip(&found) {
             assert!((4.0 * a - b).abs() < 1e-9);
         }
     }
 
     #[test]
-    fn a_global_motion_of_each_frame_changes_nothing() {
+    fn a_global_motion_of_each_frame_does_not_matter() {
         let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
         let still = demo(&options);
         let mut moved = still.clone();

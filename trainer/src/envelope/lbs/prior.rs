@@ -1,4 +1,4 @@
-//! Prior joint weights: those that a vertex gets where poses do not decide (METHOD §1.2).
+//! Prior joint weights, which decide where the poses do not (METHOD §1.2), and the mesh's own weights.
 
 use super::blend::Weights;
 use super::poses::Poses;
@@ -6,13 +6,14 @@ use crate::examples::{Examples, Matrix3x4};
 use faer::Mat;
 use nalgebra::Vector3;
 
-/// Distance in diagonals that is added to the distance from a bone: inside a limb all of its bones are near.
+/// Distance in diagonals that is added to the distance from a bone: inside a limb all its bones are near.
 const NEAR: f64 = 0.03;
-/// Power by which a weight falls with the distance from the joint's bone.
+/// Exponent of the fall of a weight with the distance from the joint's bone.
 const POWER: i32 = 8;
 
-/// Returns the prior weights of the joints, J x V; each vertex's weights sum to 1. They are the weights that an artist
-/// painted. A vertex without paint goes by its distance from the bones.
+/// Returns the prior weights of the joints, J x V. The weights of a vertex sum to 1.
+///
+/// A painted vertex has its painted weights. The weights of other vertices fall with the distance from the bones.
 ///
 /// - `poses`: the training poses, in any unit.
 pub fn prior(examples: &Examples, poses: &Poses) -> Mat<f64> {
@@ -27,8 +28,7 @@ pub fn prior(examples: &Examples, poses: &Poses) -> Mat<f64> {
     prior
 }
 
-/// Returns the weights that an artist painted, normalised; `None` if the examples come without. A vertex without paint
-/// has no weights.
+/// Returns the painted weights, normalised; `None` if the examples have none. A vertex without paint has no weights.
 pub fn painted(examples: &Examples) -> Option<Weights> {
     examples.joint_weights.as_ref()?;
     let list = |row: &[f64]| {
@@ -50,12 +50,12 @@ fn painted_rows(examples: &Examples) -> impl Iterator<Item = &[f64]> {
 
 /// Returns weights that fall with the distance from each joint's bones, J x V.
 ///
-/// A joint that the source does not place stands where its motion shows it, if it turns against its parent. Else only its
-/// children's places tell of its bones.
+/// Some sources give no origin for a joint. If such a joint turns against its parent, its motion gives the origin.
+/// Otherwise only the origins of its children give its bones.
 fn by_bones(examples: &Examples, poses: &Poses) -> Mat<f64> {
     let (skeleton, unit) = (&examples.skeleton, examples.diagonal());
     let parents = skeleton.own_parents();
-    let turns = |joint: usize| parents[joint].is_some_and(|up| !poses.turn_as_one(joint, up));
+    let turns = |joint: usize| parents[joint].is_some_and(|up| !poses.turn_together(joint, up));
     let place = |(joint, frame): (usize, &Matrix3x4)| {
         let is_placed = !skeleton.unplaced.contains(&joint) || turns(joint);
         is_placed.then(|| frame.map(|row| row[3]).into())
@@ -81,8 +81,8 @@ struct Bone {
     along: Vector3<f64>,
 }
 
-/// Gives the bones of a joint: one to each child; without children one as long as its parent's, on from there. Of joints
-/// without a place there is none, but where their children are.
+/// Lists the bones of a joint, one to each child. A joint without children continues its parent's bone at full length.
+/// A joint without an origin has a bone of length 0 at each child's origin.
 fn bones_of(joint: usize, parents: &[Option<usize>], places: &[Option<Vector3<f64>>]) -> Vec<Bone> {
     let children = (0..places.len()).filter(|&child| parents[child] == Some(joint));
     let children = children.filter_map(|child| places[child]);
@@ -99,10 +99,25 @@ fn bones_of(joint: usize, parents: &[Option<usize>], places: &[Option<Vector3<f6
 
 impl Bone {
     fn distance(&self, x: &Vector3<f64>) -> f64 {
-        let (apart, square) = (x - self.from, self.along.norm_squared());
-        let at = if square > 0.0 { apart.dot(&self.along) / square } else { 0.0 };
-        (apart - self.along * at.clamp(0.0, 1.0)).norm()
+        let (offset, square) = (x - self.from, self.along.norm_squared());
+        let at = if square > 0.0 { offset.dot(&self.along) / square } else { 0.0 };
+        (offset - self.along * at.clamp(0.0, 1.0)).norm()
     }
+}
+
+/// Returns the mesh's own joint weights: all influences of a vertex, scaled to a sum of 1. A vertex without weights
+/// gets its fitted weights. `None` if no vertex has weights.
+///
+/// - `fitted`: LBS weights of the V vertices.
+pub fn own_weights(examples: &Examples, fitted: &Weights) -> Option<Weights> {
+    let own = painted(examples)?;
+    let has_own: Vec<bool> = (0..own.len()).map(|vertex| own.strongest(vertex).is_some()).collect();
+    if !has_own.contains(&true) {
+        return None;
+    }
+    let of = |vertex: usize| if has_own[vertex] { &own } else { fitted };
+    let lists = (0..own.len()).map(|vertex| of(vertex).of(vertex).collect());
+    Some(Weights::from_lists(own.most().max(fitted.most()), lists))
 }
 
 #[cfg(test)]
@@ -111,7 +126,7 @@ mod tests {
     use crate::examples::demo::{DemoOptions, demo};
     use crate::examples::testing::triangle;
 
-    /// Joints at 0 and 1 on the x axis, of which the second may turn, and three vertices.
+    /// Two joints at 0 and 1 on the x axis, and three vertices. The second joint may turn.
     fn pair(turns: bool) -> Examples {
         let mut examples = triangle(2);
         examples.rest = vec![[0.5, 0.2, 0.0], [1.5, 0.2, 0.0], [0.0, 1.0, 0.0]];
@@ -131,7 +146,7 @@ mod tests {
     fn weights_fall_with_the_distance_from_segments() {
         let examples = pair(false);
         let found = found(&examples);
-        // The second bone goes on from 1 to 2.
+        // The bone of the second joint continues from 1 to 2.
         let weight = |x: f64, y: f64| (x.hypot(y) / examples.diagonal() + NEAR).powi(-8);
         let expected = [
             [weight(0.0, 0.2), weight(0.5, 0.2)],
@@ -150,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn painted_weights_are_taken_as_they_are_and_a_vertex_without_goes_by_bones() {
+    fn painted_weights_stay_and_other_vertices_get_weights_by_distance() {
         let mut examples = pair(false);
         let by_bones = found(&examples);
         examples.joint_weights = Some(vec![3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
@@ -165,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_that_nothing_places_weigh_little() {
+    fn joints_without_an_origin_get_small_weights() {
         for turns in [false, true] {
             let mut examples = pair(turns);
             examples.skeleton.unplaced = vec![1];
@@ -176,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_places_makes_no_bones_of_others() {
+    fn joints_without_an_origin_end_no_bone() {
         let mut examples = pair(false);
         examples.skeleton.unplaced = vec![1];
         examples.place_joints();
@@ -187,12 +202,12 @@ mod tests {
         examples.skeleton.unplaced = vec![0];
         examples.place_joints();
         let found = found(&examples);
-        // The root is known by its child, at the start of the child's bone.
+        // The root gets its child's origin, where the child's bone starts.
         assert!((found[(0, 0)] - 0.5).abs() < 1e-12 && (found[(1, 0)] - 0.5).abs() < 1e-12);
     }
 
     #[test]
-    fn weights_do_not_depend_on_where_the_character_stands() {
+    fn weights_do_not_depend_on_the_origin() {
         let examples = demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 });
         let mut moved = examples.clone();
         let far = |x: &mut [f64; 3]| x[0] += 1000.0;
@@ -213,11 +228,11 @@ mod tests {
         }
     }
 
-    /// Two limbs that swing alike, ten vertices on each.
+    /// Two limbs with equal motion, ten vertices on each.
     fn limbs() -> Examples {
         let frames = [0.0, 0.2, -0.3, 0.5, -0.1, 0.4, -0.5];
         let mut examples = triangle(frames.len());
-        // Two limbs down from hips on the z axis, about which both turn.
+        // Two limbs hang down from hips on the z axis and turn about the z axis.
         let places = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.0, 0.0, -0.5]];
         let skeleton = &mut examples.skeleton;
         skeleton.names =
@@ -234,7 +249,7 @@ mod tests {
             let (s, c) = f64::sin_cos(angle);
             [c * x - s * y, s * x + c * y, z]
         };
-        // What no joint explains: the skin swells with the angle, to its own side.
+        // A motion beyond LBS: the skin of each limb swells outward with the angle.
         let swollen = |angle: f64, x: [f64; 3]| [x[0], x[1], x[2] * (1.0 + 0.05 * angle.abs())];
         examples.vertices.clear();
         examples.transforms.clear();
@@ -249,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn limbs_that_swing_alike_carry_their_own_skin() {
+    fn limbs_with_equal_motion_carry_their_own_skin() {
         let weights = super::super::weights::baseline(&limbs());
         for vertex in 0..20 {
             let own = usize::from(vertex >= 10);
@@ -260,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn limbs_that_swing_alike_carry_what_an_artist_painted() {
+    fn limbs_with_equal_motion_keep_painted_weights() {
         let mut examples = limbs();
         let painted = |vertex: usize| if vertex < 10 { 2 } else { 1 };
         let row = |vertex: usize| (0..5).map(move |j| f64::from(u8::from(j == painted(vertex))));
@@ -271,5 +286,18 @@ mod tests {
                 weights.of(vertex).filter(|w| w.0 == painted(vertex)).map(|w| w.1).sum();
             assert!(found > 0.999, "{vertex} {:?}", weights.of(vertex).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn all_influences_are_kept_and_vertices_without_weights_get_fitted_weights() {
+        let mut examples = triangle(1);
+        let fitted = Weights::from_lists(1, [0, 1, 1].map(|joint| vec![(joint, 1.0)]).into_iter());
+        assert!(own_weights(&examples, &fitted).is_none());
+        examples.joint_weights = Some(vec![0.0; 6]);
+        assert!(own_weights(&examples, &fitted).is_none());
+        examples.joint_weights = Some(vec![3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
+        let found = own_weights(&examples, &fitted).unwrap();
+        let lists: Vec<Vec<_>> = (0..3).map(|vertex| found.of(vertex).collect()).collect();
+        assert_eq!(lists, [vec![(0, 0.75), (1, 0.25)], vec![(1, 1.0)], vec![(1, 1.0)]]);
     }
 }

@@ -1,31 +1,31 @@
-//! Meshes as a palette sees them: summed over the vertices by what they follow.
+//! Training meshes projected onto a palette: sums over the vertices of each palette transform.
 
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::columns::dot;
-use crate::numeric::columns::solve_ridge;
+use crate::numeric::columns::{dot, solve_ridge};
 use faer::Mat;
 use std::ops::Range;
 
-/// Share of the mean diagonal that decides directions of the palette no vertex sees.
-pub const UNSEEN: f64 = 1e-6;
+/// Ridge as a share of the mean diagonal. It decides directions of the palette that move no vertex.
+pub const RIDGE: f64 = 1e-6;
 
-/// Meshes as a palette sees them.
+/// Training meshes projected onto a palette of P transforms.
 pub struct Projection {
     /// Σ φ φᵀ, 4P x 4P.
     pub gram: Mat<f64>,
     /// The trajectories weighted onto the palette, 3n x 4P.
     onto: Mat<f64>,
-    /// The maps that come nearest, 3n x 4P, and what those leave of `onto`.
+    /// The transforms with the least squared error, 3n x 4P.
     nearest: Mat<f64>,
+    /// Residual `onto - nearest gram`, 3n x 4P.
     slope: Mat<f64>,
-    /// Their squared error, over V vertices and the poses.
+    /// Mean squared error of `nearest` over vertices and poses.
     floor: f64,
     vertices: usize,
 }
 
 impl Projection {
-    /// Sums over the vertices of the training meshes.
+    /// Projects the training meshes.
     pub fn new(targets: &Targets<'_>, proxy_len: usize) -> Self {
         let mut onto = Mat::zeros(targets.trajectories.nrows(), 4 * proxy_len);
         for (vertex, x) in targets.rest.iter().enumerate() {
@@ -47,31 +47,33 @@ impl Projection {
         Self { gram, onto, nearest, slope, floor, vertices: targets.rest.len() }
     }
 
-    /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
+    /// Fits transforms to the residual of given transforms, by least squares over the vertices; both 3n x 4P.
     pub fn residual(&self, maps: &Mat<f64>) -> Mat<f64> {
         nearest(&self.gram, &(&self.onto - maps * &self.gram))
     }
 
-    /// RMS error over vertices and poses under maps, 3n x 4P.
+    /// Returns the RMS error of transforms over vertices and poses.
+    ///
+    /// - `maps`: 3n x 4P.
     pub fn rms(&self, maps: &Mat<f64>) -> f64 {
-        let off = maps - &self.nearest;
-        let weighted = &off * &self.gram - &self.slope * faer::Scale(2.0);
-        let squared: f64 = (0..off.ncols())
-            .map(|column| dot(off.col_as_slice(column), weighted.col_as_slice(column)))
+        let difference = maps - &self.nearest;
+        let weighted = &difference * &self.gram - &self.slope * faer::Scale(2.0);
+        let squared: f64 = (0..difference.ncols())
+            .map(|column| dot(difference.col_as_slice(column), weighted.col_as_slice(column)))
             .sum();
         let count = (self.vertices * maps.nrows() / 3).max(1) as f64;
         (self.floor + squared / count).max(0.0).sqrt()
     }
 }
 
-/// The maps that weigh nearest to others onto a palette: `maps gram = onto`.
+/// Solves `maps gram = onto` for the transforms with the least squared error.
 fn nearest(gram: &Mat<f64>, onto: &Mat<f64>) -> Mat<f64> {
     let mut gram = gram.clone();
     let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
-    solve_ridge(&mut gram, onto.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
+    solve_ridge(&mut gram, onto.transpose().to_owned(), RIDGE * mean).transpose().to_owned()
 }
 
-/// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
+/// Sums φ φᵀ over the vertices, for a span of l palette transforms: 4l x 4l.
 pub fn gram(targets: &Targets<'_>, span: Range<usize>) -> Mat<f64> {
     let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
     for (vertex, x) in targets.rest.iter().enumerate() {
@@ -100,17 +102,17 @@ mod tests {
     use crate::progress::Silent;
 
     #[test]
-    fn errors_are_those_of_all_vertices() {
+    fn errors_equal_the_errors_over_all_vertices() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 8, held_out: 0, seed: 2 });
         let training = Training::new(&examples, &Silent).unwrap();
         let targets = training.targets(&training.lbs.weights);
         let palette = training.poses.stacked();
-        let seen = Projection::new(&targets, palette.ncols() / 4);
-        let off = Mat::from_fn(palette.nrows(), palette.ncols(), |row, column| {
+        let projection = Projection::new(&targets, palette.ncols() / 4);
+        let noise = Mat::from_fn(palette.nrows(), palette.ncols(), |row, column| {
             1e-3 * ((row * 7919 + column * 104_729) as f64).sin()
         });
-        for maps in [&palette, &(&palette + &off)] {
-            let (found, expected) = (seen.rms(maps), targets.rms(maps));
+        for maps in [&palette, &(&palette + &noise)] {
+            let (found, expected) = (projection.rms(maps), targets.rms(maps));
             assert!((found - expected).abs() < 1e-9 * expected, "{found} for {expected}");
         }
     }

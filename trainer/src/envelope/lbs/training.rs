@@ -1,4 +1,4 @@
-//! The training frames as the fit sees them.
+//! Training frames in the units of the fit.
 
 use super::blend::Weights;
 use super::poses::{MIN_POSES, Poses, local, seen_from};
@@ -13,23 +13,24 @@ use crate::numeric::columns;
 use crate::progress::Progress;
 use crate::settings::Settings;
 use faer::Mat;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The training frames with the root's motion removed, about the centre of the rest mesh and with
-/// all lengths in units of the rest diagonal, so that no constant and no rounding of the fit depends
-/// on the units of the input or on where it stands.
+/// Training frames in the units of the fit: n poses and the trajectories of V vertices.
+///
+/// The root's motion is removed. Lengths are in units of the rest diagonal, and the centre of the rest mesh is the
+/// origin. So constants and rounding of the fit do not depend on the unit and the place of the input.
 pub struct Training<'a> {
     /// The examples.
     pub examples: &'a Examples,
-    /// The rest diagonal, in units of the input.
+    /// Rest diagonal, in units of the input.
     pub unit: f64,
-    /// The centroid of the rest mesh, in units of the input.
+    /// Centroid of the rest mesh, in units of the input.
     pub centre: [f64; 3],
     /// V rest positions.
     pub rest: Vec<[f64; 3]>,
-    /// The triangles that have an area.
+    /// Triangles with an area.
     pub triangles: Vec<[usize; 3]>,
     /// The joints.
     pub skeleton: Skeleton,
@@ -37,31 +38,32 @@ pub struct Training<'a> {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
-    /// The vertices' trajectories, 3n x V.
+    /// Trajectories of the vertices, 3n x V.
     pub trajectories: Mat<f64>,
-    /// LBS fitted to them.
+    /// LBS fitted to the trajectories.
     pub lbs: Lbs,
-    /// What the fit is set to.
+    /// Settings of the fit.
     pub settings: Settings,
-    /// How much each vertex counts, V numbers of mean 1; all alike without.
+    /// Importance of each vertex, V numbers of mean 1; `None` for equal importance.
     importance: Option<Vec<f64>>,
     basis: OnceLock<Basis>,
     folds: OnceLock<Folds>,
 }
 
 impl<'a> Training<'a> {
-    /// Gathers the training frames of the examples; no other frame is read.
+    /// Gathers the training frames of the examples. Other frames are not read.
     ///
     /// # Errors
-    /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
+    /// - [`FitError::TooFewPoses`]: fewer than [`MIN_POSES`] frames.
+    /// - [`FitError::NoTriangles`]: no triangle has an area.
     pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         Ok(Self::of(examples, &examples.frames_of(Split::Train), progress)?.pulled())
     }
 
-    /// Gathers some of the training frames, with LBS weights that the poses alone decide.
+    /// Gathers some of the training frames. LBS has only the weakest pull to prior weights.
     ///
     /// # Errors
-    /// As [`Training::new`].
+    /// Those of [`Training::new`].
     pub fn of(
         examples: &'a Examples,
         frames: &[usize],
@@ -74,14 +76,14 @@ impl<'a> Training<'a> {
         if triangles.is_empty() {
             return Err(FitError::NoTriangles);
         }
-        let seen @ (centre, unit) = (examples.centroid(), examples.diagonal());
-        let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
+        let space @ (centre, unit) = (examples.centroid(), examples.diagonal());
+        let rest: Vec<_> = examples.rest.iter().map(|x| local(x, space)).collect();
         let mut skeleton = examples.skeleton.clone();
-        for frame in &mut skeleton.rest {
-            let origin = local(&frame.map(|row| row[3]), seen);
-            frame.iter_mut().zip(origin).for_each(|(row, x)| row[3] = x);
+        for rest in &mut skeleton.rest {
+            let origin = local(&rest.map(|row| row[3]), space);
+            rest.iter_mut().zip(origin).for_each(|(row, x)| row[3] = x);
         }
-        let (poses, trajectories) = seen_from(examples, frames, seen);
+        let (poses, trajectories) = seen_from(examples, frames, space);
         progress.step("LBS weights", 1);
         let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior(examples, &poses), FREE));
         Ok(Self {
@@ -102,7 +104,7 @@ impl<'a> Training<'a> {
         })
     }
 
-    /// Chooses the strength of the pull to prior weights, and fits LBS anew.
+    /// Chooses the strength of the pull to prior weights and fits LBS again.
     #[must_use]
     pub fn pulled(self) -> Self {
         let (rest, trajectories, poses) = (&self.rest, &self.trajectories, &self.poses);
@@ -110,28 +112,28 @@ impl<'a> Training<'a> {
         Self { lbs, ..self }
     }
 
-    /// Fits LBS by the poses alone.
+    /// Fits LBS with only the weakest pull to prior weights.
     pub fn free_lbs(&self) -> Lbs {
         let pull = (self.lbs.prior.clone(), FREE);
         Lbs::pulled(&self.rest, &self.trajectories, &self.poses, pull)
     }
 
-    /// Returns some of the vertices in some of the poses, with LBS fitted anew.
+    /// Returns some of the vertices in some of the poses, with LBS fitted again.
     #[must_use]
     pub fn part(&self, vertices: &[usize], poses: &[usize]) -> Self {
         let rest: Vec<_> = vertices.iter().map(|&v| self.rest[v]).collect();
-        let trajectories = self.moved(vertices, poses);
+        let trajectories = self.trajectories_of(vertices, poses);
         let poses = self.poses.only(poses);
         let prior = columns::some(&self.lbs.prior, vertices);
         let lbs = Lbs::pulled(&rest, &trajectories, &poses, (prior, self.lbs.strength));
         let mut place = vec![None; self.rest.len()];
         vertices.iter().enumerate().for_each(|(k, &v)| place[v] = Some(k));
-        let moved = |corners: &[usize; 3]| {
+        let renumbered = |corners: &[usize; 3]| {
             let [a, b, c] = corners.map(|v| place[v]);
             Some([a?, b?, c?])
         };
         Self {
-            triangles: self.triangles.iter().filter_map(moved).collect(),
+            triangles: self.triangles.iter().filter_map(renumbered).collect(),
             skeleton: self.skeleton.clone(),
             origins: self.origins.clone(),
             settings: self.settings.clone(),
@@ -146,19 +148,19 @@ impl<'a> Training<'a> {
         }
     }
 
-    /// Returns the trajectories of some vertices in some of the poses, 3 rows of each.
-    pub fn moved(&self, vertices: &[usize], poses: &[usize]) -> Mat<f64> {
+    /// Returns the trajectories of some vertices in some of the poses: 3 rows a pose, a column a vertex.
+    pub fn trajectories_of(&self, vertices: &[usize], poses: &[usize]) -> Mat<f64> {
         Mat::from_fn(3 * poses.len(), vertices.len(), |row, k| {
             self.trajectories[(3 * poses[row / 3] + row % 3, vertices[k])]
         })
     }
 
-    /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.
+    /// Converts other frames to these units: poses, and trajectories 3n x V.
     pub fn view(&self, examples: &Examples, frames: &[usize]) -> (Poses, Mat<f64>) {
         seen_from(examples, frames, (self.centre, self.unit))
     }
 
-    /// The training meshes, as vertices of these weights on a palette.
+    /// Returns the training meshes with weights on a palette.
     pub fn targets<'t>(&'t self, weights: &'t Weights) -> Targets<'t> {
         Targets {
             rest: &self.rest,
@@ -168,8 +170,8 @@ impl<'a> Training<'a> {
         }
     }
 
-    /// Computes what LBS leaves, 3n x V, and the joint that each vertex follows most, V.
-    pub fn left_by_lbs(&self) -> (Mat<f64>, Vec<usize>) {
+    /// Computes the residuals of LBS, 3n x V, and the dominant joint of each vertex, V.
+    pub fn lbs_residuals(&self) -> (Mat<f64>, Vec<usize>) {
         let weights = &self.lbs.weights;
         let dominant = (0..self.rest.len()).map(|v| weights.strongest(v).unwrap_or(0)).collect();
         (self.targets(weights).residuals(&self.poses.stacked()), dominant)
@@ -181,8 +183,8 @@ impl<'a> Training<'a> {
         (self.lbs.errors.iter().sum::<f64>() / count.max(1) as f64).sqrt()
     }
 
-    /// Divides the squared errors of LBS, as they count, among a span of the palette, by the weights that each vertex
-    /// has on it.
+    /// Shares the squared errors of LBS among a span of palette transforms, in proportion to the weights of each
+    /// vertex. Errors are weighted by importance.
     pub fn lbs_errors(&self, weights: &Weights, span: Range<usize>) -> Vec<f64> {
         let mut errors = vec![0.0; span.len()];
         for (vertex, error) in self.lbs.errors.iter().enumerate() {
@@ -194,18 +196,59 @@ impl<'a> Training<'a> {
         errors
     }
 
-    /// How much each vertex counts.
+    /// Returns the importance of the vertices.
     pub fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
     }
 
-    /// Which poses are left out together, found when this is first asked for.
+    /// Returns the folds of the poses, computed on first use.
     pub fn folds(&self) -> &Folds {
         self.folds.get_or_init(|| Folds::new(&self.poses))
     }
 
-    /// A short basis of the trajectories, made when it is first asked for.
+    /// Returns a short basis of the trajectories, computed on first use.
     pub fn basis(&self) -> &Basis {
         self.basis.get_or_init(|| basis(&self.trajectories))
+    }
+}
+
+/// Residuals of LBS on the training frames.
+#[derive(Clone, Copy)]
+pub struct Residuals<'a> {
+    /// The training frames.
+    pub training: &'a Training<'a>,
+    /// Residuals, 3n x V, in diagonals.
+    pub residuals: &'a Mat<f64>,
+    /// Dominant joint of each vertex, V.
+    pub dominant: &'a [usize],
+}
+
+impl Residuals<'_> {
+    /// Lists the vertices that each joint dominates, J lists.
+    pub fn skins(&self) -> Vec<Vec<usize>> {
+        let mut skins = vec![Vec::new(); self.training.poses.joint_len()];
+        for (vertex, &joint) in self.dominant.iter().enumerate() {
+            skins[joint].push(vertex);
+        }
+        skins
+    }
+
+    /// Computes the inner products of the residuals of some poses, in the joint's frame and weighted by importance.
+    /// Returns a row and a column for each pose.
+    ///
+    /// - `skin`: vertices of the joint.
+    pub fn gram(&self, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
+        let mut weighted = Mat::zeros(3 * skin.len(), poses.len());
+        for (i, &pose) in poses.iter().enumerate() {
+            let turn: Matrix3<f64> =
+                self.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
+            for (k, &vertex) in skin.iter().enumerate() {
+                let weight = self.training.importance().of(vertex).sqrt();
+                let column = self.residuals.col_as_slice(vertex);
+                let own = turn * Vector3::from_column_slice(&column[3 * pose..3 * pose + 3]);
+                (0..3).for_each(|axis| weighted[(3 * k + axis, i)] = weight * own[axis]);
+            }
+        }
+        weighted.transpose() * &weighted
     }
 }

@@ -1,11 +1,10 @@
-//! LBS weights by non-negative least squares (METHOD §1.2): the near-rigid vertices' skinning and
-//! the baseline that every report compares with.
+//! LBS weights by non-negative least squares (METHOD §1.2): the baseline of every report, and the weights of vertices
+//! without helpers.
 
 use super::blend::{Items, Maps, Pull, Supports, Weights, fit_weights};
 use super::poses::{Poses, local, seen_from};
 use super::prior::prior;
-use super::stacked::in_poses;
-use super::targets::Targets;
+use super::targets::{Targets, in_poses};
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
@@ -16,20 +15,20 @@ use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Influences of the baseline, as most engines skin.
+/// Influences of a vertex in the baseline, as in most engines.
 pub const BASELINE_INFLUENCES: usize = 4;
-/// Candidate strengths of the pull to prior weights, in squared diagonals. Against 1 no motion counts.
+/// Candidate strengths of the pull to prior weights, in squared diagonals. At strength 1 the motion does not matter.
 const STRENGTHS: [f64; 10] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, FREE];
-/// The weakest pull, which decides only where poses do not.
+/// The weakest pull, which decides only where the poses do not.
 pub const FREE: f64 = 1e-12;
-/// Errors below this, RMS in diagonals, are alike: single precision rounds as much.
+/// Errors below this RMS in diagonals tie: rounding to single precision is as large.
 const EXACT: f64 = 1e-6;
 
-/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the vertices' squared
-/// errors, summed over the poses.
+/// Fits at most `most` joint weights a vertex to trajectories (3n x V). Returns the weights and the squared error of
+/// each vertex, summed over the poses.
 ///
-/// - `pull`: prior weights and the strength of the pull to them, in squared units of the trajectories. Without it the poses
-///   alone decide.
+/// - `pull`: prior weights, J x V, and the strength of the pull to prior weights, in squared units of the trajectories.
+///   With `None` only the poses decide.
 pub fn fit(
     rest: &[[f64; 3]],
     trajectories: &Mat<f64>,
@@ -42,12 +41,12 @@ pub fn fit(
         let strength = strength * poses.len() as f64;
         Pull { to, joints: &joints, strength }
     });
-    let items = Items { pull, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
+    let items = Items { pull, ..Items::vertices(rest, trajectories, Importance::UNIFORM) };
     let joints = Maps { width: 4, columns: poses.stacked() };
     fit_weights(&items, &joints, Supports::Free(most))
 }
 
-/// Linear blend skinning: the baseline of all reports, and the weights of vertices that need no helper.
+/// Linear blend skinning: the baseline of every report, and the weights of vertices without helpers.
 pub struct Lbs {
     /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
     pub weights: Weights,
@@ -60,19 +59,22 @@ pub struct Lbs {
 }
 
 impl Lbs {
-    /// Fits LBS to training frames as they are seen: V rest positions, trajectories 3n x V and poses about the centre of
-    /// the mesh, in diagonals.
+    /// Fits LBS in training units and chooses the strength of the pull to prior weights.
+    ///
+    /// - `rest`: V rest positions.
+    /// - `trajectories`: 3n x V.
+    /// - `prior`: J x V.
     pub fn new(
         rest: &[[f64; 3]],
         trajectories: &Mat<f64>,
         (poses, folds): (&Poses, &Folds),
         prior: Mat<f64>,
     ) -> Self {
-        let strength = strength(rest, trajectories, (poses, &folds.elsewhere()), &prior);
+        let strength = strength(rest, trajectories, (poses, &folds.clips_or_runs()), &prior);
         Self::pulled(rest, trajectories, poses, (prior, strength))
     }
 
-    /// Fits LBS with the given pull.
+    /// Fits LBS with the given prior weights and strength of the pull.
     pub fn pulled(
         rest: &[[f64; 3]],
         trajectories: &Mat<f64>,
@@ -85,8 +87,8 @@ impl Lbs {
     }
 }
 
-/// Chooses the strength of the pull to prior weights: the strongest of those that predict blocks of poses nearly as well
-/// as any, each block left out in turn.
+/// Chooses the strength of the pull to prior weights by cross-validation over blocks of poses. The strongest pull wins
+/// among those that tie with the best.
 fn strength(
     rest: &[[f64; 3]],
     trajectories: &Mat<f64>,
@@ -103,7 +105,7 @@ fn strength(
         STRENGTHS.map(|strength| {
             let pull = Some((&prior, strength));
             let (weights, _) = fit(&rest, &seen, &seen_poses, BASELINE_INFLUENCES, pull);
-            let importance = Importance::ALIKE;
+            let importance = Importance::UNIFORM;
             let targets =
                 Targets { rest: &rest, weights: &weights, trajectories: &unseen, importance };
             targets.residuals(&unseen_poses.stacked()).squared_norm_l2()
@@ -115,20 +117,20 @@ fn strength(
     let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
     let exact = EXACT.powi(2) * counted as f64;
     let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
-    let alike = sums.iter().position(|&sum| sum <= TIED.powi(2) * least);
-    STRENGTHS[alike.unwrap_or(0)]
+    let strongest = sums.iter().position(|&sum| sum <= TIED.powi(2) * least);
+    STRENGTHS[strongest.unwrap_or(0)]
 }
 
-/// Fits the baseline's weights to the training frames of examples.
+/// Fits the weights of the baseline to the training frames of the examples.
 pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
-    let seen = (examples.centroid(), examples.diagonal());
-    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
-    let (poses, moved) = seen_from(examples, &frames, seen);
-    Lbs::new(&rest, &moved, (&poses, &Folds::new(&poses)), prior(examples, &poses)).weights
+    let space = (examples.centroid(), examples.diagonal());
+    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, space)).collect();
+    let (poses, trajectories) = seen_from(examples, &frames, space);
+    Lbs::new(&rest, &trajectories, (&poses, &Folds::new(&poses)), prior(examples, &poses)).weights
 }
 
-/// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
+/// Skins one vertex by LBS: position, and normal by the cofactors of the blended transform.
 pub fn skin(
     weights: &Weights,
     pose: &[Matrix3x4],

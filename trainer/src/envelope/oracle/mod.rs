@@ -13,7 +13,7 @@ pub use shapes::ShapedVertex;
 pub use skin::SkinnedVertex;
 
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::stacked::set_map;
+use crate::envelope::lbs::targets::set_map;
 use crate::envelope::model::EnvelopeModel;
 use faer::Mat;
 use nalgebra::Matrix3x4;

@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the progress step.
 const STEP: &str = "keys";
-const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, ahead: 0.0 };
+const ALTERNATION: Alternation = Alternation { choices: 3, every: 1, rounds: 0, momentum: 0.0 };
 /// Ridge on H, in squared radians per example.
 const RIDGE: f64 = 1e-3;
 /// Ridge on H with a free bias. S3 has no ridge; this small ridge only determines entries without examples.
@@ -265,7 +265,7 @@ mod tests {
             (affine((row / 3) as f64) * nalgebra::Vector3::from(rest[vertex]))[row % 3] + row as f64
         });
         let basis = basis(&moved);
-        let surface = Surface::new(&rest, triangles, &moved, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &moved, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let options =
             RotationalOptions { proxies: ProxyCount::Fixed(1), ..RotationalOptions::default() };
@@ -285,7 +285,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let options = RotationalOptions {

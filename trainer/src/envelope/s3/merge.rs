@@ -289,7 +289,7 @@ mod tests {
     fn two_halves_that_rotate_against_each_other_become_two_groups() {
         let (rest, triangles, moved) = strip();
         let basis = basis(&moved);
-        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::UNIFORM);
         let groups = MergeTree::build(&surface, || ()).cut(2);
         let left = groups[0];
         for (triangle, group) in groups.iter().enumerate() {
@@ -301,7 +301,7 @@ mod tests {
     fn a_cut_leaves_as_many_groups_as_asked_for() {
         let (rest, triangles, moved) = strip();
         let basis = basis(&moved);
-        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         for count in 1..=triangles.len() {
             let groups: BTreeSet<usize> = tree.cut(count).into_iter().collect();
@@ -314,7 +314,7 @@ mod tests {
         let (rest, triangles, moved) = strip();
         let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
         let basis = basis(&moved);
-        let surface = Surface::new(&rest, apart.to_vec(), &moved, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, apart.to_vec(), &moved, &basis, Importance::UNIFORM);
         let groups = MergeTree::build(&surface, || ()).cut(1);
         assert_eq!(groups, vec![0; 4]);
     }

@@ -14,9 +14,9 @@ use serde::Serialize;
 /// Name of the progress step.
 const STEP: &str = "proxies";
 /// Rounds from each start.
-const FIRST: Alternation = Alternation { choices: 6, every: 3, rounds: 0, ahead: 0.9 };
+const FIRST: Alternation = Alternation { choices: 6, every: 3, rounds: 0, momentum: 0.9 };
 /// Further rounds from the best start.
-const ALTERNATION: Alternation = Alternation { choices: 14, every: 3, rounds: 10, ahead: 0.9 };
+const ALTERNATION: Alternation = Alternation { choices: 14, every: 3, rounds: 10, momentum: 0.9 };
 
 /// A tried number of proxies, and its error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -214,7 +214,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
             let options = RotationalOptions { proxies, ..RotationalOptions::default() };
@@ -232,7 +232,7 @@ mod tests {
             rest: &rest,
             weights: &found.weights,
             trajectories: &trajectories,
-            importance: Importance::ALIKE,
+            importance: Importance::UNIFORM,
         };
         assert!((targets.rms(&maps) - found.rms).abs() < 1e-3 * found.rms);
     }
@@ -244,7 +244,7 @@ mod tests {
             Training::new(&examples, &Silent).unwrap();
         let most = triangles.len();
         let basis = basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let options = RotationalOptions {
             proxies: ProxyCount::MaxError(1e-30),

@@ -275,7 +275,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
             let method = Method::Published;

@@ -11,7 +11,7 @@
 
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::stacked::in_poses;
+use crate::envelope::lbs::targets::in_poses;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns::solve_ridge;
 use faer::linalg::solvers::Solve;

@@ -1,17 +1,22 @@
-//! Weights and maps fitted in turn.
+//! Fit of maps to given weights, and the alternation between weights and maps.
 
 use super::items::{Items, Maps, Supports, Weights};
-use super::maps::fit_maps;
 use super::weights::fit_weights;
+use crate::numeric::columns;
+use faer::prelude::*;
+use faer::{Mat, MatMut, Side};
+use rayon::prelude::*;
 
-/// Pull of items' maps to where they were.
+/// Pull of a map to its last value, as a share of the mean diagonal.
 const PROXIMAL: f64 = 1e-7;
+/// Number of partial sums of a fit. A fixed number keeps the order of additions for any number of threads.
+const CHUNKS: usize = 4;
 
-/// What weights and maps are fitted in turn to.
+/// Problem whose weights and maps are fitted in turn.
 pub trait InTurn {
-    /// Fits weights to maps; gives them and what squared error they leave.
+    /// Fits weights to maps. Returns the weights and their squared error.
     fn weights(&self, maps: &Maps, supports: Supports<'_>) -> (Weights, f64);
-    /// Fits maps to weights, starting from others.
+    /// Fits maps to weights, starting from the maps `from`.
     fn maps(&self, weights: &Weights, from: &Maps) -> Maps;
 }
 
@@ -26,39 +31,40 @@ impl InTurn for Items<'_> {
     }
 }
 
-/// Weights and maps, and what squared error they leave.
+/// Fitted weights and maps.
 pub struct Blend {
     /// Weights of the items.
     pub weights: Weights,
-    /// The maps.
+    /// Fitted maps.
     pub maps: Maps,
-    /// Squared error, summed over the items as they count.
+    /// Squared error, summed over the items and weighted by importance.
     pub error: f64,
 }
 
-/// How weights and maps are fitted in turn.
+/// Schedule of the alternation between weights and maps.
 #[derive(Clone, Copy)]
 pub struct Alternation {
-    /// Rounds at the start. In some rounds each item also chooses its maps.
+    /// Number of first rounds. In some of these rounds each item also chooses its maps.
     pub choices: usize,
-    /// Items choose in every `every`-th of the first rounds. Between choices the maps settle.
+    /// Items choose in every `every`-th of the first rounds. Between two choices the maps converge.
     pub every: usize,
-    /// Rounds after them, in which items keep their maps.
+    /// Number of last rounds, in which items keep their maps.
     pub rounds: usize,
-    /// Most of its last step that a round starts ahead.
-    pub ahead: f64,
+    /// Largest momentum, as a share of the last step.
+    pub momentum: f64,
 }
 
 impl Alternation {
-    /// Returns how many rounds there are.
+    /// Returns the number of rounds.
     pub fn count(&self) -> usize {
         self.choices + self.rounds
     }
 
-    /// Starts from maps, and of each item from what serves it better of the nearest maps and those that it follows by some
-    /// weights.
+    /// Fits weights and maps in turn.
     ///
-    /// - `most`: most maps that an item follows.
+    /// - `others`, `maps`: starting weights and maps. An item chooses among the maps with the least error and the maps
+    ///   of its starting weights.
+    /// - `most`: largest number of maps that an item follows.
     /// - `advance`: called once a round.
     pub fn run(
         &self,
@@ -67,21 +73,21 @@ impl Alternation {
         most: usize,
         advance: impl Fn(),
     ) -> (Weights, Maps) {
-        let mut now = Round::first(others.clone(), maps);
+        let mut state = Round::first(others.clone(), maps);
         for round in 0..self.count() {
-            let last = &now.weights;
+            let last = &state.weights;
             let supports = if round < self.choices && round.is_multiple_of(self.every) {
                 Supports::Better { most, others, last }
             } else {
                 Supports::Fixed(last)
             };
-            now = now.next(fit, supports, self.ahead);
+            state = state.next(fit, supports, self.momentum);
             advance();
         }
-        (now.weights, now.maps)
+        (state.weights, state.maps)
     }
 
-    /// Fits items with at most `most` maps each, from maps alone.
+    /// Fits items with at most `most` maps each, from starting maps only.
     pub fn blend(&self, items: &Items<'_>, maps: Maps, most: usize, advance: impl Fn()) -> Blend {
         let (nearest, _) = items.weights(&maps, Supports::Free(most));
         let (weights, maps) = self.run(items, (&nearest, maps), most, advance);
@@ -90,35 +96,106 @@ impl Alternation {
     }
 }
 
-/// What a round comes to.
+/// Fits maps to given weights.
+///
+/// - `previous`: target of the proximal term.
+/// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items
+///   leave open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
+pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
+    let m = items.width;
+    let (size, rank) = (previous.columns.ncols(), items.y.nrows());
+    let chunk = items.len().div_ceil(CHUNKS).max(1);
+    let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
+        .into_par_iter()
+        .map_init(columns::narrow_registers, |(), c| {
+            let mut normal = Mat::zeros(size, size);
+            let mut right = Mat::zeros(rank, size);
+            for item in c * chunk..((c + 1) * chunk).min(items.len()) {
+                for row in item * items.rows..(item + 1) * items.rows {
+                    accumulate(items, row, weights.of(item), item, normal.as_mut(), right.as_mut());
+                }
+            }
+            (normal, right)
+        })
+        .collect();
+    let mut normal = Mat::<f64>::zeros(size, size);
+    let mut right = Mat::<f64>::zeros(rank, size);
+    for (n, r) in &parts {
+        normal += n;
+        right += r;
+    }
+    let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
+    let proximal = pull * mean + f64::MIN_POSITIVE;
+    for i in 0..size {
+        normal[(i, i)] += proximal;
+    }
+    right += faer::Scale(proximal) * &previous.columns;
+    let columns = match normal.llt(Side::Lower) {
+        Ok(factor) => factor.solve(right.transpose()).transpose().to_owned(),
+        // Only rounding can make the system indefinite. The maps then stay unchanged.
+        Err(_) => previous.columns.clone(),
+    };
+    Maps { width: m, columns }
+}
+
+fn accumulate(
+    items: &Items<'_>,
+    row: usize,
+    weights: impl Iterator<Item = (usize, f64)> + Clone,
+    item: usize,
+    mut normal: MatMut<'_, f64>,
+    mut right: MatMut<'_, f64>,
+) {
+    let m = items.width;
+    let h = items.row(row);
+    let y = items.target(row);
+    let importance = items.importance.of(item);
+    for (a, wa) in weights.clone() {
+        for (j, hj) in h.iter().enumerate() {
+            let phi = importance * wa * hj;
+            for (b, wb) in weights.clone() {
+                for (i, hi) in h.iter().enumerate() {
+                    normal[(b * m + i, a * m + j)] += phi * wb * hi;
+                }
+            }
+            let mut column = right.as_mut().col_mut(a * m + j);
+            for (k, value) in y.iter().enumerate() {
+                column[k] += phi * value;
+            }
+        }
+    }
+}
+
+/// State after a round.
 #[derive(Clone)]
 struct Round {
     weights: Weights,
     /// Squared error before the maps were fitted.
     error: f64,
-    /// The maps, and those to go on from.
+    /// Fitted maps.
     maps: Maps,
-    ahead: Maps,
-    /// Rounds since one went too far.
+    /// Start of the next round.
+    start: Maps,
+    /// Number of rounds since the last restart.
     steps: f64,
 }
 
 impl Round {
     fn first(weights: Weights, maps: Maps) -> Self {
-        Self { weights, error: f64::INFINITY, ahead: maps.clone(), maps, steps: 0.0 }
+        Self { weights, error: f64::INFINITY, start: maps.clone(), maps, steps: 0.0 }
     }
 
-    /// Fits weights, then maps. A round starts a step ahead of where the last one came to (Nesterov 1983), or there where
-    /// that was too far.
-    fn next(&self, fit: &impl InTurn, supports: Supports<'_>, most_ahead: f64) -> Self {
-        let (weights, error) = fit.weights(&self.ahead, supports);
+    /// Fits weights, then maps, with momentum (Nesterov 1983). If the error has risen, the next round restarts from the
+    /// last maps without momentum.
+    fn next(&self, fit: &impl InTurn, supports: Supports<'_>, momentum: f64) -> Self {
+        let (weights, error) = fit.weights(&self.start, supports);
         if self.steps > 0.0 && error > self.error {
-            return Self { ahead: self.maps.clone(), steps: 0.0, ..self.clone() };
+            return Self { start: self.maps.clone(), steps: 0.0, ..self.clone() };
         }
-        let maps = fit.maps(&weights, &self.ahead);
-        let step = most_ahead * self.steps / (self.steps + 3.0);
+        let maps = fit.maps(&weights, &self.start);
+        let step = momentum * self.steps / (self.steps + 3.0);
         let columns = &maps.columns + (&maps.columns - &self.maps.columns) * faer::Scale(step);
-        let ahead = Maps { width: maps.width, columns };
-        Self { weights, error, maps, ahead, steps: self.steps + 1.0 }
+        let start = Maps { width: maps.width, columns };
+        Self { weights, error, maps, start, steps: self.steps + 1.0 }
     }
 }

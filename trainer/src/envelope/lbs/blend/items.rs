@@ -1,12 +1,12 @@
-//! Items, the maps that they follow, and by which weights.
+//! Items, maps, and the weights of items on maps.
 
 use crate::examples::Importance;
 use faer::Mat;
 use std::borrow::Cow;
 
-/// Items to be blended.
+/// Items of a blend.
 pub struct Items<'a> {
-    /// m.
+    /// Width m of a row.
     pub width: usize,
     /// Rows per item.
     pub rows: usize,
@@ -14,27 +14,29 @@ pub struct Items<'a> {
     pub h: Vec<f64>,
     /// Targets, r x (items·rows).
     pub y: &'a Mat<f64>,
-    /// How much each item counts when maps are fitted.
+    /// Importance of each item in the fit of maps.
     pub importance: Importance<'a>,
-    /// The weights that theirs are pulled to; `None` if the error alone decides.
+    /// Pull of the weights to prior weights; `None` if only the error decides.
     pub pull: Option<Pull<'a>>,
-    /// Fixed maps, r x (l·m), that also move the items, and the items' weights on them. [`fit_maps`](super::fit_maps) fits
-    /// other maps to the rest of the motion.
-    pub others: Option<(&'a Weights, &'a Mat<f64>)>,
+    /// Weights of the items on further, fixed maps, and these maps, r x (l·m). [`fit_maps`](super::fit_maps) fits the
+    /// open maps to the rest of the motion.
+    pub fixed: Option<(&'a Weights, &'a Mat<f64>)>,
 }
 
 impl<'a> Items<'a> {
-    /// Items of `width` and `rows`, without a pull and without fixed maps.
+    /// Creates items of `width` and `rows`, without a pull and without fixed maps.
     pub fn new(
         [width, rows]: [usize; 2],
         h: Vec<f64>,
         y: &'a Mat<f64>,
         importance: Importance<'a>,
     ) -> Self {
-        Self { width, rows, h, y, importance, pull: None, others: None }
+        Self { width, rows, h, y, importance, pull: None, fixed: None }
     }
 
-    /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
+    /// Creates an item with one row `[x̂ 1]` for each vertex.
+    ///
+    /// - `y`: trajectories, r x V.
     pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>, importance: Importance<'a>) -> Self {
         let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
         Self::new([4, 1], h, y, importance)
@@ -50,15 +52,15 @@ impl<'a> Items<'a> {
         self.y.ncols() == 0
     }
 
-    /// Sums the items' errors as they count.
+    /// Sums errors of the items, weighted by importance.
     pub fn sum(&self, errors: &[f64]) -> f64 {
         errors.iter().enumerate().map(|(item, error)| self.importance.of(item) * error).sum()
     }
 
-    /// Returns a row's target minus its motion by the fixed maps.
+    /// Returns the target of a row minus its motion by the fixed maps.
     pub(super) fn target(&self, row: usize) -> Cow<'_, [f64]> {
         let y = self.y.col_as_slice(row);
-        let Some((weights, maps)) = self.others else { return Cow::Borrowed(y) };
+        let Some((weights, maps)) = self.fixed else { return Cow::Borrowed(y) };
         let blended = weights.blend(row / self.rows, self.row(row), maps);
         Cow::Owned(y.iter().zip(blended).map(|(y, blended)| y - blended).collect())
     }
@@ -68,56 +70,57 @@ impl<'a> Items<'a> {
     }
 }
 
-/// Prior weights that items' weights are pulled to: weights w on joints have the cost `λ Σ_j (w_j - p_j)² / (p_j + ε)`.
+/// Pull of weights w to prior weights p. Weights on joints have the cost `λ Σ_j (w_j - p_j)² / (p_j + ε)`.
 #[derive(Clone, Copy)]
 pub struct Pull<'a> {
     /// Prior weights p on joints, joints x items; the weights of an item sum to 1.
     pub to: &'a Mat<f64>,
-    /// Joint of each map; weights of maps of one joint add up. l.
+    /// Joint of each map, l. Weights on maps of one joint add up.
     pub joints: &'a [usize],
     /// λ, in squared units of the targets.
     pub strength: f64,
 }
 
-/// A map in the cost of an item.
+/// Terms of a map in the cost of the pull.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Pulled {
+pub(super) struct PullTerm {
     joint: usize,
-    toward: f64,
-    own: f64,
+    linear: f64,
+    square: f64,
 }
 
-impl Pulled {
-    /// Returns the inner product of two maps in the cost of an item, whose weights sum to 1, without its constant part.
+impl PullTerm {
+    /// Returns the inner product of two maps in the cost of an item, without the constant part. The item's weights sum
+    /// to 1.
     pub(super) fn product(&self, other: &Self) -> f64 {
-        let same = if self.joint == other.joint { self.own } else { 0.0 };
-        same - self.toward - other.toward
+        let square = if self.joint == other.joint { self.square } else { 0.0 };
+        square - self.linear - other.linear
     }
 }
 
-/// ε: prior weight below which one joint is as foreign to an item as another.
+/// ε: prior weights below this count as 0.
 const FOREIGN: f64 = 1e-4;
 
 impl Pull<'_> {
-    /// Returns the cost's constant part for an item.
+    /// Returns the constant part of an item's cost.
     pub(super) fn constant(&self, item: usize) -> f64 {
         let squares = self.to.col_as_slice(item).iter().map(|p| p * p / (p + FOREIGN));
         self.strength * squares.sum::<f64>()
     }
 
-    /// Returns a map in the cost of an item.
-    pub(super) fn of(&self, item: usize, map: usize) -> Pulled {
+    /// Returns the terms of a map in the cost of an item.
+    pub(super) fn of(&self, item: usize, map: usize) -> PullTerm {
         let joint = self.joints[map];
         let p = self.to[(joint, item)];
-        let own = self.strength / (p + FOREIGN);
-        Pulled { joint, toward: own * p, own }
+        let square = self.strength / (p + FOREIGN);
+        PullTerm { joint, linear: square * p, square }
     }
 }
 
-/// Maps side by side: r x (l·m).
+/// l maps side by side: r x (l·m).
 #[derive(Clone)]
 pub struct Maps {
-    /// m.
+    /// Width m of a map.
     pub width: usize,
     /// Columns l·m..l·m+m are map l.
     pub columns: Mat<f64>,
@@ -135,7 +138,7 @@ impl Maps {
     }
 }
 
-/// At most K weights an item.
+/// Weights of items on maps, at most K an item.
 #[derive(Clone, Debug)]
 pub struct Weights {
     most: usize,
@@ -158,13 +161,13 @@ impl Weights {
         self.entries.is_empty()
     }
 
-    /// Returns the maps and weights of an item that are not zero, strongest first.
+    /// Returns the maps and weights of an item with a weight above 0, strongest first.
     pub fn of(&self, item: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let entries = &self.entries[item * self.most..(item + 1) * self.most];
         entries.iter().take_while(|e| e.1 > 0.0).map(|&(map, weight)| (map as usize, weight))
     }
 
-    /// Returns the map that an item follows most; none where it follows none.
+    /// Returns the map with the largest weight of an item; `None` if all weights are 0.
     pub fn strongest(&self, item: usize) -> Option<usize> {
         self.of(item).next().map(|(map, _)| map)
     }
@@ -178,7 +181,7 @@ impl Weights {
         dense
     }
 
-    /// Blends the maps that an item follows, and applies them to a row of m numbers. Returns r numbers.
+    /// Blends the maps of an item and applies the blend to a row of m numbers. Returns r numbers.
     ///
     /// - `maps`: r x (l·m).
     pub fn blend(&self, item: usize, row: &[f64], maps: &Mat<f64>) -> Vec<f64> {
@@ -194,7 +197,7 @@ impl Weights {
         out
     }
 
-    /// Builds weights from lists of (map, weight), each at most `most` long, strongest first.
+    /// Creates weights from a list of (map, weight) for each item, strongest first. A list has at most `most` entries.
     pub fn from_lists(most: usize, lists: impl Iterator<Item = Vec<(usize, f64)>>) -> Self {
         let mut entries = Vec::new();
         for list in lists {
@@ -206,21 +209,22 @@ impl Weights {
     }
 }
 
-/// The maps that items may follow.
+/// Maps that items may follow.
 #[derive(Clone, Copy)]
 pub enum Supports<'a> {
-    /// At most so many of those that come nearest by themselves.
+    /// At most this number of maps. The candidates are the maps with the least cost alone.
     Free(usize),
-    /// The same, or what some other weights follow, or just what the last weights do where that serves better.
+    /// Like `Free`, with the maps of some other weights as further candidates. An item keeps the maps of its last
+    /// weights if they cost less.
     Better {
-        /// At most so many.
+        /// Largest number of maps of an item.
         most: usize,
-        /// Other weights.
+        /// Weights that give further candidates.
         others: &'a Weights,
-        /// The last weights.
+        /// Weights of the last round.
         last: &'a Weights,
     },
-    /// Those that they follow by these weights.
+    /// The maps that items follow by the given weights.
     Fixed(&'a Weights),
 }
 

@@ -1,17 +1,15 @@
-//! Blends of maps: the least-squares problem that LBS weights, proxies and keys share.
+//! Blends of linear maps: the least-squares problem of LBS weights, proxies and keys.
 //!
-//! An item (a vertex, a triangle) has one or more rows h of width m with a target trajectory y in
-//! R^r each; l maps `M_l` (r x m) are blended with weights w: `y ≈ Σ_l w_l M_l h`, w ≥ 0, Σw = 1,
-//! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
+//! An item is a vertex or a triangle. It has one or more rows h of width m. Each row has a target trajectory y in R^r.
+//! Maps `M_l` (r x m) are blended with weights w of the item: `y ≈ Σ_l w_l M_l h` with w ≥ 0 and Σw = 1. At most K
+//! weights of an item are above 0. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
 
 mod alternation;
 mod items;
-mod maps;
 mod weights;
 
-pub use alternation::{Alternation, Blend, InTurn};
+pub use alternation::{Alternation, Blend, InTurn, fit_maps};
 pub use items::{Items, Maps, Pull, Supports, Weights};
-pub use maps::fit_maps;
 pub use weights::{CANDIDATES, fit_weights};
 
 #[cfg(test)]
@@ -22,7 +20,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use std::ops::Range;
 
-    /// Items that known maps and known weights move exactly.
+    /// Makes items, maps and weights without any error.
     fn exact(count: usize, rank: usize) -> (Vec<f64>, Mat<f64>, Maps, Vec<[f64; 3]>) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let columns = Mat::from_fn(rank, 3 * 4, |_, _| random.random_range(-1.0..1.0));
@@ -45,9 +43,9 @@ mod tests {
     }
 
     #[test]
-    fn true_maps_give_back_the_true_weights() {
+    fn true_maps_give_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
+        let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
@@ -63,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_item_followed_last_is_left_only_for_what_serves_better() {
+    fn an_item_changes_its_maps_only_for_a_smaller_cost() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(6);
         let (count, rank, maps) = (200, 40, 30);
         let mut numbers = |rows, columns| {
@@ -71,7 +69,7 @@ mod tests {
         };
         let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
+        let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
@@ -85,7 +83,7 @@ mod tests {
         assert!(of_last.iter().zip(&of_chosen).any(|(last, chosen)| last > chosen));
     }
 
-    /// The cost of weights: squared error and pull.
+    /// Computes the cost of weights: squared error and pull.
     fn cost(items: &Items<'_>, maps: &Maps, item: usize, weights: &[f64]) -> f64 {
         let h = items.row(item);
         let error = |row: usize| {
@@ -116,9 +114,9 @@ mod tests {
         // Two maps a joint.
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 0, 1, 2, 3], strength: 5.0 };
         let h = (0..50).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::ALIKE) };
+        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::UNIFORM) };
         let maps = Maps { width: 4, columns };
-        // Of eight maps none is left out, so that the least cost is found.
+        // All eight maps are candidates, so the fit finds the least cost.
         let (weights, _) = fit_weights(&items, &maps, Supports::Free(8));
         for item in 0..50 {
             let mut found = [0.0; 8];
@@ -134,16 +132,16 @@ mod tests {
     }
 
     #[test]
-    fn of_maps_that_coincide_the_prior_decides() {
+    fn the_prior_decides_between_equal_maps() {
         let (h, y, Maps { width, columns }, truth) = exact(300, 30);
         // Each map twice.
         let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
         let prior =
             Mat::from_fn(6, 300, |map, item| f64::from(u8::from((map < 3) == (item < 150))) / 3.0);
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 4, 5], strength: 1e-9 };
-        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::ALIKE) };
+        let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::UNIFORM) };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
-        // Weights below a thousandth are dropped, over 30 rows.
+        // Weights below 0.001 are dropped, which adds an error in each of 30 rows.
         assert!(errors.iter().all(|&e| e < 30e-6), "{errors:?}");
         for (item, expected) in truth.iter().enumerate() {
             for (map, weight) in weights.of(item) {
@@ -154,54 +152,54 @@ mod tests {
     }
 
     #[test]
-    fn true_weights_give_back_the_true_maps() {
+    fn true_weights_give_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
+        let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
         assert!((fitted.columns - &maps.columns).norm_max() < 1e-4);
 
-        // The first map stays. The others are fitted to the rest of the motion.
+        // The first map is fixed. The others are fitted to the rest of the motion.
         let lists = |own: Range<usize>| {
             let of = |w: &[f64; 3]| own.clone().map(|k| (k - own.start, w[k])).collect();
             Weights::from_lists(3, truth.iter().map(of).collect::<Vec<_>>().into_iter())
         };
         let (fixed, open) = (lists(0..1), lists(1..3));
-        let others = Some((&fixed, &maps.columns));
-        let items = Items { others, ..items };
+        let fixed = Some((&fixed, &maps.columns));
+        let items = Items { fixed, ..items };
         let start = Maps { width: 4, columns: Mat::zeros(30, 8) };
         let fitted = fit_maps(&items, &open, &start, 1e-7).columns;
         assert!((fitted - maps.columns.subcols(4, 8)).norm_max() < 1e-4);
     }
 
     #[test]
-    fn rounds_that_start_ahead_come_nearer() {
+    fn momentum_lowers_the_error() {
         let (h, y, maps, _) = exact(300, 30);
-        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
+        let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let start = Maps {
             columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
             ..maps
         };
-        let error = |ahead| {
-            let alternation = Alternation { choices: 20, every: 1, rounds: 10, ahead };
+        let error = |momentum| {
+            let alternation = Alternation { choices: 20, every: 1, rounds: 10, momentum };
             let blend = alternation.blend(&items, start.clone(), 3, || ());
             let (_, errors) = fit_weights(&items, &blend.maps, Supports::Fixed(&blend.weights));
             assert!((items.sum(&errors) - blend.error).abs() <= 1e-9 * blend.error);
             blend.error
         };
-        let (plain, ahead) = (error(0.0), error(0.9));
-        assert!(ahead < 0.5 * plain, "{ahead} for {plain}");
+        let (plain, faster) = (error(0.0), error(0.9));
+        assert!(faster < 0.5 * plain, "{faster} for {plain}");
     }
 
     #[test]
-    fn a_map_that_no_item_uses_stays_where_it_was() {
+    fn an_unused_map_does_not_change() {
         let (h, y, maps, truth) = exact(50, 30);
-        let items = Items::new([4, 1], h, &y, Importance::ALIKE);
+        let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
-        let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
-        assert!(moved.norm_max() < 1e-12);
+        let change = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
+        assert!(change.norm_max() < 1e-12);
         assert!((fitted.columns.subcols(0, 4) - maps.columns.subcols(0, 4)).norm_max() > 1e-3);
     }
 }

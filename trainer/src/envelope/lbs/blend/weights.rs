@@ -1,6 +1,6 @@
-//! The fit of weights to given maps.
+//! Fit of weights to given maps.
 
-use super::items::{Items, Maps, Pull, Pulled, Supports, Weights};
+use super::items::{Items, Maps, Pull, PullTerm, Supports, Weights};
 use crate::numeric::columns;
 use crate::numeric::columns::dot_by_lanes;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -10,16 +10,16 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Most maps that a fit of one item looks at: those of the least cost by themselves.
+/// Largest number of candidate maps of an item: the maps with the least cost alone.
 pub const CANDIDATES: usize = 12;
-/// Error of a Gram matrix's entries, relative to the squared length of the target.
+/// Rounding error of the entries of a Gram matrix, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
-/// Least weight where weights are pulled: less is a trace of the pull, which nobody sees.
+/// Smallest weight under a pull. Smaller weights are invisible traces of the pull.
 const LEAST: f64 = 1e-3;
-/// Items that are read at a time.
+/// Items of a block, which share one matrix product.
 const BLOCK: usize = 256;
 
-/// Fits the weights of every item to given maps; returns them and the items' squared errors.
+/// Fits the weights of every item to given maps. Returns the weights and the squared error of each item.
 pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (Weights, Vec<f64>) {
     let products = Products::new(maps);
     let of_block = |block: usize| {
@@ -35,13 +35,13 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (W
     (Weights::from_lists(supports.most(), blocks.into_iter().flatten().map(|item| item.0)), errors)
 }
 
-/// Inner products of l maps' columns.
+/// Inner products of the columns of l maps.
 struct Products {
-    /// Those of the columns of each two maps together, m² of a pair: l x l x m x m.
+    /// Products between the columns of two maps, m² numbers a pair: l x l x m x m.
     pairs: Vec<f64>,
-    /// Those of each map's own columns, l x m².
+    /// Products between the columns of one map, l x m².
     own: Mat<f64>,
-    /// The maps' columns, the first ones of all maps first: r x m·l.
+    /// Columns of the maps: first the first column of every map, then the second: r x m·l.
     by_entry: Mat<f64>,
 }
 
@@ -63,8 +63,8 @@ impl Products {
         Self { pairs, own, by_entry }
     }
 
-    /// Computes the inner products of [`Products::by_entry`] and the targets of some items, row by row, those that their
-    /// supports ask for.
+    /// Computes the inner products of [`Products::by_entry`] with the targets of some items, row by row. Maps outside
+    /// the supports may be left out.
     fn onto(&self, items: &Items<'_>, range: Range<usize>, supports: Supports<'_>) -> Vec<f64> {
         let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
         let size = self.by_entry.ncols();
@@ -89,27 +89,28 @@ impl Products {
     }
 }
 
-/// An item's maps and weights, strongest first, and its squared error.
+/// Maps and weights of an item, strongest first, and its squared error.
 type ItemWeights = (Vec<(usize, f64)>, f64);
 
 fn by_error(a: &(f64, usize), b: &(f64, usize)) -> Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
-/// The fit of an item's weights.
+/// Fit of the weights of one item.
 struct ItemFit<'a> {
-    /// m.
+    /// Width m of a row.
     width: usize,
-    /// Rows h of the item, and Σ h hᵀ.
+    /// Rows h of the item.
     h: &'a [f64],
+    /// Σ h hᵀ over the rows, m².
     squares: Vec<f64>,
-    /// Squared length of its target.
+    /// Squared length of the item's target.
     size: f64,
     item: usize,
-    /// The weights that its own are pulled to, and the constant part of their cost.
+    /// Pull to prior weights, and the constant part of its cost.
     pull: Option<(Pull<'a>, f64)>,
     products: &'a Products,
-    /// Its part of [`Products::onto`].
+    /// Part of [`Products::onto`] for the item.
     onto: &'a [f64],
 }
 
@@ -151,12 +152,12 @@ impl<'a> ItemFit<'a> {
         }
     }
 
-    /// Lists the maps that have the least cost by themselves, each with its error.
+    /// Lists the maps with the least cost alone, each with its error alone.
     fn nearest(&self) -> Vec<(f64, usize)> {
         let errors = self.errors_alone();
         let cost = |map: usize| {
-            let pulled = self.pulled(map);
-            errors[map] + pulled.product(&pulled)
+            let term = self.pull_term(map);
+            errors[map] + term.product(&term)
         };
         let mut costs: Vec<_> = (0..errors.len()).map(|map| (cost(map), map)).collect();
         if costs.len() > CANDIDATES {
@@ -166,14 +167,14 @@ impl<'a> ItemFit<'a> {
         costs.into_iter().map(|(_, map)| (errors[map], map)).collect()
     }
 
-    /// Fits at most `most` weights of candidates, each with its error alone.
+    /// Fits at most `most` weights on candidate maps, given with their errors alone.
     fn solve(&self, mut candidates: Vec<(f64, usize)>, most: usize) -> ItemWeights {
         candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
-        let mut pulled = [Pulled::default(); MAX_COLUMNS];
-        pulled.iter_mut().zip(&candidates).for_each(|(own, of)| *own = self.pulled(of.1));
+        let mut terms = [PullTerm::default(); MAX_COLUMNS];
+        terms.iter_mut().zip(&candidates).for_each(|(term, of)| *term = self.pull_term(of.1));
         let constant = self.pull.map_or(0.0, |pull| pull.1);
-        let cost = gram.plus(|i, j| constant + pulled[i].product(&pulled[j]));
+        let cost = gram.plus(|i, j| constant + terms[i].product(&terms[j]));
         let least = if self.pull.is_some() { LEAST } else { 0.0 };
         let weights = simplex::solve_sparse(&cost, most, least);
         let mut list: Vec<(usize, f64)> = (0..gram.len)
@@ -184,20 +185,22 @@ impl<'a> ItemFit<'a> {
         (list, gram.error(&weights))
     }
 
-    /// Returns the error of weights with the cost of the pull.
+    /// Returns the error of weights plus the cost of the pull.
     fn cost(&self, (list, error): &ItemWeights) -> f64 {
         let of_map = |&(a, w): &(usize, f64)| {
-            list.iter().map(|&(b, v)| w * v * self.pulled(a).product(&self.pulled(b))).sum::<f64>()
+            list.iter()
+                .map(|&(b, v)| w * v * self.pull_term(a).product(&self.pull_term(b)))
+                .sum::<f64>()
         };
         error + list.iter().map(of_map).sum::<f64>()
     }
 
-    /// Returns a map in the cost of the pull.
-    fn pulled(&self, map: usize) -> Pulled {
-        self.pull.map_or(Pulled::default(), |(pull, _)| pull.of(self.item, map))
+    /// Returns the terms of a map in the cost of the pull.
+    fn pull_term(&self, map: usize) -> PullTerm {
+        self.pull.map_or(PullTerm::default(), |(pull, _)| pull.of(self.item, map))
     }
 
-    /// Gives the item's squared error by each map alone.
+    /// Computes the item's squared error by each map alone.
     fn errors_alone(&self) -> Vec<f64> {
         let len = self.products.own.nrows();
         let mut errors = vec![self.size; len];
@@ -215,12 +218,12 @@ impl<'a> ItemFit<'a> {
         errors
     }
 
-    /// Gives the same of one map.
+    /// Computes the item's squared error by one map alone.
     fn error_alone(&self, map: usize) -> f64 {
         self.product(map, map) - 2.0 * self.toward(map) + self.size
     }
 
-    /// The Gram matrix of what candidates leave of the item's target, each with its error.
+    /// Computes the Gram matrix of the residuals of candidate maps, given with their errors alone.
     fn gram(&self, candidates: &[(f64, usize)]) -> Gram {
         let value = [[0.0; MAX_COLUMNS]; MAX_COLUMNS];
         let mut gram = Gram { len: candidates.len(), noise: ROUNDING * self.size, value };
@@ -236,14 +239,14 @@ impl<'a> ItemFit<'a> {
         gram
     }
 
-    /// The inner product of what two maps make of the item.
+    /// Computes the inner product of the item's motions by two maps.
     fn product(&self, a: usize, b: usize) -> f64 {
         let square = self.squares.len();
         let pair = a * self.products.own.nrows() + b;
         dot_by_lanes(&self.products.pairs[square * pair..][..square], &self.squares)
     }
 
-    /// The inner product of what a map makes of the item and its target.
+    /// Computes the inner product of the item's motion by a map and the item's target.
     fn toward(&self, map: usize) -> f64 {
         let of_row = |(h, onto): (&[f64], &[f64])| {
             let own = onto.iter().skip(map).step_by(self.products.own.nrows());
@@ -252,7 +255,7 @@ impl<'a> ItemFit<'a> {
         self.rows().map(of_row).sum()
     }
 
-    /// Rows h, and of [`Products::onto`].
+    /// Iterates over rows h and rows of [`Products::onto`].
     fn rows(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
         let size = self.products.by_entry.ncols();
         self.h.chunks_exact(self.width).zip(self.onto.chunks_exact(size))
