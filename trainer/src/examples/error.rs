@@ -1,6 +1,6 @@
 //! Errors in example poses.
 
-use super::joints::Distortion;
+use super::distortion::Distortion;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;

@@ -1,67 +1,14 @@
-//! Joints: distance from rigid maps, idle joints, the single root, and estimated rest origins.
+//! Joints: idle joints, the single root, and estimated rest origins.
 
-use super::validate::RIGID;
+use super::distortion::{RIGID, deviation};
 use super::{Examples, Matrix3x4, Skeleton, Split, Warning};
 use crate::numeric::affine::{joined, parts, to_rows};
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Vector3};
-use std::fmt;
 
 /// Least rotation (RMS, radians) relative to the parent that locates a joint's origin, per direction: a fraction of the
 /// largest rotation, and a floor above f32 rounding.
 const LEAST_TURN: (f64, f64) = (1e-3, 1e-5);
-
-/// Kind of a matrix that is not a rotation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Distortion {
-    /// A reflection.
-    Mirrors,
-    /// A uniform scale; the factor.
-    Scales(f64),
-    /// A scale along orthogonal axes; the factors, largest first.
-    Stretches([f64; 3]),
-    /// A last row other than 0 0 0 1.
-    Projects,
-}
-
-impl Distortion {
-    /// Classifies the linear part of a map; factors are its singular values.
-    pub(super) fn of(map: &Matrix3x4) -> Self {
-        let (sigma, is_mirrored) = singular_values(map);
-        let [most, middle, least] = sigma;
-        if is_mirrored {
-            Self::Mirrors
-        } else if most - least <= 1e-3 * most {
-            Self::Scales(middle)
-        } else {
-            Self::Stretches(sigma)
-        }
-    }
-}
-
-impl fmt::Display for Distortion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Mirrors => f.write_str(
-                "is mirrored: apply the scale of the armature and of its parents (in Blender Ctrl+A) and export again",
-            ),
-            Self::Scales(factor) => write!(
-                f,
-                "is scaled by {factor:.4}: joints only turn and move; remove its scale keys, or apply the \
-                 armature's scale, and export again"
-            ),
-            Self::Stretches([x, y, z]) => write!(
-                f,
-                "is scaled or sheared, by {x:.4}, {y:.4} and {z:.4}: joints only turn and move; remove its \
-                 scale keys, and stretch in its constraints, and export again"
-            ),
-            Self::Projects => f.write_str(
-                "has a matrix whose last row is not 0 0 0 1: matrices are row by row, with the translation in \
-                 the last column; is it transposed?",
-            ),
-        }
-    }
-}
 
 impl Examples {
     /// Removes the scale of idle joints, such as sockets; keeps their rotation and translation. Returns a warning with
@@ -105,14 +52,6 @@ impl Examples {
     }
 }
 
-/// Measures the distance of a map's linear part from the nearest rotation: the largest |σ - 1| over the singular
-/// values. The smallest σ takes the sign of the determinant.
-pub(super) fn deviation(map: &Matrix3x4) -> f64 {
-    let ([most, middle, least], is_mirrored) = singular_values(map);
-    let least = if is_mirrored { -least } else { least };
-    [most, middle, least].into_iter().map(|sigma| (sigma - 1.0).abs()).fold(0.0, f64::max)
-}
-
 /// Returns whether each joint is idle, J: neither the joint nor a descendant moves a vertex.
 ///
 /// - `joint_weights`: painted weights, V x J; without weights no joint is idle.
@@ -146,13 +85,6 @@ pub(super) fn join_roots(
     }
     others.iter().for_each(|&root| parents[root] = Some(reference));
     (parents, others.to_vec())
-}
-
-/// Returns the singular values of a map's linear part, largest first, and whether the map reflects.
-fn singular_values(map: &Matrix3x4) -> ([f64; 3], bool) {
-    let linear = Matrix3::from_fn(|row, column| map[row][column]);
-    let sigma = linear.singular_values();
-    ([sigma[0], sigma[1], sigma[2]], linear.determinant() < 0.0)
 }
 
 /// Returns the rigid map with the rotation of `map` that moves `origin` to the same place.
@@ -200,26 +132,6 @@ mod tests {
     use super::super::testing::triangle;
     use super::*;
     use nalgebra::Rotation3;
-
-    fn diagonal([x, y, z]: [f64; 3]) -> Matrix3x4 {
-        [[x, 0.0, 0.0, 5.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
-    }
-
-    #[test]
-    fn each_distortion_has_its_name() {
-        assert_eq!(Distortion::of(&diagonal([-1.0, 1.0, 1.0])), Distortion::Mirrors);
-        let scaled = Distortion::of(&diagonal([0.01; 3]));
-        assert!(scaled.to_string().starts_with("is scaled by 0.0100: "), "{scaled}");
-        let stretched = Distortion::of(&diagonal([1.0, 1.2, 0.9]));
-        assert!(stretched.to_string().contains("1.2000, 1.0000 and 0.9000"), "{stretched}");
-    }
-
-    #[test]
-    fn deviations_come_from_singular_values() {
-        assert_eq!(deviation(&diagonal([1.0; 3])), 0.0);
-        assert!((deviation(&diagonal([1.0, 1.2, 0.9])) - 0.2).abs() < 1e-12);
-        assert!((deviation(&diagonal([-1.0, 1.0, 1.0])) - 2.0).abs() < 1e-12);
-    }
 
     #[test]
     fn ancestors_of_weighted_joints_are_not_idle() {

@@ -5,6 +5,7 @@
 
 mod data;
 pub mod demo;
+mod distortion;
 mod error;
 mod fingerprint;
 mod frames;
@@ -20,6 +21,7 @@ pub use crate::formats::scene::JointNames;
 pub use crate::formats::scene::{Clip, RATES};
 pub(crate) use data::spread;
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
+pub use distortion::{Distortion, RIGID};
 pub(crate) use error::called;
 pub use error::{Element, ExamplesError, LoadError};
 pub use fingerprint::{Mark, hash_file, is_same};
@@ -27,6 +29,4 @@ pub use frames::FrameName;
 pub use import::{ImportError, Loaded, Source, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};
-pub use joints::Distortion;
-pub use validate::RIGID;
 pub use warning::{Severity, Warning};

@@ -1,16 +1,10 @@
 //! Final checks of every importer. Fits rely on them and do not check again.
 
-use super::joints::{Distortion, deviation};
+use super::distortion::{Distortion, REPAIRABLE, RIGID, deviation};
 use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
 use crate::space::SpaceRequest;
 use nalgebra::Vector3;
 use sinew_runtime::format::MAGNITUDE_MAX;
-
-/// Largest deviation of a rigid map (METHOD §1.1): covers f32 rounding.
-pub const RIGID: f64 = 1e-4;
-
-/// Largest deviation that a fit repairs with the nearest rotation; beyond this limit the data is wrong.
-pub(super) const REPAIRABLE: f64 = 1e-2;
 
 /// Least height of a triangle relative to its longest side. Below this ratio an f32 normal is noise, so the triangle
 /// counts as having no area.

@@ -1,9 +1,11 @@
 //! Covariances of stationary processes, in f64 (METHOD §4): the correlation of two values as a function of their signed
-//! distance.
+//! distance. Families with parameters, and tables made positive definite.
 
 use super::error::{SignalError, Subject, check_positive};
-use super::table::Table;
 use sinew_runtime::kernel::Kernel;
+
+/// Length of the circle on which the spectrum is computed, as a multiple of the number of lags.
+const ROOM: usize = 8;
 
 /// An even, positive definite function C of a signed distance d, with C(0) = 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +39,14 @@ pub enum Covariance {
     },
     /// Values at even distances, interpolated linearly.
     Table(Table),
+}
+
+/// C at even distances, interpolated linearly, and 0 beyond the last: positive definite for places within that
+/// distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    values: Vec<f64>,
+    step: f64,
 }
 
 impl Covariance {
@@ -241,9 +251,90 @@ impl Covariance {
     }
 }
 
+impl Table {
+    /// Creates a table from covariances at lags 0, 1, 2, ... with distance `step`, normalised by the first. Also
+    /// returns the share of the spectrum that was negative and clipped.
+    ///
+    /// The spectrum of a sequence on a circle is its cosine transform. If the spectrum is nowhere negative, every
+    /// matrix of the sequence is positive definite. Linear interpolation keeps this property, because it multiplies the
+    /// spectrum by squares.
+    ///
+    /// # Errors
+    /// [`SignalError::Empty`]; [`SignalError::Number`] for a step or first covariance that is not above 0, and for any
+    /// covariance that is not finite; [`SignalError::Indefinite`] if clipping leaves nothing.
+    pub fn new(lags: &[f64], step: f64) -> Result<(Self, f64), SignalError> {
+        check_positive("step", step)?;
+        check_positive("covariance at lag 0", *lags.first().ok_or(SignalError::Empty)?)?;
+        if let Some(&found) = lags.iter().find(|x| !x.is_finite()) {
+            return Err(SignalError::Number {
+                what: "covariance",
+                expected: "a finite number",
+                found,
+            });
+        }
+        let len = (ROOM * lags.len()).next_power_of_two();
+        let mut circle = vec![0.0; len];
+        for (lag, value) in lags.iter().enumerate() {
+            circle[lag] = *value;
+            circle[(len - lag) % len] = *value;
+        }
+        let mut spectrum = transform(&circle);
+        let (mut negative, mut all) = (0.0, 0.0);
+        for power in &mut spectrum {
+            all += power.abs();
+            // Negative values from rounding alone do not count.
+            negative += if *power < -1e-12 * lags[0] * len as f64 { -*power } else { 0.0 };
+            *power = power.max(0.0);
+        }
+        let mut values = transform(&spectrum);
+        values.truncate(len / 2 + 1);
+        let first = values[0];
+        if first.is_nan() || first <= 0.0 {
+            return Err(SignalError::Indefinite { what: "the table" });
+        }
+        values.iter_mut().for_each(|value| *value /= first);
+        Ok((Self { values, step }, negative / all))
+    }
+
+    /// Evaluates C(d).
+    fn value(&self, d: f64) -> f64 {
+        let at = d.abs() / self.step;
+        let (lag, share) = (at as usize, at.fract());
+        let of = |lag: usize| self.values.get(lag).copied().unwrap_or(0.0);
+        of(lag) * (1.0 - share) + of(lag + 1) * share
+    }
+
+    /// Returns the distance between neighbouring entries.
+    const fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Returns the distance beyond which C is 0.
+    fn reach(&self) -> f64 {
+        self.step * self.values.len() as f64
+    }
+
+    /// Converts to another unit of distance, in which distances are `times` as large.
+    fn scaled(mut self, times: f64) -> Self {
+        self.step *= times;
+        self
+    }
+}
+
 /// Returns the phase at a distance, in radians.
 fn turns(d: f64, period: f64) -> f64 {
     std::f64::consts::TAU * d / period
+}
+
+/// Computes the cosine transform of an even sequence on a circle. Two transforms multiply the sequence by its length.
+fn transform(circle: &[f64]) -> Vec<f64> {
+    let len = circle.len();
+    let cosines: Vec<f64> =
+        (0..len).map(|k| libm::cos(std::f64::consts::TAU * k as f64 / len as f64)).collect();
+    let at = |frequency: usize| {
+        circle.iter().enumerate().map(|(k, x)| x * cosines[k * frequency % len]).sum()
+    };
+    (0..len).map(at).collect()
 }
 
 #[cfg(test)]
@@ -313,6 +404,28 @@ pub(super) mod tests {
         for text in ["matern 3/2:0", "oscillating:1,-2", "gaussian:nan", "gaussian:inf"] {
             let error = Covariance::parse(text, Subject::Signal).unwrap_err();
             assert!(matches!(error, SignalError::Number { .. }), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_definite_table_is_kept_and_an_indefinite_one_is_clipped() {
+        let triangle = [1.0, 0.75, 0.5, 0.25];
+        let (table, clipped) = Table::new(&triangle, 2.0).unwrap();
+        assert_eq!(clipped, 0.0);
+        for (lag, expected) in triangle.iter().enumerate() {
+            assert!((table.value(2.0 * lag as f64) - expected).abs() < 1e-12);
+        }
+        assert!((table.value(-3.0) - 0.625).abs() < 1e-12, "lines between");
+        let (table, clipped) = Table::new(&[1.0, 0.9, -0.9], 1.0).unwrap();
+        assert!((0.05..0.5).contains(&clipped), "{clipped}");
+        assert!((table.value(0.0) - 1.0).abs() < 1e-15 && table.value(1.0) < 0.9);
+    }
+
+    #[test]
+    fn invalid_tables_are_refused() {
+        assert!(matches!(Table::new(&[], 1.0), Err(SignalError::Empty)));
+        for (lags, step) in [(vec![0.0, 0.0], 1.0), (vec![1.0], 0.0), (vec![1.0, f64::NAN], 1.0)] {
+            assert!(matches!(Table::new(&lags, step), Err(SignalError::Number { .. })));
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`covariance`], [`table`] | covariances: families with parameters; tables, estimated or from CSV files |
+//! | [`covariance`], [`table`] | covariances: families with parameters, and tables; their estimates and CSV files |
 //! | [`functional`] | what an observation measures: a value, a derivative, a box average |
 //! | [`kriging`], [`solved`] | the likeliest function, and the linear systems behind it |
 //! | [`choose`] | chooses the covariance that predicts a signal best |

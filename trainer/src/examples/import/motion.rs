@@ -2,8 +2,8 @@
 
 use super::align;
 use super::error::ImportError;
+use super::loaded::Loaded;
 use super::scene::{rest_frame, rows, unscale};
-use super::source::Loaded;
 use crate::examples::data::spread;
 use crate::examples::joints::idle;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};

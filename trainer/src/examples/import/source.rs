@@ -1,9 +1,10 @@
 //! Loads examples from every supported format.
 
 use super::error::ImportError;
+use super::loaded::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{Clip, Examples, ExamplesError, LoadError, Warning};
+use crate::examples::{Examples, ExamplesError, LoadError};
 use crate::formats::extension::{check_content, extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, fbx, gltf};
@@ -25,17 +26,6 @@ pub struct Source<'a> {
     pub still: bool,
     /// Renaming of joints to a model's names, when poses are played.
     pub names: JointNames<'a>,
-}
-
-/// Result of an importer.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// Valid examples.
-    pub examples: Examples,
-    /// Consecutive clips that cover all frames.
-    pub clips: Vec<Clip>,
-    /// Repaired or ignored content, and content that a fit will ignore.
-    pub warnings: Vec<Warning>,
 }
 
 impl<'a> Source<'a> {

@@ -22,7 +22,7 @@ pub fn write(folder: &Path) -> Result<Vec<ViewSet>, SetError> {
     let figure = read_drawing(&own.join("char_cfg.yaml"))?;
     save(&own, &[], "views.json", &as_json(&figure, &own).to_string())?;
     let mut sets = vec![figure];
-    for Made { set, pictures } in [solids::panel(), solids::head()] {
+    for solids::Made { set, pictures } in [solids::panel(), solids::head()] {
         let own = folder.join(&set.name);
         save(&own, &pictures, "views.json", &as_json(&set, &own).to_string())?;
         sets.push(set);
@@ -46,10 +46,4 @@ fn save(
         write(name, &png)?;
     }
     Ok(write(name, text.as_bytes())?)
-}
-
-/// A set with its pictures, each with the file name that the set uses.
-struct Made {
-    set: ViewSet,
-    pictures: Vec<(String, Picture)>,
 }

@@ -1,6 +1,5 @@
 //! A panel and a head of quads, seen in perspective as they turn.
 
-use super::Made;
 use super::paint::polygons;
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
@@ -38,6 +37,12 @@ const SKIN: [Colour; 2] = [[0xf0, 0xb9, 0x8d], [0xe2, 0xa6, 0x79]];
 const HAIR: [Colour; 2] = [[0x5b, 0x3a, 0x24], [0x6d, 0x47, 0x2d]];
 const EYES: Colour = [0x2a, 0x4a, 0x7a];
 const MOUTH: Colour = [0xb5, 0x3b, 0x3b];
+
+/// A set with its pictures, each with the file name that the set uses.
+pub(super) struct Made {
+    pub(super) set: ViewSet,
+    pub(super) pictures: Vec<(String, Picture)>,
+}
 
 /// Makes the panel, which is rolled up along an arc: training views on a grid of parameters, test views between them.
 pub(super) fn panel() -> Made {

@@ -42,9 +42,10 @@ use self::fields::{
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
 use super::error::ImportError;
-use super::source::Loaded;
+use super::loaded::Loaded;
+use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
-use crate::examples::validate::{REPAIRABLE, same};
+use crate::examples::validate::same;
 use crate::examples::{
     Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
