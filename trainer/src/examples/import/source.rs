@@ -5,8 +5,8 @@ use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{Clip, Examples, ExamplesError, LoadError, Warning};
 use crate::formats::extension::{check_content, extension, unknown_format};
-use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
-use crate::formats::{FormatError, fbx, gltf};
+use crate::formats::scene::{JointNames, SampledScene, Sampling};
+use crate::formats::{FormatError, SceneError, fbx, gltf};
 use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.
