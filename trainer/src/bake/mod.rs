@@ -4,14 +4,14 @@
 
 pub(crate) mod sections;
 
-pub use sections::Sections;
+pub use sections::{BakeError, Sections};
 
 use sections::narrow;
+use sinew_runtime::Model;
 use sinew_runtime::format::{
     ALIGNMENT, CHECKSUM_OFFSET, Element, FEATURES, File, MAGIC, PartKind, PartRow, SectionKind,
     SectionRow, Space, VERSION, checksum,
 };
-use sinew_runtime::{FileError, Model};
 
 /// A part of a file, ready to write.
 pub struct Part {
@@ -32,65 +32,6 @@ pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
     let bytes = assemble(space, parts)?;
     Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
     Ok(bytes)
-}
-
-/// Why a model could not be baked.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum BakeError {
-    /// An array does not fit the others.
-    #[error("{what}: expected {expected} elements, found {found}")]
-    Length {
-        /// The array.
-        what: &'static str,
-        /// Length that the other arrays imply.
-        expected: usize,
-        /// Length of the array.
-        found: usize,
-    },
-    /// A number is too large for its field in the file.
-    #[error("{what}: {found} does not fit the file")]
-    Size {
-        /// Name of the count or index.
-        what: &'static str,
-        /// The number.
-        found: usize,
-    },
-    /// A joint does not descend from the root.
-    #[error("joint {joint} does not descend from the root")]
-    Hierarchy {
-        /// The joint.
-        joint: usize,
-    },
-    /// A rest frame has no inverse.
-    #[error("the rest frame of joint {joint} cannot be inverted")]
-    RestFrame {
-        /// The joint.
-        joint: usize,
-    },
-    /// The weights of a vertex do not have a positive sum.
-    #[error("the weights of vertex {vertex} sum to {sum}, expected 1")]
-    Weights {
-        /// The vertex.
-        vertex: usize,
-        /// Their sum.
-        sum: f64,
-    },
-    /// The covariance of a prior has no inverse.
-    #[error("the covariance of the weights has no inverse")]
-    Covariance,
-    /// A skin names an envelope that does not exist.
-    #[error("skin {skin} follows envelope {envelope}, of {found}")]
-    NoEnvelope {
-        /// Index of the skin.
-        skin: usize,
-        /// Index of the envelope that the skin names.
-        envelope: usize,
-        /// Number of envelopes.
-        found: usize,
-    },
-    /// The runtime refuses the written file.
-    #[error("the runtime refuses the baked model: {0}")]
-    Refused(FileError),
 }
 
 /// Lays out the sections in a blob, writes the message, and seals it with its checksum.

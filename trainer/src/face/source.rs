@@ -9,9 +9,9 @@
 use super::basis::{Basis, ExampleMeshes};
 use super::error::FaceError;
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::npz::{Archive, ArrayError, Rows};
+use crate::formats::npz::{Archive, Rows};
 use crate::formats::obj::read_folder;
-use crate::formats::{FormatError, NamedShape, ShapedMesh, fbx, gltf};
+use crate::formats::{ArrayError, FormatError, NamedShape, ShapedMesh, fbx, gltf};
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Tables as CSV: a line of column names, then one row a line.
 
-use super::error::FormatError;
+use super::error::{CsvError, FormatError};
 use super::extension::unmarked;
 use std::path::Path;
 
@@ -164,78 +164,6 @@ impl Table {
     ) -> impl Iterator<Item = Result<(u64, Vec<f64>), CsvError>> {
         self.rows.iter().map(move |row| Ok((row.line, self.numbers_of(row, columns)?)))
     }
-}
-
-/// Reasons why a table cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum CsvError {
-    /// The text is not UTF-8, or cannot be parsed.
-    #[error("line {line}: {reason}")]
-    Text {
-        /// Line number, from 1.
-        line: u64,
-        /// Message of the reader.
-        reason: String,
-    },
-    /// The first line consists of numbers instead of names.
-    #[error(
-        "line {line}: expected the names of the columns, found numbers ({found}): write a line of names above \
-         them"
-    )]
-    NoNames {
-        /// Line number, from 1.
-        line: u64,
-        /// The numbers found.
-        found: String,
-    },
-    /// Two columns have one name.
-    #[error("line 1: two columns are named {name:?}")]
-    Twice {
-        /// The repeated name.
-        name: String,
-    },
-    /// A line precedes the line of names.
-    #[error(
-        "line 1: expected the names of {expected} columns, as the next line has, found {found:?}: \
-         remove the lines before the names"
-    )]
-    Title {
-        /// Number of columns of the next line.
-        expected: usize,
-        /// Text of the first line.
-        found: String,
-    },
-    /// A required column is missing.
-    #[error("line 1: there is no column {name:?}; there are {found}")]
-    Missing {
-        /// Name of the column.
-        name: String,
-        /// Names of the columns found.
-        found: String,
-    },
-    /// A row is shorter or longer than the line of names.
-    #[error("line {line}: expected {expected} columns, found {found}")]
-    Row {
-        /// Line number, from 1.
-        line: u64,
-        /// Number of named columns.
-        expected: usize,
-        /// Number of columns of the line.
-        found: usize,
-    },
-    /// A cell is not a number.
-    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
-    Number {
-        /// Line number, from 1.
-        line: u64,
-        /// Name of the column.
-        column: String,
-        /// Text of the cell.
-        found: String,
-    },
-    /// The table has no row.
-    #[error("has no row below its line of names")]
-    Empty,
 }
 
 /// Checks that a text is UTF-8; the error names the encoding that the text seems to have.

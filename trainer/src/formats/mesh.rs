@@ -1,14 +1,10 @@
 //! Meshes from files of any format, and meshes with named shapes, as files of faces have them.
 
-use super::error::{FileError, FormatError, FormatWarning};
-use super::extension::{check_content, extension, unknown_format};
+use super::error::{FormatError, FormatWarning, SceneError};
 use super::polygons::Polygons;
-use super::scene::SceneError;
-use super::{fbx, gltf, obj};
 use crate::mesh::{EngineMesh, Surface};
 use crate::space::Conversion;
 use sinew_runtime::format::Space;
-use std::path::Path;
 
 /// A mesh of V vertices, in the file's order and units.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,25 +48,6 @@ impl Mesh {
         conversion.triangles(&mut self.triangles);
         if let Some(engine) = &mut self.engine {
             engine.turn(|direction| conversion.direction(direction), conversion.is_mirrored());
-        }
-    }
-}
-
-impl MeshFile {
-    /// Reads a mesh from a `.obj`, `.glb`, `.gltf` or `.fbx` file.
-    ///
-    /// Meshes of a scene that have a skin are in their bind pose. If no mesh has a skin, all are placed by their nodes.
-    ///
-    /// # Errors
-    /// [`FileError`]: the file cannot be read, or has no triangles.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let blame = |error| FileError { file: path.to_owned(), error };
-        check_content(path).map_err(blame)?;
-        match extension(path).as_str() {
-            "obj" => Ok(Self { mesh: obj::load(path)?, space: None, warnings: Vec::new() }),
-            "glb" | "gltf" => gltf::read_mesh(path).map_err(blame),
-            "fbx" => fbx::read_mesh(path).map_err(blame),
-            _ => Err(blame(unknown_format(path, ".obj, .glb, .gltf or .fbx"))),
         }
     }
 }

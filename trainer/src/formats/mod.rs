@@ -24,6 +24,7 @@ pub(crate) mod fbx;
 pub(crate) mod gltf;
 pub(crate) mod json;
 pub(crate) mod layered;
+mod materials;
 mod mesh;
 pub(crate) mod npz;
 pub mod obj;
@@ -34,14 +35,34 @@ pub(crate) mod scene;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub use abc::AlembicError;
-pub use csv::CsvError;
-pub use error::{FileError, FormatError, FormatWarning};
+pub use error::{
+    AlembicError, ArrayError, CsvError, FileError, FormatError, FormatWarning, LayeredError,
+    PointCacheError, SceneError, SequenceError,
+};
 pub use extension::Content;
 pub use gltf::write::GlbError;
 pub use json::JsonError;
-pub use layered::LayeredError;
 pub use mesh::{Mesh, MeshFile, NamedShape, ShapedMesh};
-pub use npz::ArrayError;
-pub use posed_meshes::{PointCacheError, SequenceError, save_pc2};
-pub use scene::SceneError;
+pub use posed_meshes::cache::save_pc2;
+
+use extension::{check_content, extension, unknown_format};
+use std::path::Path;
+
+impl MeshFile {
+    /// Reads a mesh from a `.obj`, `.glb`, `.gltf` or `.fbx` file.
+    ///
+    /// Meshes of a scene that have a skin are in their bind pose. If no mesh has a skin, all are placed by their nodes.
+    ///
+    /// # Errors
+    /// [`FileError`]: the file cannot be read, or has no triangles.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let blame = |error| FileError { file: path.to_owned(), error };
+        check_content(path).map_err(blame)?;
+        match extension(path).as_str() {
+            "obj" => Ok(Self { mesh: obj::load(path)?, space: None, warnings: Vec::new() }),
+            "glb" | "gltf" => gltf::read_mesh(path).map_err(blame),
+            "fbx" => fbx::read_mesh(path).map_err(blame),
+            _ => Err(blame(unknown_format(path, ".obj, .glb, .gltf or .fbx"))),
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! Arrays of any number type are read in one pass, without a second copy. Writing equal arrays gives equal bytes.
 
-use super::error::FormatError;
+use super::error::{ArrayError, FormatError};
 use super::extension::{extension, unknown_format};
 use npyz::npz::file_name_from_array_name;
 use npyz::{
@@ -289,63 +289,6 @@ impl<'a> Writer<'a> {
     pub(crate) fn finish(self) -> io::Result<()> {
         self.zip.finish()?.flush()
     }
-}
-
-/// Reasons why an array, or an archive of arrays, cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ArrayError {
-    /// The archive is truncated, or the file is not npz.
-    #[error(
-        "is no whole .npz archive: its {found} bytes do not end with the archive's directory; write it, or copy it, again"
-    )]
-    Archive {
-        /// Size of the file, in bytes.
-        found: u64,
-    },
-    /// An array is damaged, or is not npy data.
-    #[error("array {array} is damaged: {reason}; write the file, or copy it, again")]
-    Damaged {
-        /// The array.
-        array: String,
-        /// The fault.
-        reason: String,
-    },
-    /// A word of a text is not a number.
-    #[error("array {array} has {word:?} as number {place}, expected a number")]
-    NoNumber {
-        /// The array.
-        array: String,
-        /// Index of the word, from 0.
-        place: usize,
-        /// The word.
-        word: String,
-    },
-    /// A required array is missing.
-    #[error("array {array} is missing")]
-    Missing {
-        /// Name of the array; several names if any of them suffices.
-        array: &'static str,
-    },
-    /// An array has another kind of numbers.
-    #[error("array {array} must hold {expected}, found dtype {found}")]
-    WrongType {
-        /// The array.
-        array: String,
-        /// The kind of number expected.
-        expected: &'static str,
-        /// The dtype found.
-        found: String,
-    },
-    /// An array has another shape.
-    #[error("array {array} must have shape {expected}, found {found:?}")]
-    WrongShape {
-        /// The array.
-        array: String,
-        /// The expected shape; a letter means any count.
-        expected: String,
-        /// The shape found.
-        found: Vec<u64>,
-    },
 }
 
 /// Checks that an array holds a single item, as a scalar or as an array of one.

@@ -3,8 +3,7 @@
 //! Tangents follow MikkTSpace, for which normal maps are made (M. Mikkelsen, *Simulation of wrinkled surfaces
 //! revisited*, 2008).
 
-use super::surface::Surface;
-use super::{EngineMesh, SAME_NORMAL, normals as by_area, repair, same_normal};
+use super::surface::{EngineMesh, SAME_NORMAL, Surface, normals as by_area, repair, same_normal};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
 /// The C corners of a mesh's faces, with their authored attributes.

@@ -13,8 +13,8 @@ use crate::examples::{
     Clip, Element, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning,
 };
 use crate::formats::posed_meshes::PosedMeshes;
-use crate::formats::scene::{SampledScene, Sampling, SceneError};
-use crate::formats::{FormatError, FormatWarning};
+use crate::formats::scene::{SampledScene, Sampling};
+use crate::formats::{FormatError, FormatWarning, SceneError};
 use crate::mesh::Surface;
 
 /// Unchecked examples, their clips, and warnings.

@@ -6,8 +6,8 @@ use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{Examples, ExamplesError, LoadError};
 use crate::formats::extension::{check_content, extension, unknown_format};
-use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
-use crate::formats::{FormatError, fbx, gltf};
+use crate::formats::scene::{JointNames, SampledScene, Sampling};
+use crate::formats::{FormatError, SceneError, fbx, gltf};
 use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.

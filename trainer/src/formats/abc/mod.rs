@@ -9,7 +9,7 @@ mod schemas;
 #[cfg(test)]
 mod tests;
 
-use super::error::FormatError;
+use super::error::{AlembicError, FormatError};
 use super::posed_meshes::{Part, PosedMeshes};
 use nalgebra::{Matrix4, Point3};
 use objects::{Object, Schema, list};
@@ -23,88 +23,6 @@ use std::path::Path;
 /// [`FormatError::Read`], and [`FormatError::Alembic`] for damage or for meshes that change over time.
 pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
     Ok(parse(&std::fs::read(path).map_err(FormatError::Read)?)?)
-}
-
-/// Reasons why an Alembic archive cannot be read as posed meshes.
-#[derive(Debug, thiserror::Error)]
-pub enum AlembicError {
-    /// The archive uses the HDF5 container, which is not supported.
-    #[error(
-        "is Alembic in an HDF5 container, which is not read; export it again with Ogawa as its data format"
-    )]
-    Hdf5,
-    /// The file does not begin as a supported archive.
-    #[error("is no Alembic archive of Ogawa's version 1: {reason}; export it as .abc again")]
-    NotAlembic {
-        /// The difference.
-        reason: String,
-    },
-    /// The program that wrote the file did not finish it.
-    #[error("is incomplete: the program that wrote it did not finish; export it again")]
-    Unfinished,
-    /// The file contradicts itself.
-    #[error("is damaged: {what}; export it again")]
-    Damaged {
-        /// The contradiction.
-        what: String,
-    },
-    /// The file refers to the same bytes so often that reading it would take too much memory.
-    #[error(
-        "unfolds to more than {most} bytes, the most for a file of its size, by naming the same bytes again and \
-         again; export the frames that are wanted alone"
-    )]
-    TooLarge {
-        /// Most bytes allowed.
-        most: usize,
-    },
-    /// The archive has no mesh.
-    #[error("holds no polygon mesh: export the character's mesh, as polygons")]
-    NoMesh,
-    /// A mesh has no positions.
-    #[error("mesh {mesh} has no vertex; leave it out, or export it with its points")]
-    NoVertices {
-        /// The mesh.
-        mesh: String,
-    },
-    /// The number of vertices of a mesh changes over time.
-    #[error(
-        "mesh {mesh} has {found} vertices in frame {frame}, expected {expected} as in the first; export it \
-         without modifiers that change its vertices over time"
-    )]
-    OtherVertices {
-        /// The mesh.
-        mesh: String,
-        /// First frame with another number.
-        frame: usize,
-        /// Vertices in that frame.
-        found: usize,
-        /// Vertices in the first frame.
-        expected: usize,
-    },
-    /// The faces of a mesh change over time.
-    #[error(
-        "mesh {mesh} has other faces in frame {frame} than in the first; export it without modifiers that \
-         change its faces over time"
-    )]
-    OtherFaces {
-        /// The mesh.
-        mesh: String,
-        /// First frame with other faces.
-        frame: usize,
-    },
-    /// The numbers of samples differ.
-    #[error(
-        "{object} has {found} samples, expected 1 or {expected} as others have; export all over the same frames \
-         and at one rate"
-    )]
-    OtherSamples {
-        /// The mesh or transform.
-        object: String,
-        /// Its number of samples.
-        found: usize,
-        /// Largest number of samples in the archive.
-        expected: usize,
-    },
 }
 
 /// Reads the bytes of a file.
@@ -291,9 +209,4 @@ fn parts(meshes: Vec<PlacedMesh<'_>>) -> Vec<Part> {
         Part { names, range }
     };
     meshes.into_iter().map(part).collect()
-}
-
-/// Makes the error of a contradiction.
-fn damaged(what: impl Into<String>) -> AlembicError {
-    AlembicError::Damaged { what: what.into() }
 }

@@ -8,8 +8,8 @@
 //! stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A sample is a key
 //! of 16 bytes and the numbers.
 
-use super::ogawa::{Archive, Cursor, Group, Metadata};
-use super::{AlembicError, damaged};
+use super::ogawa::{Archive, Cursor, Group, Metadata, damaged};
+use crate::formats::error::AlembicError;
 
 /// Version of the layout of objects.
 const LAYOUT: [u8; 4] = [0; 4];

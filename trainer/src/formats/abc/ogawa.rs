@@ -4,7 +4,7 @@
 //! node is a count of bytes and the bytes. A place whose highest bit is set refers to a data node; place 0 refers to an
 //! empty node. Numbers are little-endian, except the version (`lib/Alembic/Ogawa` of the Alembic library).
 
-use super::{AlembicError, damaged};
+use crate::formats::error::AlembicError;
 use std::cell::Cell;
 
 const MAGIC: &[u8; 5] = b"Ogawa";
@@ -251,4 +251,9 @@ impl Metadata {
         let text = self.0.get(number).cloned();
         text.ok_or_else(|| damaged(format!("it names text {number} of {}", self.0.len())))
     }
+}
+
+/// Makes the error of a contradiction.
+pub(super) fn damaged(what: impl Into<String>) -> AlembicError {
+    AlembicError::Damaged { what: what.into() }
 }

@@ -1,8 +1,8 @@
 //! Meshes and transforms of an Alembic archive. A transform is a stack of operations with sampled channels.
 
 use super::objects::{Compound, Numbers, Object, Sampled};
-use super::ogawa::Metadata;
-use super::{AlembicError, damaged};
+use super::ogawa::{Metadata, damaged};
+use crate::formats::error::AlembicError;
 use crate::formats::polygons::Polygons;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 use ufbx::{Material, Mesh, Node, Texture};
 
+use super::file::open;
 use super::meshes;
-use super::open;
-use crate::formats::appearance;
-use crate::formats::appearance::{Appearance, Image};
 use crate::formats::error::FormatError;
+use crate::formats::materials::{self, Appearance, Image};
 
 /// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
@@ -38,7 +37,7 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
     };
     let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
     let missing = missing
-        .map(|(texture, _)| appearance::missing_image(&name(texture), &places(texture, path)));
+        .map(|(texture, _)| materials::missing_image(&name(texture), &places(texture, path)));
     appearance.missing = missing.collect();
     appearance.set_images(images);
     Ok(appearance)
@@ -83,7 +82,7 @@ fn material_json(material: &Material, images: &[Option<Image>]) -> Value {
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
     let bytes = places(texture, scene).into_iter().find_map(|place| {
         let bytes = std::fs::read(place).ok()?;
-        appearance::image_kind(&bytes).map(|_| bytes)
+        materials::image_kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
     members.insert("name".to_owned(), json!(name(texture)));

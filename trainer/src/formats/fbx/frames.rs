@@ -1,11 +1,9 @@
 //! Joints of a scene, their bind frames, and the animation of joints and meshes frame by frame.
 
+use super::file::{fault, matrix};
 use super::meshes::{MeshPart, WEIGHT, channels, is_shaped, skin};
-use super::{fault, matrix};
-use crate::formats::error::FormatWarning;
-use crate::formats::scene::{
-    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
-};
+use crate::formats::error::{FormatWarning, SceneError};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, samples, unique_names};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod};

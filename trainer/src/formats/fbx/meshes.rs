@@ -1,10 +1,9 @@
 //! Meshes of a scene: joined into one, with the attributes of their corners and their blendshapes.
 
-use super::{open, space};
-use crate::formats::error::{FormatError, FormatWarning};
+use super::file::{open, space};
+use crate::formats::error::{FormatError, FormatWarning, SceneError};
 use crate::formats::mesh::ShapedMesh;
 use crate::formats::polygons::Polygons;
-use crate::formats::scene::SceneError;
 use crate::mesh::{Corners, EngineMesh};
 use nalgebra::Vector3;
 use std::ops::Range;

@@ -1,8 +1,7 @@
 //! A glTF file, its buffers, and the arrays and triangles in them.
 
-use crate::formats::error::{FormatError, FormatWarning};
+use crate::formats::error::{FormatError, FormatWarning, SceneError};
 use crate::formats::extension::unmarked;
-use crate::formats::scene::SceneError;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::accessor::DataType;

@@ -1,8 +1,7 @@
 //! The meshes of a glTF file, joined into one, and their vertices welded by position.
 
 use super::file::{Buffers, is_surface, numbers, triangles};
-use crate::formats::error::FormatWarning;
-use crate::formats::scene::SceneError;
+use crate::formats::error::{FormatWarning, SceneError};
 use crate::mesh::EngineMesh;
 use gltf::{Document, Mesh, Node, Primitive, Semantic};
 use nalgebra::Vector3;

@@ -9,12 +9,10 @@ mod skins;
 mod tests;
 pub(crate) mod write;
 
-use super::error::{FormatError, FormatWarning};
+use super::error::{FormatError, FormatWarning, SceneError};
 use super::mesh::{Mesh, MeshFile, ShapedMesh};
 use super::posed_meshes::{Part, PosedMeshes};
-use super::scene::{
-    JointNames, Motion, MotionJoints, SampledScene, Sampling, SceneError, bound, unique_names,
-};
+use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, bound, unique_names};
 use file::Parsed;
 use meshes::{Meshes, Wanted, Welded};
 use nalgebra::{Matrix4, Vector3};
@@ -23,7 +21,7 @@ use rayon::prelude::*;
 use rigged::shown_meshes;
 use serde_json::Value;
 use sinew_runtime::format::Space;
-use skins::{Scene, Skins, move_mesh};
+use skins::{Scene, Skins, move_mesh, normal_matrix};
 use std::path::Path;
 
 /// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
@@ -309,10 +307,4 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
     }
     out.normals = has_normals.then_some(normals);
     Ok(out)
-}
-
-/// Returns the matrix that transforms normals under a placement.
-fn normal_matrix(world: &Matrix4<f64>) -> nalgebra::Matrix3<f64> {
-    let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
-    linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
 }

@@ -1,7 +1,7 @@
 //! The nodes of a glTF file, a forest of local transforms, and the animations that move them.
 
 use super::file::{Buffers, numbers, unnamed_clip};
-use crate::formats::scene::SceneError;
+use crate::formats::error::SceneError;
 use gltf::animation::{Interpolation, Property};
 use gltf::{Animation, Document};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};

@@ -1,14 +1,11 @@
 //! glTF files that are kept whole to be extended, and the appearance of their meshes.
 
-use super::file;
-use super::file::{Buffers, Parsed, is_surface, triangles};
+use super::file::{self, Buffers, Parsed, is_surface, triangles};
 use super::meshes::{Attribute, default_weights, has_surface, shaped};
 use super::nodes::Nodes;
 use super::skins::Skins;
-use crate::formats::appearance;
-use crate::formats::appearance::{Appearance, Image};
-use crate::formats::error::FormatError;
-use crate::formats::scene::SceneError;
+use crate::formats::error::{FormatError, SceneError};
+use crate::formats::materials::{self, Appearance, Image};
 use ::gltf::{Document, Semantic};
 use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
@@ -150,7 +147,7 @@ impl RiggedFile {
             let Some(uri) = uri else { continue };
             let damaged = |reason| SceneError::Image { image, reason };
             let bytes = file::resource(&uri, path).map_err(damaged)?;
-            let kind = appearance::image_kind(&bytes)
+            let kind = materials::image_kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
             self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
             let view =
@@ -229,7 +226,7 @@ pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, For
         let found = picture(members, &document, &buffers, path);
         if found.is_none() {
             let name = name.unwrap_or_else(|| format!("image {number}"));
-            appearance.missing.push(appearance::missing_image(&name, looked_for.as_slice()));
+            appearance.missing.push(materials::missing_image(&name, looked_for.as_slice()));
         }
         images.push(found);
     }
@@ -299,6 +296,6 @@ fn picture(
         }
         (None, uri) => file::resource(uri?.as_str()?, path).ok()?,
     };
-    appearance::image_kind(&bytes)?;
+    materials::image_kind(&bytes)?;
     Some(Image { members, bytes })
 }

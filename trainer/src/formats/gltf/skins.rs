@@ -3,12 +3,10 @@
 use super::file::{Buffers, numbers};
 use super::meshes::{Instance, Meshes};
 use super::nodes::{ClipKeys, Local, Nodes};
-use crate::formats::error::FormatWarning;
-use crate::formats::scene::{
-    Clip, MovingJoints, Sample, Sampling, SceneError, samples, unique_names,
-};
+use crate::formats::error::{FormatWarning, SceneError};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, samples, unique_names};
 use gltf::Document;
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::collections::HashMap;
 
 /// Share of the largest entry within which two bind matrices of a joint agree; files round them.
@@ -179,7 +177,7 @@ pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f6
     }
     let linear = shift.fixed_view::<3, 3>(0, 0).into_owned();
     // Normals stay orthogonal to the surface under any scale.
-    let turn = super::normal_matrix(shift);
+    let turn = normal_matrix(shift);
     for normal in &mut meshes.normals[vertices.clone()] {
         *normal = (turn * Vector3::from(*normal)).into();
     }
@@ -194,6 +192,12 @@ pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f6
     for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
         *displacement = shift.transform_vector(&(*displacement).into()).into();
     }
+}
+
+/// Returns the matrix that transforms normals under a placement.
+pub(super) fn normal_matrix(world: &Matrix4<f64>) -> Matrix3<f64> {
+    let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
+    linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
 }
 
 /// The nodes, meshes and animations of a file.

@@ -8,7 +8,7 @@ mod tree;
 
 pub(crate) use tree::PaintedLayer;
 
-use super::error::{FileError, FormatError};
+use super::error::{FileError, FormatError, LayeredError};
 use super::pixels::Pixels;
 use std::fs::File;
 use std::path::Path;
@@ -148,86 +148,6 @@ impl LayeredPicture {
         };
         Ok(Pixels { size: self.size, rgba: sum.into_iter().flat_map(straight).collect() })
     }
-}
-
-/// Reasons why a layered picture cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum LayeredError {
-    /// The file is not a zip archive.
-    #[error("expected an OpenRaster file, which is a zip archive: {0}")]
-    Archive(String),
-    /// The archive lacks a file.
-    #[error("has no {0}: expected an OpenRaster file")]
-    Missing(String),
-    /// The list of layers cannot be read.
-    #[error("stack.xml: {0}")]
-    Stack(String),
-    /// The file is not a Photoshop file.
-    #[error("expected a Photoshop file, which begins with 8BPS")]
-    NoPsd,
-    /// The bytes contradict each other.
-    #[error("is damaged: {0}")]
-    Damaged(String),
-    /// A feature of the file is not supported.
-    #[error("has {found}, expected {expected}: convert it and save it again")]
-    Unread {
-        /// The unsupported feature.
-        found: String,
-        /// The supported features.
-        expected: &'static str,
-    },
-    /// The picture, or a part of it, is too large.
-    #[error("is too large: {0}")]
-    TooLarge(String),
-    /// The file has no layers.
-    #[error("has no layers: save it with layers, or save a PNG")]
-    Empty,
-    /// Two layers have the same path.
-    #[error("has two layers \"{0}\": give each its own name")]
-    Twice(String),
-    /// No layer has the requested name.
-    #[error("has no layer \"{name}\": its layers are {found}")]
-    NoLayer {
-        /// The requested name.
-        name: String,
-        /// Paths of the layers.
-        found: String,
-    },
-    /// Several layers have the requested name.
-    #[error("has several layers \"{name}\": write one of {found}")]
-    Several {
-        /// The name.
-        name: String,
-        /// Paths of these layers.
-        found: String,
-    },
-    /// The requested name belongs to a group.
-    #[error("\"{0}\" is a group: merge it, or name its layers")]
-    Group(String),
-    /// A layer is clipped to a group, to several layers, or to nothing.
-    #[error("layer \"{layer}\" is clipped to {base}, expected one layer below it in its group")]
-    Clip {
-        /// The layer.
-        layer: String,
-        /// What lies below the layer, in words.
-        base: String,
-    },
-    /// A layer has an unsupported blend mode.
-    #[error("layer \"{layer}\" has the blend mode {mode}, expected normal: merge it down")]
-    Blend {
-        /// The layer.
-        layer: String,
-        /// Blend mode, as the file writes it.
-        mode: String,
-    },
-    /// The picture of a layer cannot be read.
-    #[error("layer \"{layer}\": {what}")]
-    Picture {
-        /// The layer.
-        layer: String,
-        /// The fault.
-        what: String,
-    },
 }
 
 enum Content {

@@ -1,7 +1,7 @@
 //! OpenRaster: a zip archive of a `stack.xml` and a PNG for each layer.
 
-use super::LayeredError;
 use super::tree::{DEPTH, Node};
+use crate::formats::error::LayeredError;
 use crate::formats::pixels::{Pixels, check_size, read_png};
 use roxmltree::Document;
 use std::cell::RefCell;

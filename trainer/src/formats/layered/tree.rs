@@ -1,6 +1,6 @@
 //! The tree of layers and groups, and its list of layers.
 
-use super::LayeredError;
+use crate::formats::error::LayeredError;
 
 /// Largest depth of nested groups.
 pub(super) const DEPTH: usize = 64;

@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod tests;
 
+pub use super::error::ObjError;
 use super::error::{FileError, FormatError};
 use super::extension::extension;
 use super::mesh::{Mesh, NamedShape, ShapedMesh};
@@ -153,49 +154,6 @@ pub(crate) fn with_positions(text: &str, positions: &[[f64; 3]]) -> String {
         }
     }
     out
-}
-
-/// Reasons why an OBJ file, or a folder of them, cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ObjError {
-    /// The file is not text.
-    #[error("is no text, as an OBJ file is")]
-    Binary,
-    /// A line cannot be read.
-    #[error("line {line} is no vertex, texture coordinate, normal or face of numbers: {text}")]
-    Line {
-        /// Line number, from 1.
-        line: usize,
-        /// Beginning of the line.
-        text: String,
-    },
-    /// A face refers to a missing item.
-    #[error("face {face} refers to a missing {what}; the file has {len}")]
-    Corner {
-        /// Face number, from 1.
-        face: usize,
-        /// Kind of the item.
-        what: &'static str,
-        /// Number of items of that kind.
-        len: usize,
-    },
-    /// No face has three corners.
-    #[error("has no face of three corners or more; export a polygon mesh")]
-    NoFaces,
-    /// A folder has no neutral mesh.
-    #[error("has no neutral.obj: save the face at rest under that name, and each shape beside it")]
-    NoNeutral,
-    /// A folder has no mesh but the neutral one.
-    #[error("has no shape beside neutral.obj: save each as an OBJ of its own")]
-    NoShapes,
-    /// A shape has another number of vertices than the neutral mesh.
-    #[error("expected {expected} vertices, as neutral.obj has, found {found}")]
-    Vertices {
-        /// Vertices of the neutral mesh.
-        expected: usize,
-        /// Vertices of the shape.
-        found: usize,
-    },
 }
 
 /// Indices of a corner of a face, from 0.

@@ -4,9 +4,9 @@
 //! written by 3ds Max, Maya and Blender, is little-endian. An `.mdd` also stores the time of each frame and is
 //! big-endian.
 
-use super::{PointCacheError, PosedMeshes};
+use super::PosedMeshes;
 use crate::files;
-use crate::formats::error::{FileError, FormatError};
+use crate::formats::error::{FileError, FormatError, PointCacheError};
 use rayon::prelude::*;
 use std::io;
 use std::path::Path;

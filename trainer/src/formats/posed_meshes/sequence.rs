@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::PosedMeshes;
-use super::SequenceError;
-use crate::formats::error::{FileError, FormatError};
+use crate::formats::error::{FileError, FormatError, SequenceError};
 use crate::formats::extension::extension;
 use crate::formats::obj;
 use crate::formats::polygons::Polygons;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::cache::save_pc2;
 use super::sequence::{missing, read};
-use super::{PointCacheError, PosedMeshes, cache};
-use crate::formats::FormatError;
+use super::{PosedMeshes, cache};
 use crate::formats::testing::{Folder, spoil};
+use crate::formats::{FormatError, PointCacheError};
 
 /// Two frames of three points, as numbers that single precision holds exactly.
 const FRAMES: [[f64; 3]; 6] = [

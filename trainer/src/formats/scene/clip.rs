@@ -1,6 +1,6 @@
 //! Clips, and the times at which they are sampled.
 
-use super::SceneError;
+use crate::formats::error::SceneError;
 use std::ops::RangeInclusive;
 use std::path::Path;
 

@@ -1,8 +1,7 @@
 //! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
-use super::SceneError;
-use super::clip::Sampling;
-use super::clip::{SAME_TIME, sample_times};
+use super::clip::{SAME_TIME, Sampling, sample_times};
+use crate::formats::error::SceneError;
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;

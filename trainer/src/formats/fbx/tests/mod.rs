@@ -3,6 +3,8 @@
 use super::*;
 use crate::formats::FormatWarning;
 use crate::formats::testing::{Folder, spoil};
+use nalgebra::Matrix4;
+use sinew_runtime::format::{Axis, Handedness, Space};
 
 mod faults;
 mod scene;

@@ -1,7 +1,7 @@
 //! A big-endian byte reader, and the decoders of a layer's channels: raw, run-length coded or deflated, with 8 or 16
 //! bits a sample.
 
-use crate::formats::layered::LayeredError;
+use crate::formats::error::LayeredError;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 

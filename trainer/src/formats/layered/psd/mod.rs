@@ -4,8 +4,8 @@
 
 mod bytes;
 
-use super::LayeredError;
 use super::tree::{DEPTH, Node};
+use crate::formats::error::LayeredError;
 use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
 use std::ops::Range;
