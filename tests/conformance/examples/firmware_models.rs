@@ -4,10 +4,9 @@ use conformance::models::{Shape, random_with, row_major, trained, with_coefficie
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{GroupKernel, Predictor};
 use sinew_trainer::envelope::model::{Group, Input};
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 use std::process::ExitCode;

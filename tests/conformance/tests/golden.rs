@@ -7,8 +7,7 @@
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
-use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
+use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor};
 use sinew_runtime::format::{ALIGNMENT, Axis, Element, Handedness, SectionKind, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -17,7 +16,7 @@ use sinew_trainer::envelope::model::{
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 

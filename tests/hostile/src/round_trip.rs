@@ -5,8 +5,7 @@ use crate::evaluate::{evaluate, read};
 use arbitrary::{Error, Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
-use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
-use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
+use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor, TWIST_MAX};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -14,7 +13,7 @@ use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::Certainty;
 use sinew_trainer::regression::map::KernelMap;
 use std::ops::Range;
 

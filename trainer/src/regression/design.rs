@@ -6,13 +6,11 @@
 //! with every sample a centre this is kernel ridge regression with [`Inputs::kernel_matrix`]. The
 //! linear part is penalised too: an unpenalised tail of many inputs overfits.
 
-use super::centres::Greedy;
-use super::certainty::Certainty;
+use super::confidence::Certainty;
 use super::function::{Exact, by_name};
-use super::inputs::Inputs;
-use super::left_out::LeftOut;
+use super::inputs::{Greedy, Inputs};
 use super::map::KernelMap;
-use super::outputs::Block;
+use super::outputs::{Block, LeftOut};
 use crate::numeric::columns;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par, Side};

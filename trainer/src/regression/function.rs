@@ -99,6 +99,11 @@ pub const fn order(kernel: Kernel) -> Option<usize> {
     }
 }
 
+/// Returns true if a factor on all distances leaves the function of all samples as it is, without smoothing.
+pub const fn is_scale_invariant(kernel: Kernel) -> bool {
+    matches!(kernel, Kernel::Linear | Kernel::ThinPlate | Kernel::Cubic | Kernel::Quintic)
+}
+
 /// Writes a kernel by its name.
 pub fn by_name<S: Serializer>(
     kernel: &(impl Copy + Into<Kernel>),

@@ -2,8 +2,7 @@
 //! a centre: how well the samples of very many outputs predict each other (METHOD §2.2).
 
 use super::inputs::{Inputs, WIDTHS};
-use super::left_out::LeftOut;
-use super::outputs::Block;
+use super::outputs::{Block, LeftOut};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;

@@ -1,8 +1,15 @@
 //! The inputs of a kernel fit: how far samples are from each other and from the origin, and what is
 //! measured in that, widths and the linear kernel (METHOD §2.2).
+//! Centres chosen greedily by the power function: each next one is the sample that those before
+//! explain worst (METHOD §2.2). This is the Cholesky factorisation of the kernel matrix with the
+//! largest pivot first, so every prefix of the centres has its factor at hand.
+//!
+//! The first centre is the origin, the rest pose, whose basis function is left out: what the others
+//! span vanishes at rest.
 
 use super::function::Exact;
-use faer::Mat;
+use crate::numeric::columns;
+use faer::{Mat, MatRef};
 use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate squared widths, in median squared distances of the samples.
@@ -86,6 +93,95 @@ impl Inputs {
     }
 }
 
+/// Share of a sample that the chosen centres leave unexplained, below which it is no centre.
+const EXPLAINED: f64 = 1e-15;
+
+/// Samples in the order in which they became centres, and the factor that follows.
+pub struct Greedy {
+    /// The samples that became centres after the origin.
+    pub order: Vec<usize>,
+    /// Rows: the origin, then the n samples; columns: the origin, then the centres.
+    factor: Mat<f64>,
+    /// The kernels' values, as the factor.
+    values: Mat<f64>,
+}
+
+impl Greedy {
+    /// Chooses at most `most` of the samples, of pairwise squared distances (scaled) that
+    /// `squared` gives: number 0 is the origin, 1 + i sample i.
+    pub fn new(
+        kernel: GroupKernel,
+        len: usize,
+        most: usize,
+        squared: impl Fn(usize, usize) -> f64,
+    ) -> Self {
+        columns::narrow_registers();
+        let points = len + 1;
+        let mut factor = Mat::<f64>::zeros(points, most.min(len) + 1);
+        let mut values = factor.clone();
+        let mut left = vec![1.0; points];
+        let (mut order, mut pivot) = (Vec::new(), 0);
+        for column in 0..factor.ncols() {
+            let root = f64::sqrt(left[pivot]);
+            let before = factor.subcols(0, column);
+            let known = before * before.row(pivot).transpose();
+            for point in 0..points {
+                let here = kernel.exact(squared(point, pivot));
+                let value = (here - known[point]) / root;
+                values[(point, column)] = here;
+                factor[(point, column)] = value;
+                left[point] -= value * value;
+            }
+            // Rounding must not choose a centre twice.
+            left[pivot] = 0.0;
+            if column > 0 {
+                order.push(pivot - 1);
+            }
+            let worst = (1..points).max_by(|&a, &b| left[a].total_cmp(&left[b]).then(b.cmp(&a)));
+            match worst.filter(|&point| left[point] > EXPLAINED) {
+                Some(point) => pivot = point,
+                None => break,
+            }
+        }
+        let taken = |of: Mat<f64>| of.subcols(0, order.len() + 1).to_owned();
+        Self { factor: taken(factor), values: taken(values), order }
+    }
+
+    /// Returns the first `count` centres alone.
+    pub fn first(&self, count: usize) -> Self {
+        let taken = |of: &Mat<f64>| of.subcols(0, count + 1).to_owned();
+        let (factor, values) = (taken(&self.factor), taken(&self.values));
+        Self { order: self.order[..count].to_vec(), factor, values }
+    }
+
+    /// The value of the origin's kernel (0) or of a centre's (1 and on) at the origin (0) or at a sample (1 and on).
+    pub fn value(&self, point: usize, centre: usize) -> f64 {
+        self.values[(point, centre)]
+    }
+
+    /// The n samples' values of the centres' orthonormal functions, n x centres.
+    pub fn functions(&self) -> MatRef<'_, f64> {
+        self.factor.submatrix(1, 1, self.factor.nrows() - 1, self.order.len())
+    }
+
+    /// Turns coefficients of orthonormal functions (centres x r) to those of the kernels at the
+    /// origin and at the centres (centres + 1 x r).
+    pub fn at_centres(&self, coefficients: &Mat<f64>) -> Mat<f64> {
+        let count = coefficients.nrows();
+        let row = |k: usize| if k == 0 { 0 } else { self.order[k - 1] + 1 };
+        let triangle = Mat::from_fn(count + 1, count + 1, |r, c| self.factor[(row(r), c)]);
+        let mut out = Mat::zeros(count + 1, coefficients.ncols());
+        out.subrows_mut(1, count).copy_from(coefficients);
+        let upper = triangle.transpose();
+        faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+            upper,
+            out.as_mut(),
+            faer::Par::Seq,
+        );
+        out
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,5 +196,52 @@ mod tests {
         let inputs = Mat::from_fn(2, 4, |r, i| if i == 0 { 0.0 } else { (r + i) as f64 });
         let kernel = Inputs::new(inputs).unwrap().kernel_matrix(GroupKernel::Gaussian, 4.0);
         assert!((0..4).all(|i| kernel[(0, i)].abs() < 1e-15) && kernel[(1, 1)] > 0.1);
+    }
+
+    fn line(n: usize) -> (Vec<f64>, impl Fn(usize, usize) -> f64) {
+        let at = move |i: usize| if i == 0 { 0.0 } else { 0.3 + 0.1 * i as f64 };
+        ((1..=n).map(at).collect(), move |a, b| (at(a) - at(b)).powi(2))
+    }
+
+    #[test]
+    fn the_worst_explained_sample_is_next() {
+        let (_, squared) = line(20);
+        let greedy = Greedy::new(GroupKernel::Gaussian, 20, 3, squared);
+        assert_eq!(greedy.order[0], 19, "the farthest from the origin");
+        assert!((5..12).contains(&greedy.order[1]), "then between the two");
+        let mut twice = greedy.order.clone();
+        twice.dedup();
+        assert_eq!(twice.len(), 3);
+    }
+
+    #[test]
+    fn functions_are_those_of_the_kernels_and_vanish_at_the_origin() {
+        let (x, squared) = line(20);
+        let greedy = Greedy::new(GroupKernel::Matern32, 20, 6, squared);
+        let given = Mat::from_fn(6, 2, |r, c| (r as f64 - 2.0 * c as f64).sin());
+        let coefficients = greedy.at_centres(&given);
+        let value = |at: f64, o: usize| -> f64 {
+            (0..7)
+                .map(|k| {
+                    let centre = if k == 0 { 0.0 } else { x[greedy.order[k - 1]] };
+                    coefficients[(k, o)] * GroupKernel::Matern32.exact((at - centre).powi(2))
+                })
+                .sum()
+        };
+        let expected = greedy.functions() * &given;
+        for (i, &x) in x.iter().enumerate() {
+            for o in 0..2 {
+                assert!((value(x, o) - expected[(i, o)]).abs() < 1e-12);
+            }
+        }
+        assert!(value(0.0, 0).abs() < 1e-12 && value(0.0, 1).abs() < 1e-12);
+        assert!(value(0.5, 0).abs() > 1e-3);
+    }
+
+    #[test]
+    fn samples_that_repeat_are_one_centre() {
+        let at = |i: usize| if i == 0 { 0.0 } else { 1.0 + (i % 3) as f64 };
+        let greedy = Greedy::new(GroupKernel::Gaussian, 12, 12, |a, b| (at(a) - at(b)).powi(2));
+        assert_eq!(greedy.order.len(), 3);
     }
 }

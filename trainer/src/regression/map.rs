@@ -1,7 +1,7 @@
 //! A kernel map in f64, and how far its f32 evaluation may be from it (METHOD §2.7).
 
 use super::arithmetic::{Arithmetic, U, gamma};
-use super::certainty::{Between, Certainty, Evidence};
+use super::confidence::{Between, Certainty, Evidence};
 use super::function::Exact;
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;

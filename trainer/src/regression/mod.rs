@@ -8,14 +8,11 @@
 //! [`certainty`] and [`fade`] lower a correction where the pose is far from the samples.
 
 pub mod arithmetic;
-pub mod centres;
-pub mod certainty;
+pub mod confidence;
 pub mod design;
-pub mod fade;
 pub mod function;
 pub mod gram;
 pub mod inputs;
-pub mod left_out;
 pub mod map;
 pub mod outputs;
 pub mod ridge;

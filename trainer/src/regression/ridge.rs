@@ -2,7 +2,7 @@
 //! each with the ridge that predicts blocks of samples best when they are left out (METHOD §1.9, §2.2).
 
 use super::arithmetic::U;
-use super::certainty::Certainty;
+use super::confidence::Certainty;
 use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Block, Outputs, gentle_mean};

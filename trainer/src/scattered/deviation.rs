@@ -9,7 +9,7 @@ use super::model::{
 use super::solver::error::{DeviationCause, KernelError};
 use super::sum::KernelSum;
 use crate::bake::bake;
-use crate::regression::fade::Fade;
+use crate::regression::confidence::Fade;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

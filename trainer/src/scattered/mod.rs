@@ -19,8 +19,6 @@
 
 pub mod bake;
 pub mod bound;
-pub mod check;
-pub mod compare;
 pub mod compat;
 pub mod deviation;
 pub mod hyper;

@@ -5,8 +5,7 @@ use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::regression::certainty::Between;
-use sinew_trainer::regression::fade::STEP_ERROR;
+use sinew_trainer::regression::confidence::{Between, STEP_ERROR};
 use sinew_trainer::regression::map::{Value, ValueError};
 
 /// Bounds the corrected palettes and the confidence.

@@ -4,7 +4,7 @@ use super::group::{Group, Input};
 use super::key::Key;
 use crate::examples::Skeleton;
 use crate::numeric::affine;
-use crate::regression::certainty::Certainty;
+use crate::regression::confidence::Certainty;
 use crate::regression::map::KernelMap;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6};

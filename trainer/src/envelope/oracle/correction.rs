@@ -4,7 +4,7 @@ use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
 use crate::numeric::affine::{linear, seen_from};
 use crate::numeric::so3;
-use crate::regression::certainty::Evidence;
+use crate::regression::confidence::Evidence;
 use crate::regression::map::Value;
 use nalgebra::{Matrix3x4, Vector3};
 

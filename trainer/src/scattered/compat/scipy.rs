@@ -4,15 +4,14 @@
 //! Epsilon multiplies distances as they are, λ has the kernel's units, every monomial of a degree is
 //! taken, and nothing is merged, dropped or lowered. SciPy scales polynomials by the box of the sites;
 //! here they are scaled by epsilon, which makes the same function.
+//! The samples that are nearest to a query.
 
-use super::neighbours::nearest;
 use crate::numeric::columns::ends;
-use crate::regression::function::order;
+use crate::regression::function::{is_scale_invariant, order};
 use crate::scattered::solver::error::KernelError;
-use crate::scattered::solver::invariance::is_scale_invariant;
 use crate::scattered::solver::polynomial::Space;
 use crate::scattered::solver::samples::check;
-use crate::scattered::solver::solve::solve;
+use crate::scattered::solver::system::solve;
 use crate::scattered::sum::{KernelSum, monomials};
 use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
@@ -384,4 +383,33 @@ fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, Sci
 fn middle(column: ColRef<'_, f64>) -> f64 {
     let [least, most] = ends(column.iter());
     0.5 * least + 0.5 * most
+}
+
+/// Lists the k sites (n x d) nearest to x, ascending by their numbers; of sites equally far the first.
+fn nearest(sites: &Mat<f64>, x: &[f64], k: usize) -> Vec<usize> {
+    let mut squared = vec![0.0; sites.nrows()];
+    for (column, x) in x.iter().enumerate() {
+        let coordinates = sites.col_as_slice(column);
+        squared.iter_mut().zip(coordinates).for_each(|(s, site)| *s += (site - x) * (site - x));
+    }
+    let mut order: Vec<usize> = (0..sites.nrows()).collect();
+    order.sort_by(|&a, &b| squared[a].total_cmp(&squared[b]));
+    order.truncate(k);
+    order.sort_unstable();
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_are_found_in_order() {
+        let sites = Mat::from_fn(5, 2, |i, c| {
+            [[4.0, 0.0], [1.0, 0.0], [0.0, 1.0], [9.0, 9.0], [0.5, 0.0]][i][c]
+        });
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 1), [4]);
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 2), [1, 4], "of two equally far the first");
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 9), [0, 1, 2, 3, 4]);
+    }
 }

@@ -1,8 +1,7 @@
 //! The energy of a sum of kernels and its gradient, by all that can be learned (METHOD §3).
 
-use super::error::HyperError;
 use super::least_squares::solve;
-use super::options::{Entries, Options};
+use super::options::{Entries, HyperError, Options};
 use crate::numeric::columns::dot;
 use crate::regression::function::Exact;
 use crate::scattered::sum::{monomials, powers};

@@ -1,4 +1,5 @@
 //! What is asked of a learning.
+//! Why nothing can be learned.
 
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
@@ -86,4 +87,106 @@ pub enum Method {
         /// T at first and at last: linear between, by evaluations.
         temperatures: [f64; 2],
     },
+}
+
+/// A learning that cannot begin.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HyperError {
+    /// The kernel is a hat.
+    #[error("nothing can be learned with a hat: it is for evaluation alone")]
+    Hat,
+    /// There is nothing to learn from.
+    #[error("nothing to learn from: {samples} samples of {inputs} inputs and {values} values")]
+    Empty {
+        /// N.
+        samples: usize,
+        /// d.
+        inputs: usize,
+        /// m.
+        values: usize,
+    },
+    /// An argument does not fit the samples.
+    #[error("{name}: expected {expected}, found {found}")]
+    Length {
+        /// What is counted.
+        name: &'static str,
+        /// As many as the samples ask for.
+        expected: usize,
+        /// As many as were given.
+        found: usize,
+    },
+    /// A number is out of its range.
+    #[error("{name} must be finite and not negative, found {found}")]
+    Number {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// No centre is asked for.
+    #[error("no centre is asked for")]
+    NoCentres,
+    /// No seed is given.
+    #[error("no seed is given")]
+    NoSeeds,
+    /// More coefficients than samples.
+    #[error(
+        "{centres} centres and a polynomial of {terms} terms need as many samples, found {samples}"
+    )]
+    TooFewSamples {
+        /// n.
+        centres: usize,
+        /// Monomials.
+        terms: usize,
+        /// N.
+        samples: usize,
+    },
+    /// A sample, or what the start makes of it, is not finite.
+    #[error("the energy is not finite where seed {seed} starts: a sample or the metric is not")]
+    NotFinite {
+        /// The first such seed.
+        seed: u64,
+    },
+}
+
+/// A learning from one seed, step by step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Whence.
+    pub seed: u64,
+    /// E of the start, its coefficients solved.
+    pub start: f64,
+    /// In order.
+    pub steps: Vec<Step>,
+    /// How often E was evaluated, the start included.
+    pub evaluations: usize,
+    /// Why there are no more steps.
+    pub stop: Stop,
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// E after it.
+    pub energy: f64,
+    /// Whether it was taken. One that a gradient flow refuses halves ω.
+    pub accepted: bool,
+}
+
+/// Why a learning stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The evaluations are used up.
+    Budget,
+    /// The last steps hardly lowered the energy.
+    Settled,
+    /// No step along the gradient lowers the energy.
+    NoDescent,
+}
+
+impl Trace {
+    /// Returns how many steps were taken.
+    pub fn accepted(&self) -> usize {
+        self.steps.iter().filter(|step| step.accepted).count()
+    }
 }

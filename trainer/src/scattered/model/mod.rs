@@ -1,12 +1,194 @@
 //! A function with names: what a fit makes of a problem, what is baked, and what a file is compared with.
 
-mod from_file;
-mod function;
 mod input;
 mod output;
 
-pub use from_file::inputs_of;
-pub use function::{Evaluated, Figures, KernelModel};
 pub(crate) use input::features;
 pub use input::{EvaluationError, Input, InputKind, query_numbers};
 pub use output::{Output, OutputKind};
+
+use crate::regression::confidence::Fade;
+use crate::regression::rotations::Feature;
+use crate::scattered::solver::leave_one_out::Variance;
+use crate::scattered::sum::{KernelSum, Term};
+use faer::Mat;
+use output::finish;
+use sinew_runtime::kernel::{
+    InputKind as FileInput, KernelMap, NO_TERM, Normalise, OutputKind as FileOutput, OutputRow,
+    QueryRule,
+};
+
+/// A function from named inputs to named outputs.
+#[derive(Clone, Debug)]
+pub struct KernelModel {
+    /// Its name.
+    pub name: String,
+    /// Its inputs.
+    pub inputs: Vec<Input>,
+    /// Its outputs.
+    pub outputs: Vec<Output>,
+    /// The function of the inputs' features.
+    pub sum: KernelSum,
+    /// Least and greatest of each feature in the samples.
+    pub ranges: Vec<[f64; 2]>,
+    /// What becomes of a query far from the samples.
+    pub query: QueryRule,
+    /// How far the centres vouch for a query.
+    pub fade: Fade,
+    /// Whether outputs are divided by their sum.
+    pub normalise: Normalise,
+    /// What the variance takes.
+    pub variance: Option<Variance>,
+    /// What the fit reached.
+    pub fit: Figures,
+}
+
+/// What a fit reached; the values' units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// RMS of what is left of the values at the samples.
+    pub residual_rms: f64,
+    /// RMS error of the samples that the others predict.
+    pub left_out_rms: f64,
+    /// The most that f32 arithmetic may be off by over samples and their box.
+    pub bound: f64,
+    /// Reciprocal condition of what was solved; 0 where nothing was.
+    pub rcond: f64,
+}
+
+/// What a function gives at a query.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluated {
+    /// Numbers of all outputs.
+    pub numbers: Vec<f64>,
+    /// How far samples vouch for the query, in [0, 1].
+    pub confidence: f64,
+}
+
+impl KernelModel {
+    /// Evaluates the function.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] of what is given.
+    pub fn evaluate(&self, given: &[f64]) -> Result<Evaluated, EvaluationError> {
+        let x = self.features(given)?;
+        let mut values = self.sum.evaluate(&x);
+        let z = self.sum.measured(&self.sum.scaled(&x));
+        let confidence = self.fade.confidence(self.sum.squared_distances(&z));
+        if self.query == QueryRule::Fade {
+            let neutral = self.outputs.iter().flat_map(|output| output.kind.neutral());
+            for (value, neutral) in values.iter_mut().zip(neutral) {
+                *value = neutral + confidence * (*value - neutral);
+            }
+        }
+        let rotation = |error| EvaluationError::Rotation { input: "neutral".to_owned(), error };
+        let numbers = finish(&self.outputs, self.normalise, &values).map_err(rotation)?;
+        Ok(Evaluated { numbers, confidence })
+    }
+
+    /// Computes features, kept within the samples' where that is the rule.
+    fn features(&self, given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
+        let mut x = features(&self.inputs, given)?;
+        if self.query == QueryRule::Clamp {
+            for (x, [low, high]) in x.iter_mut().zip(&self.ranges) {
+                *x = x.max(*low).min(*high);
+            }
+        }
+        Ok(x)
+    }
+}
+
+impl KernelModel {
+    /// Widens a file's function; the variance stays there.
+    pub fn from_file(map: &KernelMap<'_>) -> Self {
+        let (rule, fit) = (map.rule(), map.fit());
+        let features =
+            (0..).map_while(|feature| map.feature(feature)).map(|row| row.map(f64::from));
+        let output = |(number, row): (usize, OutputRow)| {
+            let name = map.output_name(number).unwrap_or_default().to_owned();
+            Output { name, kind: output_kind(&row) }
+        };
+        Self {
+            name: map.name().to_owned(),
+            inputs: inputs_of(map),
+            outputs: map.outputs().enumerate().map(output).collect(),
+            sum: sum_of(map),
+            ranges: features.map(|[_, _, low, high]| [low, high]).collect(),
+            query: rule.query,
+            fade: Fade { start: rule.fade.0.into(), end: rule.fade.1.into() },
+            normalise: rule.normalise,
+            variance: None,
+            fit: Figures {
+                residual_rms: fit.rms_residual.into(),
+                left_out_rms: fit.left_out_rms.into(),
+                bound: fit.rounding_error.into(),
+                rcond: fit.reciprocal_condition.into(),
+            },
+        }
+    }
+}
+
+fn sum_of(map: &KernelMap<'_>) -> KernelSum {
+    let counts = map.counts();
+    let [d, e, n, t, m] = [
+        counts.feature_len,
+        counts.metric_len,
+        counts.centre_len,
+        counts.term_len,
+        counts.value_len,
+    ]
+    .map(|len| len as usize);
+    let matrix = |rows: usize, columns: usize, entry: &dyn Fn(usize, usize) -> Option<f32>| {
+        Mat::from_fn(rows, columns, |r, c| f64::from(entry(r, c).unwrap_or_default()))
+    };
+    let figure = |place: usize| {
+        (0..d).filter_map(|feature| Some(f64::from(map.feature(feature)?[place]))).collect()
+    };
+    let term = |[earlier, input]: [u16; 2]| match earlier {
+        NO_TERM => Term::One,
+        _ => Term::Product { earlier: earlier.into(), input: input.into() },
+    };
+    KernelSum {
+        kernel: map.rule().kernel,
+        shift: figure(0),
+        scale: figure(1),
+        metric: (e > 0).then(|| matrix(e, d, &|r, c| map.metric_entry(r, c))),
+        centres: matrix(counts.coordinate_len() as usize, n, &|i, k| map.centre(k, i)),
+        terms: (0..t).filter_map(|number| map.term(number).map(term)).collect(),
+        coefficients: matrix(m, n + t, &|r, c| map.coefficient(r, c)),
+    }
+}
+
+fn output_kind(row: &OutputRow) -> OutputKind {
+    let neutral @ [x, y, z, _] = row.neutral.map(f64::from);
+    match row.kind {
+        FileOutput::Scalar => OutputKind::Scalar {
+            low: row.range.0.into(),
+            high: row.range.1.into(),
+            normalised: row.is_marked,
+            neutral: x,
+        },
+        FileOutput::Vector3 => OutputKind::Vector3 { neutral: [x, y, z] },
+        FileOutput::Rotation => OutputKind::Rotation { neutral },
+    }
+}
+
+/// Returns the inputs of a file's function, of weight 1.
+pub fn inputs_of(map: &KernelMap<'_>) -> Vec<Input> {
+    let input = |(number, row): (usize, sinew_runtime::kernel::InputRow)| {
+        let axis = row.axis.map(f64::from);
+        let rotation = |feature| InputKind::Rotation { feature, order: row.euler };
+        let kind = match row.kind {
+            FileInput::Scalar => InputKind::Scalar,
+            FileInput::Vector3 => InputKind::Vector3,
+            FileInput::Rotation => rotation(Feature::Matrix),
+            FileInput::TwoRows => rotation(Feature::TwoRows),
+            FileInput::Swing => rotation(Feature::Swing(axis)),
+            FileInput::Twist => rotation(Feature::Twist(axis)),
+            FileInput::TwistAngle => rotation(Feature::TwistAngle(axis)),
+        };
+        let name = map.input_name(number).unwrap_or_default().to_owned();
+        Input { name, kind, weight: 1.0 }
+    };
+    map.inputs().enumerate().map(input).collect()
+}

@@ -3,10 +3,9 @@
 //! Columns `a.x, a.y, a.z` are one vector, `a.x, a.y, a.z, a.w` one quaternion, and `a.rx, a.ry, a.rz` one
 //! rotation by angles in degrees about x, then y, then z.
 
-use super::definition::Problem;
+use super::definition::{Problem, ProblemOptions};
 use super::error::ProblemError;
-use super::kinds::free_scalar;
-use super::options::ProblemOptions;
+use super::json::free_scalar;
 use crate::formats::csv;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{Input, InputKind, Output, OutputKind};

@@ -1,7 +1,7 @@
 //! Why scattered data gave no function.
 
-use super::condition::described;
-use super::invariance::is_scale_invariant;
+use super::system::described;
+use crate::regression::function::is_scale_invariant;
 use sinew_runtime::kernel::Kernel;
 
 /// Scattered data that no function was fitted to; rows and columns count from 0.

@@ -13,23 +13,14 @@
 //! | [`variance`] | how unsure a function is between its samples |
 //! | [`report`] | what a fit says of itself |
 
-pub mod any;
 pub mod choose;
-pub mod condition;
 pub mod error;
-pub mod fewer;
 pub mod fit;
-pub mod invariance;
 pub mod leave_one_out;
 pub mod matrix;
 pub mod options;
 pub mod polynomial;
-pub mod power;
-mod prepared;
 pub mod report;
 pub mod samples;
 pub mod scaling;
-pub mod solve;
-pub mod spacing;
 pub mod system;
-pub mod variance;

@@ -1,7 +1,6 @@
 //! What a fit reports of itself.
 
-use super::fewer::FewerFit;
-use super::fit::Fit;
+use super::fit::{AnyFit, FewerFit, Fit};
 use super::leave_one_out::LeaveOneOut;
 use super::options::Options;
 use super::samples::{Merged, Samples};
@@ -59,6 +58,14 @@ pub struct FitReport {
 }
 
 impl FitReport {
+    /// Reports a fit of either kind.
+    pub fn of_any(samples: &Samples, options: &Options, fit: &AnyFit) -> Self {
+        match fit {
+            AnyFit::Every(fit) => Self::new(samples, options, fit),
+            AnyFit::Fewer(fit) => Self::of_fewer(samples, options, fit),
+        }
+    }
+
     /// Reports a fit with every sample a centre.
     pub fn new(samples: &Samples, options: &Options, fit: &Fit) -> Self {
         let solved = &fit.solved;

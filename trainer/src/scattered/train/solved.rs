@@ -1,21 +1,18 @@
 //! A fit by METHOD §2: every sample a centre, or fewer.
 
-use super::error::TrainError;
-use super::fitted::Fitted;
-use super::report::Report;
-use crate::regression::function::order;
+use super::report::{Fitted, Report, TrainError};
+use crate::regression::function::{is_scale_invariant, order};
 use crate::scattered::deviation::Probe;
 use crate::scattered::model::Figures;
 use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
-use crate::scattered::solver::any::AnyFit;
 use crate::scattered::solver::choose::{Choice, Freedom};
 use crate::scattered::solver::error::{KernelError, same_site};
-use crate::scattered::solver::invariance::is_scale_invariant;
+use crate::scattered::solver::fit::AnyFit;
+use crate::scattered::solver::leave_one_out::Variance;
 use crate::scattered::solver::options::{Options, wendland};
 use crate::scattered::solver::report::FitReport;
 use crate::scattered::solver::samples::{Conflicts, Samples};
 use crate::scattered::solver::scaling::Block;
-use crate::scattered::solver::variance::Variance;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
@@ -58,9 +55,9 @@ pub(super) fn fit(
         (asked, false)
     };
     let fit = AnyFit::new(&samples, &options)?;
-    let report = fit.report(&samples, &options);
+    let report = FitReport::of_any(&samples, &options, &fit);
     let kept = match &fit {
-        AnyFit::Every(fit) if variance => Variance::new(fit, &samples.values),
+        AnyFit::Every(fit) if variance => Variance::new(&fit.solved, &samples.values),
         _ => None,
     };
     let figures = Figures {
