@@ -16,7 +16,7 @@ use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::regression::confidence::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::error::Error;
 use std::hint::black_box;
@@ -216,11 +216,11 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
             kernel,
             centres: Mat::from_fn(inputs, centres, |i, k| number(k + i)),
             coefficients: matrix(g, rank + certainty, inputs + centres),
-            certainty: Certainty {
+            confidence: MapConfidence {
                 len: certainty,
                 reach: 1e3,
                 signal: 1.0,
-                ..Certainty::default()
+                ..MapConfidence::default()
             },
         },
         outputs: matrix(g, 12 * proxies, rank),

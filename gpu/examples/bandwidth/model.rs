@@ -5,7 +5,7 @@ use sinew_runtime::envelope::{Certificate, GroupKernel};
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::regression::confidence::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 
 const JOINTS: usize = 20;
@@ -103,7 +103,7 @@ fn group(group: usize) -> Group {
             kernel: GroupKernel::Gaussian,
             centres: Mat::from_fn(INPUTS, CENTRES, |i, k| wave(k * INPUTS + i)),
             coefficients: small(RANK + CERTAINTY, CENTRES + INPUTS),
-            certainty: Certainty {
+            confidence: MapConfidence {
                 len: CERTAINTY,
                 reach: 1e4,
                 linear: 0.1,

@@ -1,103 +1,114 @@
-//! How well a map knows an input: its posterior variance, from the values that its last rows give (METHOD §2.6).
-//! The fade of a kernel map: how near a query is to the centres, by their squared distances (METHOD §2.6).
+//! Confidence in a kernel map (METHOD §2.6): from the variance that the samples explain, and from the distance of an
+//! input to the centres.
 
 use super::arithmetic::{Arithmetic, U, gamma};
 use serde::Serialize;
 
-/// What a map holds of its variance.
+/// End of a fade over its start, as squared distances (METHOD §2.6).
+const FADE: f64 = 6.25;
+/// Relative error of the runtime's smoothstep.
+pub const STEP_ERROR: f64 = 4e-7;
+
+/// Parameters of a map's confidence: how the variance of the map becomes an expected error.
+///
+/// Errors are squared distances, divided by the squared distance that counts as no error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Certainty {
-    /// How many rows of the coefficients, the last, give values whose squares sum to the variance explained, m.
+pub struct MapConfidence {
+    /// Number of values whose squares sum to the explained variance, m: the last rows of the map's coefficients.
     pub len: usize,
-    /// Squared distance from rest up to which the variance tells; four times as far nothing is known any more.
+    /// Squared distance from rest where the explained variance starts to fade; it is 0 from four times `reach` on.
     pub reach: f64,
     /// Share of the linear kernel: the prior variance is `1 - G(|x|²)² + linear |x|²`.
     pub linear: f64,
-    /// Expected squared distance of the base from the truth, over what counts as none, per unit of variance.
+    /// Expected error of the base, per unit of variance.
     pub signal: f64,
-    /// The same of the map, per unit of the variance that is left.
+    /// Expected error of the map, per unit of unexplained variance.
     pub noise: f64,
 }
 
-/// What is known of an input, and what is in doubt.
+/// Expected error of a base without its correction, in two parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Evidence {
-    /// What of the base's error is known.
-    pub known: f64,
-    /// What may be left of it.
-    pub doubted: f64,
+pub struct ExpectedError {
+    /// Part that the samples explain. The correction removes this part.
+    pub explained: f64,
+    /// Part that the correction may leave.
+    pub unexplained: f64,
 }
 
-/// Evidence between two others.
+/// Bounds of an expected error that rounding changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Between {
-    /// The least known, and the most doubted.
-    pub least: Evidence,
-    /// The most known, and the least doubted.
-    pub most: Evidence,
+pub struct ExpectedErrorBounds {
+    /// Bound with the least confidence: least explained, most unexplained.
+    pub least: ExpectedError,
+    /// Bound with the most confidence: most explained, least unexplained.
+    pub most: ExpectedError,
 }
 
-impl Certainty {
-    /// Weighs the variance explained against what it leaves.
+impl MapConfidence {
+    /// Computes the expected error at an input.
     ///
-    /// - `apart`: the squared distance from rest.
-    /// - `change`: what the kernel at rest changes by.
-    /// - `values`: m.
-    pub fn evidence(&self, apart: f64, change: f64, values: &[f64]) -> Evidence {
-        let near = self.fade().confidence(std::iter::once(apart));
+    /// - `square`: the input's squared distance from rest.
+    /// - `rest_change`: kernel of the rest pose at the input, less its value at rest.
+    /// - `roots`: m values whose squares sum to the explained variance.
+    pub fn expected_error(&self, square: f64, rest_change: f64, roots: &[f64]) -> ExpectedError {
+        let near = self.fade().confidence(std::iter::once(square));
         if near == 0.0 {
-            return Evidence::NONE;
+            return ExpectedError::FAR;
         }
-        let prior = self.prior(apart, change);
-        let explained = values.iter().map(|value| value * value).sum::<f64>().min(prior);
-        self.weighed(near * explained, prior)
+        let prior = self.prior(square, rest_change);
+        let explained = roots.iter().map(|root| root * root).sum::<f64>().min(prior);
+        self.of_variance(near * explained, prior)
     }
 
-    /// Bounds what the runtime makes of distance, change and values that are off by up to an error each.
-    pub fn between(
+    /// Bounds the expected error that the runtime computes from rounded numbers.
+    ///
+    /// - `square`, `rest_change`: as for [`Self::expected_error`], each with a bound of its error.
+    /// - `roots`, `errors`: m values, and a bound of the error of each.
+    pub fn bounds(
         &self,
-        (apart, apart_error): (f64, f64),
-        (change, change_error): (f64, f64),
-        values: &[f64],
+        (square, square_error): (f64, f64),
+        (rest_change, change_error): (f64, f64),
+        roots: &[f64],
         errors: &[f64],
         arithmetic: Arithmetic,
-    ) -> Between {
-        let prior = self.prior(apart, change);
-        let inherited = 2.0 * ((1.0 + change).abs() + change_error) * change_error;
-        let terms =
-            change.abs() * (2.0 + change).abs() + inherited + self.linear * (apart + apart_error);
-        let off = inherited + self.linear * apart_error + gamma(4) * terms;
-        let (least_prior, most_prior) = ((prior - off).max(0.0), prior + off);
+    ) -> ExpectedErrorBounds {
+        let prior = self.prior(square, rest_change);
+        let inherited = 2.0 * ((1.0 + rest_change).abs() + change_error) * change_error;
+        let terms = rest_change.abs() * (2.0 + rest_change).abs()
+            + inherited
+            + self.linear * (square + square_error);
+        let prior_error = inherited + self.linear * square_error + gamma(4) * terms;
+        let (least_prior, most_prior) = ((prior - prior_error).max(0.0), prior + prior_error);
         let sum = |sign: f64| -> f64 {
-            let squares = values.iter().zip(errors);
-            squares.map(|(value, error)| (value.abs() + sign * error).max(0.0).powi(2)).sum()
+            let squares = roots.iter().zip(errors);
+            squares.map(|(root, error)| (root.abs() + sign * error).max(0.0).powi(2)).sum()
         };
-        let near = self.fade().confidence(std::iter::once(apart));
-        let near_error = self.fade().error(&[(apart, apart_error)], arithmetic);
+        let near = self.fade().confidence(std::iter::once(square));
+        let near_error = self.fade().error(&[(square, square_error)], arithmetic);
         let (least_near, most_near) = ((near - near_error).max(0.0), (near + near_error).min(1.0));
-        let rounding = gamma(values.len() + 2);
+        let rounding = gamma(roots.len() + 2);
         let least = least_near * (sum(-1.0) * (1.0 - rounding)).min(least_prior);
         let most = most_near * (sum(1.0) * (1.0 + rounding)).min(most_prior);
-        let weighed = |near: f64, explained, whole, known, doubted| {
+        let scaled = |near: f64, explained, prior, factors: [f64; 2]| {
             if near == 0.0 {
-                Evidence::NONE
+                ExpectedError::FAR
             } else {
-                self.weighed(explained, whole).times(known, doubted)
+                self.of_variance(explained, prior).scaled(factors)
             }
         };
-        Between {
-            least: weighed(least_near, least, most_prior, 1.0 - gamma(1), 1.0 + gamma(2)),
-            most: weighed(most_near, most, least_prior, 1.0 + gamma(1), 1.0 - gamma(2)),
+        ExpectedErrorBounds {
+            least: scaled(least_near, least, most_prior, [1.0 - gamma(1), 1.0 + gamma(2)]),
+            most: scaled(most_near, most, least_prior, [1.0 + gamma(1), 1.0 - gamma(2)]),
         }
     }
 
-    fn prior(&self, apart: f64, change: f64) -> f64 {
-        (-change * (2.0 + change) + self.linear * apart).max(0.0)
+    fn prior(&self, square: f64, rest_change: f64) -> f64 {
+        (-rest_change * (2.0 + rest_change) + self.linear * square).max(0.0)
     }
 
-    fn weighed(&self, explained: f64, prior: f64) -> Evidence {
-        let doubted = self.noise * (prior - explained).max(0.0);
-        Evidence { known: self.signal * explained, doubted }
+    fn of_variance(&self, explained: f64, prior: f64) -> ExpectedError {
+        let unexplained = self.noise * (prior - explained).max(0.0);
+        ExpectedError { explained: self.signal * explained, unexplained }
     }
 
     fn fade(&self) -> Fade {
@@ -105,54 +116,59 @@ impl Certainty {
     }
 }
 
-impl Evidence {
-    /// Of what is too far away.
-    pub const NONE: Self = Self { known: 0.0, doubted: 1e30 };
+impl ExpectedError {
+    /// Expected error far from every sample, where nothing is explained.
+    pub const FAR: Self = Self { explained: 0.0, unexplained: 1e30 };
 
-    /// Adds what is known of other vertices.
+    /// Adds the error of other vertices.
     #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self { known: self.known + other.known, doubted: self.doubted + other.doubted }
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            explained: self.explained + other.explained,
+            unexplained: self.unexplained + other.unexplained,
+        }
     }
 
-    /// Returns the confidence, in [0, 1].
+    /// Returns the confidence, in [0, 1]: the share of the error that is explained.
     pub fn confidence(self) -> f64 {
-        (1.0 + self.known) / (1.0 + self.known + self.doubted)
+        (1.0 + self.explained) / (1.0 + self.explained + self.unexplained)
     }
 
-    /// Returns w, the factor of a map: 1 but where it is much more likely to spoil than to mend.
-    pub fn share(self) -> f64 {
+    /// Returns w, the weight of the kernel map: 1, unless the map is much likelier to harm than to help.
+    pub fn map_weight(self) -> f64 {
         step(8.0 * self.confidence())
     }
 
-    fn times(self, known: f64, doubted: f64) -> Self {
-        Self { known: known * self.known, doubted: doubted * self.doubted }
+    fn scaled(self, [explained, unexplained]: [f64; 2]) -> Self {
+        Self { explained: explained * self.explained, unexplained: unexplained * self.unexplained }
     }
 }
 
-impl Between {
-    /// What nothing is off by.
-    pub const NOTHING: Self = Self {
-        least: Evidence { known: 0.0, doubted: 0.0 },
-        most: Evidence { known: 0.0, doubted: 0.0 },
+impl ExpectedErrorBounds {
+    /// Bounds of an expected error of 0.
+    pub const ZERO: Self = Self {
+        least: ExpectedError { explained: 0.0, unexplained: 0.0 },
+        most: ExpectedError { explained: 0.0, unexplained: 0.0 },
     };
 
-    /// Adds what is known of other vertices.
+    /// Adds the error of other vertices.
     #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self { least: self.least.and(other.least), most: self.most.and(other.most) }
+    pub fn plus(self, other: Self) -> Self {
+        Self { least: self.least.plus(other.least), most: self.most.plus(other.most) }
     }
 
     /// Returns the least and the greatest w.
-    pub fn shares(self, arithmetic: Arithmetic) -> (f64, f64) {
+    pub fn map_weights(self, arithmetic: Arithmetic) -> (f64, f64) {
         let (least, most) = self.confidence(1, arithmetic);
-        let rounded = |share: f64, sign: f64| {
-            if share < 1.0 { (share * (1.0 + sign * (STEP_ERROR + U))).min(1.0) } else { 1.0 }
+        let rounded = |weight: f64, sign: f64| {
+            if weight < 1.0 { (weight * (1.0 + sign * (STEP_ERROR + U))).min(1.0) } else { 1.0 }
         };
         (rounded(step(8.0 * least), -1.0), rounded(step(8.0 * most), 1.0))
     }
 
-    /// Returns the least and the greatest confidence, from sums of so many numbers.
+    /// Returns the least and the greatest confidence.
+    ///
+    /// - `terms`: number of expected errors that were added up.
     pub fn confidence(self, terms: usize, arithmetic: Arithmetic) -> (f64, f64) {
         let rounding = gamma(2 * terms + 3 + arithmetic.division);
         let (least, most) = (self.least.confidence(), self.most.confidence());
@@ -160,68 +176,64 @@ impl Between {
     }
 }
 
-/// Where a fade ends, in squared distances of its start (METHOD §2.6).
-const FADE: f64 = 6.25;
-/// Relative error of the runtime's smoothstep.
-pub const STEP_ERROR: f64 = 4e-7;
-
-/// The confidence of an input: full within `start` of a centre, none beyond `end` of all
-/// (METHOD §2.6, on squared distances, which are smooth).
+/// Range of squared distances over which a confidence falls: 1 within `start` of a centre, 0 beyond `end` of every
+/// centre (METHOD §2.6).
+///
+/// Squared distances are smooth where an input meets a centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fade {
-    /// Squared scaled distance.
+    /// Squared scaled distance up to which the confidence is 1.
     pub start: f64,
-    /// Likewise.
+    /// Squared scaled distance from which the confidence is 0.
     pub end: f64,
 }
 
 impl Fade {
-    /// Fades beyond a squared distance.
+    /// Makes the fade that starts at a squared distance.
     pub fn beyond(start: f64) -> Self {
         Self { start, end: FADE * start }
     }
 
-    /// Returns the confidence of squared distances to all centres: 1 where nothing fades.
+    /// Returns the confidence at given squared distances to all centres; 1 of an empty fade.
     pub fn confidence(&self, squared: impl Iterator<Item = f64>) -> f64 {
         if self.end <= self.start {
             return 1.0;
         }
-        1.0 - squared.map(|s| 1.0 - step(self.place(s))).product::<f64>()
+        1.0 - squared.map(|s| 1.0 - step(self.position(s))).product::<f64>()
     }
 
-    /// Bounds the confidence's error, given the distances and their errors: 0 where every centre
-    /// is beyond doubt too far.
+    /// Bounds the confidence's error, given the distances and their errors: 0 where every centre is certainly too far.
     ///
-    /// A place in the fade is behind two differences and a division, and its step is exact where it
-    /// is 1. `1 - b`, the product of those that are not 1, and the difference from 1 round once each.
+    /// A position in the fade is behind two differences and a division. Its step is exact where the step is 1. `1 - b`,
+    /// the product of the steps below 1, and the difference from 1 round once each.
     pub fn error(&self, distances: &[(f64, f64)], arithmetic: Arithmetic) -> f64 {
         if self.end <= self.start {
             return 0.0;
         }
-        let of_place = gamma(2 + arithmetic.division);
-        let (mut doubt, mut least, mut most) = (1.0, 1.0, 1.0f64);
+        let of_position = gamma(2 + arithmetic.division);
+        let (mut uncertainty, mut least, mut most) = (1.0, 1.0, 1.0f64);
         for &(s, error) in distances {
-            let near = step(self.place(s - error) * (1.0 + of_place));
-            let far = step(self.place(s + error) * (1.0 - of_place));
+            let near = step(self.position(s - error) * (1.0 + of_position));
+            let far = step(self.position(s + error) * (1.0 - of_position));
             if near == 0.0 {
                 continue;
             }
             let far = if far < 1.0 { far * (1.0 - STEP_ERROR) } else { 1.0 };
-            doubt *= 1.0 - step(self.place(s));
+            uncertainty *= 1.0 - step(self.position(s));
             least *= (1.0 - near * (1.0 + STEP_ERROR)).max(0.0) * (1.0 - gamma(2));
             most *= (1.0 - far) * (1.0 + gamma(2));
         }
-        let [exact, least, most] = [doubt, most, least].map(|doubt| 1.0 - doubt);
+        let [exact, least, most] = [uncertainty, most, least].map(|uncertainty| 1.0 - uncertainty);
         (exact - least * (1.0 - U)).max(most * (1.0 + U) - exact)
     }
 
-    /// Returns where a squared distance is in the fade: 1 at its start, 0 at its end.
-    fn place(&self, s: f64) -> f64 {
+    /// Returns the position of a squared distance in the fade: 1 at the start, 0 at the end.
+    fn position(&self, s: f64) -> f64 {
         (self.end - s) / (self.end - self.start)
     }
 }
 
-/// Returns `u³ (10 - 15 u + 6 u²)` of u kept within 0 and 1.
+/// Returns `u³ (10 - 15 u + 6 u²)`, with u limited to [0, 1].
 pub fn step(u: f64) -> f64 {
     let u = u.clamp(0.0, 1.0);
     u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
@@ -231,26 +243,26 @@ pub fn step(u: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const CERTAINTY: Certainty =
-        Certainty { len: 2, reach: 4.0, linear: 0.5, signal: 30.0, noise: 60.0 };
+    const CONFIDENCE: MapConfidence =
+        MapConfidence { len: 2, reach: 4.0, linear: 0.5, signal: 30.0, noise: 60.0 };
 
     #[test]
-    fn what_is_explained_is_known_and_the_rest_is_in_doubt() {
-        let of = |apart, change, values: &[f64]| CERTAINTY.evidence(apart, change, values);
-        let share = Evidence::share;
+    fn confidence_is_the_explained_share_of_the_error() {
+        let of = |apart, change, values: &[f64]| CONFIDENCE.expected_error(apart, change, values);
+        let weight = ExpectedError::map_weight;
         assert_eq!(of(0.0, 0.0, &[0.0, 0.0]).confidence(), 1.0, "rest");
         // 1 - 0.5² + 0.5 · 2 = 1.75
         let found = of(2.0, -0.5, &[0.5, -1.0]);
-        assert!((found.known - 37.5).abs() < 1e-12 && (found.doubted - 30.0).abs() < 1e-12);
-        assert!((found.confidence() - 38.5 / 68.5).abs() < 1e-12 && share(found) == 1.0);
+        assert!((found.explained - 37.5).abs() < 1e-12 && (found.unexplained - 30.0).abs() < 1e-12);
+        assert!((found.confidence() - 38.5 / 68.5).abs() < 1e-12 && weight(found) == 1.0);
         let found = of(2.0, -0.5, &[0.0, 0.1]);
-        assert!(found.confidence() < 0.02 && share(found) < 1e-2);
-        assert!(of(2.0, -0.5, &[3.0, 0.0]).doubted == 0.0, "no more than there is");
-        assert!(share(of(16.0, -1.0, &[3.0, 0.0])) < 1e-80, "nothing far away");
+        assert!(found.confidence() < 0.02 && weight(found) < 1e-2);
+        assert!(of(2.0, -0.5, &[3.0, 0.0]).unexplained == 0.0, "at most the prior is explained");
+        assert!(weight(of(16.0, -1.0, &[3.0, 0.0])) < 1e-80, "no weight far away");
     }
 
     #[test]
-    fn what_numbers_are_off_by_is_within_the_bounds() {
+    fn rounded_numbers_stay_within_the_bounds_of_the_error() {
         for (apart, change, values) in [
             (2.0, -0.5, [0.5, -1.0]),
             (0.01, -0.01, [0.1, 0.08]),
@@ -258,7 +270,7 @@ mod tests {
             (15.9, -1.0, [0.3, 0.2]),
         ] {
             for off in [0.0, 1e-6, 1e-3] {
-                let found = CERTAINTY.between(
+                let found = CONFIDENCE.bounds(
                     (apart, off),
                     (change, off),
                     &values,
@@ -266,14 +278,15 @@ mod tests {
                     Arithmetic::IEEE,
                 );
                 let (least, most) = found.confidence(1, Arithmetic::IEEE);
-                let (least_share, most_share) = found.shares(Arithmetic::IEEE);
+                let (least_weight, most_weight) = found.map_weights(Arithmetic::IEEE);
                 for signs in 0..16 {
                     let sign = |bit: u32| if signs >> bit & 1 == 1 { off } else { -off };
-                    let moved = [values[0] + sign(2), values[1] + sign(3)];
-                    let moved = CERTAINTY.evidence(apart + sign(0), change + sign(1), &moved);
-                    assert!((least..=most).contains(&moved.confidence()), "{apart} {off}");
-                    let share = moved.share();
-                    assert!((least_share..=most_share).contains(&share), "{apart} {off}");
+                    let changed = [values[0] + sign(2), values[1] + sign(3)];
+                    let changed =
+                        CONFIDENCE.expected_error(apart + sign(0), change + sign(1), &changed);
+                    assert!((least..=most).contains(&changed.confidence()), "{apart} {off}");
+                    let weight = changed.map_weight();
+                    assert!((least_weight..=most_weight).contains(&weight), "{apart} {off}");
                 }
                 assert!(most - least < 1e-5 + 2e3 * off, "{apart} {off}: {least} {most}");
             }
@@ -281,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn confidence_falls_from_one_to_nothing() {
+    fn confidence_falls_from_one_to_zero() {
         let of = |x: f64| Fade { start: 1.0, end: 4.0 }.confidence(std::iter::once(x * x));
         assert_eq!(of(1.0), 1.0);
         assert!((0.01..0.99).contains(&of(1.6)));
@@ -291,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_distances_are_off_by_is_within_the_bound() {
+    fn rounded_distances_stay_within_the_bound_of_the_confidence() {
         let fade = Fade { start: 1.0, end: 4.0 };
         for apart in [[0.5, 2.0], [1.2, 3.0], [2.0, 3.9]] {
             for off in [0.0, 1e-6, 1e-3] {
@@ -299,11 +312,11 @@ mod tests {
                 let bound = fade.error(&distances, Arithmetic::IEEE);
                 let exact = fade.confidence(apart.into_iter());
                 for sign in [-1.0, 1.0] {
-                    let moved = fade.confidence(apart.into_iter().map(|s| s + sign * off));
-                    assert!((moved - exact).abs() <= bound);
+                    let changed = fade.confidence(apart.into_iter().map(|s| s + sign * off));
+                    assert!((changed - exact).abs() <= bound);
                 }
             }
         }
-        assert_eq!(fade.error(&[(81.0, 0.0)], Arithmetic::IEEE), 0.0, "none beyond doubt");
+        assert_eq!(fade.error(&[(81.0, 0.0)], Arithmetic::IEEE), 0.0, "certainly none");
     }
 }

@@ -1,11 +1,11 @@
-//! The inputs of a kernel fit: how far samples are from each other and from the origin, and what is
-//! measured in that, widths and the linear kernel (METHOD §2.2).
-//! Centres chosen greedily by the power function: each next one is the sample that those before
-//! explain worst (METHOD §2.2). This is the Cholesky factorisation of the kernel matrix with the
-//! largest pivot first, so every prefix of the centres has its factor at hand.
+//! Inputs of a kernel fit (METHOD §2.2): distances between samples, kernel widths relative to them, and kernel centres.
 //!
-//! The first centre is the origin, the rest pose, whose basis function is left out: what the others
-//! span vanishes at rest.
+//! Centres are chosen greedily by the power function. The next centre is the sample that the earlier centres explain
+//! worst. This is the Cholesky factorisation of the kernel matrix with the largest pivot first, so the factor of every
+//! prefix of the centres is part of the factor of all.
+//!
+//! The first centre is the origin, the rest pose. The basis function of the origin is left out, so all other basis
+//! functions vanish at rest.
 
 use super::function::Exact;
 use crate::numeric::columns;
@@ -15,10 +15,10 @@ use sinew_runtime::envelope::GroupKernel;
 /// Candidate squared widths, in median squared distances of the samples.
 pub const WIDTHS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
-/// Share of the linear kernel beside the other, over the median squared distance.
+/// Share of the linear kernel beside the other kernel, over the median squared distance.
 const LINEAR: f64 = 0.2;
 
-/// n samples of d inputs.
+/// Samples of a regression: n samples of d inputs.
 pub struct Inputs {
     values: Mat<f64>,
     /// Inner products of the origin and the samples, n + 1 x n + 1.
@@ -27,7 +27,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Takes inputs d x n, zero at rest; none where they are all alike.
+    /// Takes inputs d x n, zero at rest; `None` if all samples are equal.
     pub fn new(values: Mat<f64>) -> Option<Self> {
         let n = values.ncols();
         let with_origin = faer::concat![[Mat::<f64>::zeros(values.nrows(), 1), &values]];
@@ -59,8 +59,9 @@ impl Inputs {
         &self.values * faer::Scale(factor)
     }
 
-    /// Returns the matrix of `G + 0.2 x·x'/m` conditioned on being zero at the origin, n x n: the
-    /// kernel of a regression in which every sample is a centre.
+    /// Returns the matrix of `G + 0.2 x·x'/m`, conditioned on a value of 0 at the origin, n x n.
+    ///
+    /// This is the kernel of a regression in which every sample is a centre.
     pub fn kernel_matrix(&self, kernel: GroupKernel, width: f64) -> Mat<f64> {
         let (n, scale) = (self.sample_len(), 1.0 / self.squared_width(width));
         let value = |i: usize, j: usize| kernel.exact(scale * self.squared(i, j));
@@ -76,39 +77,40 @@ impl Inputs {
         &self.values
     }
 
-    /// Returns the squared distance of two points: number 0 is the origin, 1 + i sample i.
+    /// Returns the squared distance of two points: point 0 is the origin, point 1 + i is sample i.
     pub(super) fn squared(&self, i: usize, j: usize) -> f64 {
         let p = &self.products;
         (p[(i, i)] + p[(j, j)] - 2.0 * p[(i, j)]).max(0.0)
     }
 
-    /// Turns a squared width in median squared distances to one of inputs.
+    /// Converts a squared width from median squared distances to squared units of the inputs.
     pub(super) fn squared_width(&self, width: f64) -> f64 {
         width * self.median
     }
 
-    /// Returns what inner products of inputs are multiplied by in the linear kernel.
+    /// Returns the factor of inner products of inputs in the linear kernel.
     pub(super) fn linear_share(&self) -> f64 {
         LINEAR / self.median
     }
 }
 
-/// Share of a sample that the chosen centres leave unexplained, below which it is no centre.
-const EXPLAINED: f64 = 1e-15;
+/// Unexplained share of a sample below which the sample is no centre.
+const UNEXPLAINED_SHARE: f64 = 1e-15;
 
-/// Samples in the order in which they became centres, and the factor that follows.
-pub struct Greedy {
-    /// The samples that became centres after the origin.
+/// Centres in the order of their choice, with the Cholesky factor of their kernel matrix.
+pub struct GreedyCentres {
+    /// Samples that became centres after the origin.
     pub order: Vec<usize>,
-    /// Rows: the origin, then the n samples; columns: the origin, then the centres.
+    /// Cholesky factor. Rows: the origin, then the n samples; columns: the origin, then the centres.
     factor: Mat<f64>,
-    /// The kernels' values, as the factor.
+    /// Kernel values, with the rows and columns of the factor.
     values: Mat<f64>,
 }
 
-impl Greedy {
-    /// Chooses at most `most` of the samples, of pairwise squared distances (scaled) that
-    /// `squared` gives: number 0 is the origin, 1 + i sample i.
+impl GreedyCentres {
+    /// Chooses at most `most` of the samples.
+    ///
+    /// - `squared`: scaled squared distance of two points: point 0 is the origin, point 1 + i is sample i.
     pub fn new(
         kernel: GroupKernel,
         len: usize,
@@ -138,7 +140,7 @@ impl Greedy {
                 order.push(pivot - 1);
             }
             let worst = (1..points).max_by(|&a, &b| left[a].total_cmp(&left[b]).then(b.cmp(&a)));
-            match worst.filter(|&point| left[point] > EXPLAINED) {
+            match worst.filter(|&point| left[point] > UNEXPLAINED_SHARE) {
                 Some(point) => pivot = point,
                 None => break,
             }
@@ -147,25 +149,28 @@ impl Greedy {
         Self { factor: taken(factor), values: taken(values), order }
     }
 
-    /// Returns the first `count` centres alone.
+    /// Returns the first `count` centres only.
     pub fn first(&self, count: usize) -> Self {
         let taken = |of: &Mat<f64>| of.subcols(0, count + 1).to_owned();
         let (factor, values) = (taken(&self.factor), taken(&self.values));
         Self { order: self.order[..count].to_vec(), factor, values }
     }
 
-    /// The value of the origin's kernel (0) or of a centre's (1 and on) at the origin (0) or at a sample (1 and on).
+    /// Returns the kernel value of a centre at a point.
+    ///
+    /// - `point`: 0 for the origin, 1 + i for sample i.
+    /// - `centre`: 0 for the origin, 1 + k for centre k.
     pub fn value(&self, point: usize, centre: usize) -> f64 {
         self.values[(point, centre)]
     }
 
-    /// The n samples' values of the centres' orthonormal functions, n x centres.
+    /// Returns the values of the centres' orthonormal functions at the n samples, n x centres.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.factor.submatrix(1, 1, self.factor.nrows() - 1, self.order.len())
     }
 
-    /// Turns coefficients of orthonormal functions (centres x r) to those of the kernels at the
-    /// origin and at the centres (centres + 1 x r).
+    /// Converts coefficients of the orthonormal functions (centres x r) into coefficients of the kernels at the origin
+    /// and at the centres (centres + 1 x r).
     pub fn at_centres(&self, coefficients: &Mat<f64>) -> Mat<f64> {
         let count = coefficients.nrows();
         let row = |k: usize| if k == 0 { 0 } else { self.order[k - 1] + 1 };
@@ -206,7 +211,7 @@ mod tests {
     #[test]
     fn the_worst_explained_sample_is_next() {
         let (_, squared) = line(20);
-        let greedy = Greedy::new(GroupKernel::Gaussian, 20, 3, squared);
+        let greedy = GreedyCentres::new(GroupKernel::Gaussian, 20, 3, squared);
         assert_eq!(greedy.order[0], 19, "the farthest from the origin");
         assert!((5..12).contains(&greedy.order[1]), "then between the two");
         let mut twice = greedy.order.clone();
@@ -217,7 +222,7 @@ mod tests {
     #[test]
     fn functions_are_those_of_the_kernels_and_vanish_at_the_origin() {
         let (x, squared) = line(20);
-        let greedy = Greedy::new(GroupKernel::Matern32, 20, 6, squared);
+        let greedy = GreedyCentres::new(GroupKernel::Matern32, 20, 6, squared);
         let given = Mat::from_fn(6, 2, |r, c| (r as f64 - 2.0 * c as f64).sin());
         let coefficients = greedy.at_centres(&given);
         let value = |at: f64, o: usize| -> f64 {
@@ -241,7 +246,8 @@ mod tests {
     #[test]
     fn samples_that_repeat_are_one_centre() {
         let at = |i: usize| if i == 0 { 0.0 } else { 1.0 + (i % 3) as f64 };
-        let greedy = Greedy::new(GroupKernel::Gaussian, 12, 12, |a, b| (at(a) - at(b)).powi(2));
+        let greedy =
+            GreedyCentres::new(GroupKernel::Gaussian, 12, 12, |a, b| (at(a) - at(b)).powi(2));
         assert_eq!(greedy.order.len(), 3);
     }
 }

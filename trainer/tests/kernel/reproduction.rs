@@ -311,7 +311,9 @@ fn deviations_are_those_of_the_likeliest_process() {
     let values = Mat::from_fn(20, 3, |i, o| [y[(i, 0)], 2.0 * y[(i, 0)], 5.0][o]);
     let options = Options { epsilon: 4.0, ..Options::new(Kernel::Matern32) };
     let fit = Fit::new(&samples(&sites, &values), &options).unwrap();
-    let [one, two, none] = Variance::new(&fit.solved, &values).unwrap().deviations[..] else { panic!() };
+    let [one, two, none] = Variance::new(&fit.solved, &values).unwrap().deviations[..] else {
+        panic!()
+    };
     // 20 samples and a constant term: 19 degrees of freedom.
     let energy: f64 = (0..20).map(|k| fit.sum.coefficients[(0, k)] * y[(k, 0)]).sum();
     assert!((one * one / (energy / 19.0) - 1.0).abs() < 1e-9);

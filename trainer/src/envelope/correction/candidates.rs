@@ -166,7 +166,7 @@ fn choose_size(
                     inputs.input_len(),
                     centres,
                     rank,
-                    design.certainty_len(outputs.certainty),
+                    design.root_len(outputs.root_limit),
                     proxies,
                 ),
                 score: scored.scores[..rank].iter().sum::<f64>() + left,

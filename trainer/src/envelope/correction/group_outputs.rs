@@ -49,12 +49,12 @@ impl GroupOutputs {
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
-            beyond: beyond.len(),
+            extrapolated_len: beyond.len(),
             blocks: [blocks, beyond].concat(),
             parts: folds.parts().to_vec(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
-            certainty: target.certainty,
+            root_limit: target.certainty,
         };
         Self { joint, proxies, metric, directions, outputs }
     }

@@ -4,7 +4,7 @@ use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
 use crate::numeric::affine::{linear, seen_from};
 use crate::numeric::so3;
-use crate::regression::confidence::Evidence;
+use crate::regression::confidence::ExpectedError;
 use crate::regression::map::Value;
 use nalgebra::{Matrix3x4, Vector3};
 
@@ -42,15 +42,15 @@ impl EnvelopeModel {
         mut palette: Vec<Matrix3x4<f64>>,
     ) -> (Vec<Matrix3x4<f64>>, f64) {
         let first = self.first_proxy();
-        let mut known = Evidence::default();
+        let mut known = ExpectedError::default();
         for group in self.groups.iter().filter(|group| group.has_centres()) {
-            let Value { outputs, evidence } = group.map.evaluate(&group.input(features));
+            let Value { outputs, expected_error } = group.map.evaluate(&group.input(features));
             let proxies = &mut palette[first..][group.proxies.clone()];
-            let share = evidence.share();
+            let share = expected_error.map_weight();
             for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
                 *out += linear(&pose[group.joint]) * map * share;
             }
-            known = known.and(evidence);
+            known = known.plus(expected_error);
         }
         let own = self.known_of_joints(features).into_iter();
         (palette, own.fold(known.confidence(), f64::min))

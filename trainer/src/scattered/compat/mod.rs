@@ -1,7 +1,8 @@
-//! Other solvers' functions by their own names and rules (METHOD §2.4, §2.7): they warn where a fit of ours
-//! would be refused, as their originals return.
-//! Cases of another implementation, held against ours: sites, values, options by SciPy's names, queries
-//! and what it gives there.
+//! Functions of other solvers, by their own names and rules (METHOD §2.4, §2.7), and a comparison with reference
+//! results.
+//!
+//! These solvers warn where our fit would be refused, because the originals return a result. A reference case has
+//! sites, values, options by SciPy's names, queries, and the results of another implementation.
 
 pub mod published;
 pub mod scipy;
@@ -13,12 +14,12 @@ use scipy::{RbfInterpolator, ScipyOptions};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// The most that an output may deviate, over its range (METHOD §2.7).
+/// Largest allowed deviation of an output, over its range (METHOD §2.7).
 pub const DEVIATION: f64 = 1e-9;
-/// Reciprocal condition above which it must not.
+/// Reciprocal condition above which the deviation is limited.
 pub const RCOND: f64 = 1e-10;
 
-/// A file of cases.
+/// File of reference cases.
 #[derive(Deserialize)]
 pub struct Cases {
     cases: Vec<Case>,
@@ -35,31 +36,31 @@ struct Case {
     expected: Value,
 }
 
-/// What came of all cases.
+/// Results of all cases.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckReport {
-    /// Case by case.
+    /// Results, in the order of the cases.
     pub cases: Vec<CaseReport>,
-    /// Cases that were compared and are well enough conditioned to be held to it.
+    /// Number of compared cases whose condition is good enough for the limit.
     pub held: usize,
-    /// Cases that were compared, but whose condition promises nothing.
+    /// Number of compared cases whose condition is too poor for the limit.
     pub ill_conditioned: usize,
-    /// Cases that could not be compared.
+    /// Number of cases that could not be compared.
     pub skipped: usize,
-    /// Held cases that deviate too far.
+    /// Number of well-conditioned cases with a deviation above the limit.
     pub failed: usize,
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseReport {
-    /// Its name.
+    /// Name of the case.
     pub name: String,
-    /// The largest deviation over the output's range.
+    /// Largest deviation over the output's range.
     pub deviation: Option<f64>,
-    /// Reciprocal condition of what was solved, the worst of all queries' where each has its own.
+    /// Reciprocal condition of the solved system; the worst if each query has its own system.
     pub rcond: Option<f64>,
-    /// Why it could not be compared.
+    /// Reason why the case could not be compared.
     pub skipped: Option<String>,
 }
 
@@ -67,7 +68,7 @@ impl Cases {
     /// Reads cases from JSON.
     ///
     /// # Errors
-    /// If it is no JSON of this shape.
+    /// If the text is not JSON of this form.
     pub fn read(text: &[u8]) -> Result<Self, serde_json::Error> {
         serde_json::from_slice(text)
     }
@@ -79,7 +80,7 @@ impl Cases {
         let is_held = |case: &&CaseReport| case.rcond.is_some_and(|rcond| rcond > RCOND);
         let held = cases.iter().filter(compared).filter(is_held);
         let failed = held.clone().filter(|case| {
-            // What is not a number is no small deviation.
+            // A NaN fails.
             !case.deviation.is_some_and(|deviation| deviation <= DEVIATION)
         });
         let (held, failed) = (held.count(), failed.count());
@@ -89,7 +90,7 @@ impl Cases {
 }
 
 impl CheckReport {
-    /// Whether something was held, and all of it came out.
+    /// Returns true if at least one case was held to the limit and no case failed.
     pub fn passes(&self) -> bool {
         self.held > 0 && self.failed == 0
     }
@@ -134,7 +135,7 @@ impl Case {
             rcond = rcond.min(own);
             for (o, found) in found.iter().enumerate() {
                 let deviation = (found - expected[(row, o)]).abs() / ranges[o];
-                // Not `max`, which passes over what is not a number.
+                // Not `max`, which ignores a NaN.
                 most = if deviation <= most { most } else { deviation };
             }
         }

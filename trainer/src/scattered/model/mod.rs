@@ -1,4 +1,4 @@
-//! A function with names: what a fit makes of a problem, what is baked, and what a file is compared with.
+//! Functions from named inputs to named outputs: fitted to a problem, baked into a file, or read from a file.
 
 mod input;
 mod output;
@@ -18,58 +18,60 @@ use sinew_runtime::kernel::{
     QueryRule,
 };
 
-/// A function from named inputs to named outputs.
+/// Function from named inputs to named outputs.
 #[derive(Clone, Debug)]
 pub struct KernelModel {
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// Its inputs.
+    /// Inputs of the function.
     pub inputs: Vec<Input>,
-    /// Its outputs.
+    /// Outputs of the function.
     pub outputs: Vec<Output>,
-    /// The function of the inputs' features.
+    /// Sum of kernels, as a function of the inputs' features.
     pub sum: KernelSum,
-    /// Least and greatest of each feature in the samples.
+    /// Least and greatest value of each feature in the samples.
     pub ranges: Vec<[f64; 2]>,
-    /// What becomes of a query far from the samples.
+    /// Rule for queries far from the samples.
     pub query: QueryRule,
-    /// How far the centres vouch for a query.
+    /// Distances from the centres over which the confidence falls.
     pub fade: Fade,
-    /// Whether outputs are divided by their sum.
+    /// Rule by which outputs are divided by their sum.
     pub normalise: Normalise,
-    /// What the variance takes.
+    /// Variance of the function, if kept.
     pub variance: Option<Variance>,
-    /// What the fit reached.
+    /// Quality of the fit.
     pub fit: Figures,
 }
 
-/// What a fit reached; the values' units.
+/// Quality of a fit, in the values' units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
-    /// RMS of what is left of the values at the samples.
+    /// RMS residual of the values at the samples.
     pub residual_rms: f64,
-    /// RMS error of the samples that the others predict.
+    /// RMS error of samples that the others predict.
     pub left_out_rms: f64,
-    /// The most that f32 arithmetic may be off by over samples and their box.
+    /// Bound of the f32 error over the samples and their box.
     pub bound: f64,
-    /// Reciprocal condition of what was solved; 0 where nothing was.
+    /// Reciprocal condition of the solved system; 0 without a system.
     pub rcond: f64,
 }
 
-/// What a function gives at a query.
+/// Result of a function at a query.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluated {
     /// Numbers of all outputs.
     pub numbers: Vec<f64>,
-    /// How far samples vouch for the query, in [0, 1].
+    /// Confidence that the samples give to the query, in [0, 1].
     pub confidence: f64,
 }
 
 impl KernelModel {
     /// Evaluates the function.
     ///
+    /// - `given`: numbers of all inputs.
+    ///
     /// # Errors
-    /// [`EvaluationError`] of what is given.
+    /// [`EvaluationError`] of the inputs.
     pub fn evaluate(&self, given: &[f64]) -> Result<Evaluated, EvaluationError> {
         let x = self.features(given)?;
         let mut values = self.sum.evaluate(&x);
@@ -86,7 +88,7 @@ impl KernelModel {
         Ok(Evaluated { numbers, confidence })
     }
 
-    /// Computes features, kept within the samples' where that is the rule.
+    /// Computes features. The rule `Clamp` limits them to the ranges of the samples.
     fn features(&self, given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
         let mut x = features(&self.inputs, given)?;
         if self.query == QueryRule::Clamp {
@@ -99,7 +101,7 @@ impl KernelModel {
 }
 
 impl KernelModel {
-    /// Widens a file's function; the variance stays there.
+    /// Reads a file's function in f64, without its variance.
     pub fn from_file(map: &KernelMap<'_>) -> Self {
         let (rule, fit) = (map.rule(), map.fit());
         let features =
@@ -173,7 +175,7 @@ fn output_kind(row: &OutputRow) -> OutputKind {
     }
 }
 
-/// Returns the inputs of a file's function, of weight 1.
+/// Returns the inputs of a file's function, each of weight 1.
 pub fn inputs_of(map: &KernelMap<'_>) -> Vec<Input> {
     let input = |(number, row): (usize, sinew_runtime::kernel::InputRow)| {
         let axis = row.axis.map(f64::from);
