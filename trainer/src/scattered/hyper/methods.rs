@@ -1,11 +1,11 @@
-//! Variable projection: centres and metric by L-BFGS, where coefficients are always those that fit best
-//! (METHOD §3; Golub and Pereyra 1973).
-//! S1's dynamical system: centres, metric and coefficients go down the energy's gradient, ω times as
-//! far as it is steep (METHOD §3).
-//! S1's random changes: a centre or the metric is moved at random, the coefficients are solved, and a
-//! change that raises the energy by ΔE is taken with probability e^(-ΔE/T) (METHOD §3).
-//! L-BFGS: directions of descent by the last steps, and lengths that hold Wolfe's conditions (Nocedal
-//! and Wright 2006, §3.1 and algorithm 7.4).
+//! Methods that lower the energy (METHOD §3).
+//!
+//! - Variable projection (Golub and Pereyra 1973): L-BFGS moves centres and metric, and the coefficients are solved at
+//!   every step. Directions of descent come from the last steps, and step lengths meet Wolfe's conditions (Nocedal and
+//!   Wright 2006, §3.1 and algorithm 7.4).
+//! - S1's dynamical system: centres, metric and coefficients move down the gradient of the energy, times ω.
+//! - S1's random changes: a centre or the metric changes at random, and the coefficients are solved. A change that
+//!   raises the energy by ΔE is accepted with probability e^(-ΔE/T).
 
 use super::energy::{Energy, Parameters, Point};
 use super::options::{Step, Stop, Trace};
@@ -14,12 +14,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
 
-/// How far the first step goes at most, in units of u and of W.
+/// Largest length of the first step, in units of u and of W.
 const REACH: f64 = 0.1;
-/// So many steps that together lower the energy by no more than this share are the last.
+/// Number of steps, and the share of the energy by which they must lower it together, or learning stops.
 const SETTLED: (usize, f64) = (20, 1e-4);
 
-/// Learns from a point on, within the trace's evaluations.
+/// Runs variable projection from a point, up to the limit of evaluations.
 pub(super) fn variable_projection(
     energy: &Energy,
     mut here: Point,
@@ -54,7 +54,7 @@ pub(super) fn variable_projection(
         add(&mut step, -1.0, &flat(&here.parameters));
         let mut change = after.clone();
         add(&mut change, -1.0, &gradient);
-        // Wolfe's conditions promise it, but for rounding.
+        // Wolfe's conditions ensure this, except for rounding.
         if dot(&step, &change) > 0.0 {
             memory.remember(step, change);
         }
@@ -74,12 +74,12 @@ fn settled(trace: &Trace) -> bool {
     before.zip(now).is_some_and(|(before, now)| before - now <= share * before)
 }
 
-/// The gradient by centres and metric. Where coefficients are the best there is none by them.
+/// Returns the gradient by centres and metric. The gradient by the solved coefficients is 0.
 fn downhill(energy: &Energy, point: &Point) -> Vec<f64> {
     flat(&energy.gradient(point))
 }
 
-/// Centres, then the metric.
+/// Joins the centres and the metric.
 fn flat(parameters: &Parameters) -> Vec<f64> {
     [parameters.centres.as_slice(), &parameters.metric].concat()
 }
@@ -92,7 +92,7 @@ fn stepped(from: &Parameters, length: f64, direction: &[f64]) -> Parameters {
     to
 }
 
-/// Flows from a point on, within the trace's evaluations; ω is halved where the energy would rise.
+/// Runs the dynamical system from a point, up to the limit of evaluations; halves ω whenever the energy would rise.
 pub(super) fn gradient_flow(
     energy: &Energy,
     mut here: Point,
@@ -130,24 +130,25 @@ fn descended(from: &Parameters, omega: f64, gradient: &Parameters) -> Parameters
     to
 }
 
-/// A change goes as far as the reach, or a half of it, a quarter, ..., each as likely. It does not depend
-/// on the point, so that a change and its reverse are as likely as each other.
+/// Number of sizes of a change: the reach, a half of it, a quarter, and so on, with equal probability.
+///
+/// The sizes do not depend on the point, so a change and its reverse have the same probability.
 const HALVES: u32 = 8;
 
 /// Random changes of a point.
 pub(super) struct Walk<'a> {
-    /// What is to be lowered.
+    /// Energy to lower.
     pub(super) energy: &'a Energy,
-    /// The farthest that a number changes.
+    /// Largest change of a number.
     pub(super) reach: f64,
-    /// T at first and at last, linear between by evaluations.
+    /// T at the start and at the end; linear in the number of evaluations.
     pub(super) temperatures: [f64; 2],
-    /// Most evaluations of the trace.
+    /// Largest number of evaluations of the trace.
     pub(super) budget: usize,
 }
 
 impl Walk<'_> {
-    /// Changes a point; returns the best that was seen.
+    /// Changes a point; returns the best point of all.
     pub(super) fn run(&self, mut here: Point, random: &mut ChaCha8Rng, trace: &mut Trace) -> Point {
         let entries = 0..here.parameters.metric.len();
         let entries: Vec<usize> = entries.filter(|&entry| self.energy.learns(entry)).collect();
@@ -174,7 +175,7 @@ impl Walk<'_> {
         best
     }
 
-    /// Moves a centre, or the entries of the metric that are learned.
+    /// Changes a centre, or the learned entries of the metric.
     fn changed(&self, from: &Parameters, entries: &[usize], random: &mut ChaCha8Rng) -> Parameters {
         let mut to = from.clone();
         let input_len = self.energy.input_len();
@@ -190,21 +191,21 @@ impl Walk<'_> {
     }
 }
 
-/// Steps that are remembered.
+/// Number of steps in the memory of L-BFGS.
 const MEMORY: usize = 20;
 /// Share of the first slope by which the value must fall: Armijo's condition.
 const FALL: f64 = 1e-4;
-/// Share of the first slope that may be left: the condition on curvature.
+/// Share of the first slope that may remain: the curvature condition.
 const LEFT: f64 = 0.9;
-/// Most lengths that are tried for a step: then it is below any rounding.
+/// Largest number of lengths for a step. After so many halvings a step is below any rounding.
 const TRIALS: usize = 60;
 
-/// The last steps, and how the gradient changed by each.
+/// Last steps, each with the change of the gradient.
 #[derive(Default)]
 struct Memory(VecDeque<(Vec<f64>, Vec<f64>)>);
 
 impl Memory {
-    /// Remembers a step along which the slope grew.
+    /// Stores a step along which the slope grew.
     fn remember(&mut self, step: Vec<f64>, change: Vec<f64>) {
         if self.0.len() == MEMORY {
             self.0.pop_front();
@@ -212,13 +213,14 @@ impl Memory {
         self.0.push_back((step, change));
     }
 
-    /// Forgets all steps; returns whether there were any.
+    /// Removes all steps; returns false if there were none.
     fn forget(&mut self) -> bool {
         !std::mem::take(&mut self.0).is_empty()
     }
 
-    /// Returns a direction of descent: Newton's, as far as the steps know the curvature. Without
-    /// any it is as long as `reach` at most.
+    /// Returns a direction of descent: Newton's direction for the curvature that the stored steps show.
+    ///
+    /// Without stored steps, the direction is at most `reach` long.
     fn direction(&self, gradient: &[f64], reach: f64) -> Vec<f64> {
         let mut direction: Vec<f64> = gradient.iter().map(|g| -g).collect();
         let Some((step, change)) = self.0.back() else {
@@ -242,10 +244,10 @@ impl Memory {
     }
 }
 
-/// Finds a length of a step that holds Wolfe's conditions, by doubling and bisection; none where
-/// `at` gives none, or where none is found.
+/// Finds a step length that meets Wolfe's conditions, by doubling and bisection; `None` if no length is found or `at`
+/// returns `None`.
 ///
-/// `at` gives a value, its slope along the step, and whatever the caller wants back.
+/// - `at`: returns the value at a length, the slope along the step, and the caller's point.
 fn search<P>(
     value: f64,
     slope: f64,
@@ -254,7 +256,7 @@ fn search<P>(
     let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
     for _ in 0..TRIALS {
         let (found, left, point) = at(length)?;
-        // A value that is not a number has not fallen.
+        // A NaN has not fallen.
         let fallen = found <= value + FALL * length * slope;
         if fallen && left >= LEFT * slope {
             return Some(point);
@@ -296,7 +298,7 @@ mod tests {
 
     #[test]
     fn lengths_hold_both_conditions() {
-        // Steep where it starts, with its minimum far, near, and behind a rise.
+        // Curves that are steep at the start, with the minimum far, near, and behind a rise.
         type Curve = fn(f64) -> (f64, f64);
         let curves: [Curve; 3] = [
             |x| ((x - 40.0) * (x - 40.0), 2.0 * (x - 40.0)),

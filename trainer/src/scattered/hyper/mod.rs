@@ -1,9 +1,10 @@
-//! HyperBF: a sum of few kernels whose centres and metric are learned (S1 appendix 1, METHOD §3).
+//! HyperBF: sums of few kernels whose centres and metric are learned (S1 appendix 1, METHOD §3).
 //!
-//! [`learn()`] places centres on samples ([`Start`]), moves them and the metric by one of three methods
-//! ([`Method`]), from every seed, and keeps the best. [`Energy`] is what they lower. Random numbers are
-//! ChaCha8's, loops are scalar and in one order, and what is neither a sum, a product, a quotient nor
-//! a square root is libm's: the same seed gives the same trace, bit for bit, on any CPU.
+//! [`learn()`] places centres on samples ([`Start`]) and moves the centres and the metric by one of three methods
+//! ([`Method`]). It starts once from every seed and keeps the best result. The methods lower the [`Energy`].
+//!
+//! The same seed gives the same trace, bit for bit, on any CPU. Random numbers are ChaCha8's, loops are scalar with a
+//! fixed order, and libm computes everything except sums, products, quotients and square roots.
 
 mod energy;
 mod least_squares;
@@ -21,26 +22,30 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// What was learned.
+/// Learned function.
 #[derive(Clone, Debug)]
 pub struct Learned {
-    /// The function.
+    /// Sum of kernels with the least energy.
     pub sum: KernelSum,
-    /// Its energy.
+    /// Energy of the sum.
     pub energy: f64,
-    /// The trace that led to it.
+    /// Index of the trace that led to the sum.
     pub best: usize,
-    /// A trace a seed, in the seeds' order.
+    /// Trace of each seed, in the order of the seeds.
     pub traces: Vec<Trace>,
 }
 
-/// Learns a function from sites x (N x d) and values y (N x m); `shift` and `scale` (d each) turn x to
-/// the u in which centres, metric and polynomial are.
+/// Learns a function from sites x (N x d) and values y (N x m).
+///
+/// - `shift`, `scale`: d each, turn x into u, the coordinates of centres, metric and polynomial.
 ///
 /// # Errors
-/// [`HyperError`] where [`Energy::new`] refuses, with a hat, where no centre or seed is asked for, where
-/// centres and monomials are more than samples, where a number of the method is out of its range, and
-/// where a start's energy is not finite.
+/// - Errors of [`Energy::new`].
+/// - If the kernel is a hat.
+/// - If there are no centres or no seeds.
+/// - If there are more centres and monomials than samples.
+/// - If a number of the method is out of its range.
+/// - If a start's energy is not finite.
 pub fn learn(
     sites: MatRef<'_, f64>,
     values: MatRef<'_, f64>,
@@ -116,7 +121,7 @@ fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Tr
     Ok((point, trace))
 }
 
-/// Makes the function that parameters are; its centres are those that the metric sees.
+/// Makes the sum with given parameters. Its centres are products with the metric.
 fn sum(
     energy: &Energy,
     parameters: &Parameters,
@@ -140,7 +145,9 @@ fn sum(
     }
 }
 
-/// Chooses `count` different samples; distances are those of the metric, W by rows.
+/// Chooses `count` different samples.
+///
+/// - `metric`: W by rows, for distances between samples.
 fn choose(
     start: Start,
     energy: &Energy,
@@ -155,7 +162,7 @@ fn choose(
     }
 }
 
-/// Draws samples, each as likely.
+/// Draws samples with equal probability.
 fn random_samples(sample_len: usize, count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let mut samples: Vec<usize> = (0..sample_len).collect();
     for place in 0..count {
@@ -165,8 +172,8 @@ fn random_samples(sample_len: usize, count: usize, random: &mut ChaCha8Rng) -> V
     samples
 }
 
-/// Draws each next sample with a probability as its squared distance from those before; where none
-/// is apart from them, any other.
+/// Draws each sample with a probability proportional to its squared distance from the earlier ones. If all distances
+/// are 0, the next sample is any other sample.
 fn k_means_plus_plus(
     energy: &Energy,
     metric: &[f64],
@@ -194,7 +201,7 @@ fn k_means_plus_plus(
     chosen
 }
 
-/// Takes each next sample where those before, their coefficients solved, leave the largest residual.
+/// Chooses each sample where the earlier ones, with solved coefficients, have the largest residual.
 fn greedy_samples(energy: &Energy, metric: &[f64], count: usize) -> Vec<usize> {
     let mut chosen = Vec::new();
     while chosen.len() < count {
@@ -206,7 +213,7 @@ fn greedy_samples(energy: &Energy, metric: &[f64], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// Puts centres on samples, their coefficients yet unsolved.
+/// Places centres on samples, without coefficients.
 fn placed(energy: &Energy, metric: &[f64], samples: &[usize]) -> Parameters {
     let centres = samples.iter().flat_map(|&i| energy.input(i).iter().copied()).collect();
     Parameters { centres, metric: metric.to_vec(), coefficients: Vec::new() }

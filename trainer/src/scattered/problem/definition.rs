@@ -1,5 +1,4 @@
-//! Samples of a function, and what they are fitted with.
-//! What a problem is fitted with, as a person writes it.
+//! Samples of a function, and the options of their fit as a person writes them.
 
 use super::error::ProblemError;
 use crate::scattered::deviation::F32_ERROR;
@@ -13,25 +12,24 @@ use sinew_runtime::kernel::{Normalise, QueryRule};
 /// Samples of a function from named inputs to named outputs.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The function's name.
+    /// Name of the function.
     pub name: String,
-    /// Its inputs.
+    /// Inputs of the function.
     pub inputs: Vec<Input>,
-    /// Its outputs.
+    /// Outputs of the function.
     pub outputs: Vec<Output>,
-    /// What is given of all inputs, a row a sample.
+    /// Given numbers of all inputs, a row a sample.
     pub sites: Vec<Vec<f64>>,
-    /// Numbers of all outputs, likewise.
+    /// Numbers of all outputs, a row a sample.
     pub values: Vec<Vec<f64>>,
-    /// Lines of a CSV that the samples are in; none of other files.
+    /// CSV lines of the samples; empty for other files.
     pub lines: Vec<u64>,
-    /// What they are fitted with.
+    /// Options of the fit.
     pub options: ProblemOptions,
 }
 
 impl Problem {
-    /// Checks that rows are there, as many of values as of sites, and each as long as inputs and outputs
-    /// are.
+    /// Checks the rows: there are as many values as sites, and each row has as many numbers as its inputs or outputs.
     ///
     /// # Errors
     /// [`ProblemError::Empty`], [`ProblemError::Rows`], [`ProblemError::Row`] and [`ProblemError::Twice`], in this
@@ -64,12 +62,12 @@ impl Problem {
         Ok(self)
     }
 
-    /// Names the row of a sample: a line of a CSV, else the row, from 0.
+    /// Names the row of a sample: a line of a CSV, otherwise the row, from 0.
     pub fn row(&self, row: usize) -> String {
         self.lines.get(row).map_or_else(|| format!("row {row}"), |line| format!("line {line}"))
     }
 
-    /// Names two of them.
+    /// Names the rows of two samples.
     pub fn rows(&self, first: usize, second: usize) -> String {
         match (self.lines.get(first), self.lines.get(second)) {
             (Some(first), Some(second)) => format!("lines {first} and {second}"),
@@ -83,7 +81,7 @@ impl Problem {
         if self.lines.is_empty() { format!("{row} of {of}") } else { row }
     }
 
-    /// Lists the inputs that are given as Euler angles.
+    /// Lists the inputs that are Euler angles.
     pub fn euler_inputs(&self) -> Vec<&str> {
         let is_euler =
             |input: &&Input| matches!(input.kind, InputKind::Rotation { order: Some(_), .. });
@@ -91,59 +89,58 @@ impl Problem {
     }
 }
 
-/// What a problem is fitted with; what is left out is chosen by leaving samples out, or has the default
-/// named here.
+/// Options of a fit. Omitted options are chosen by leaving samples out, or have the default named here.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "options by name")]
 pub struct ProblemOptions {
-    /// Whose rules hold.
+    /// Rules of the fit.
     pub mode: Mode,
-    /// The kernel's name; gaussian.
+    /// Name of the kernel; default: gaussian.
     pub kernel: Option<String>,
-    /// One over the width, in mean distances of the samples (those of the other modes as they are);
-    /// that which a learned metric starts from.
+    /// Reciprocal of the width, in mean distances of the samples; unscaled in the other modes. A learned metric starts
+    /// from it.
     pub epsilon: Option<f64>,
-    /// λ; 0, which interpolates, unless it is to be chosen.
+    /// Smoothing λ; default: 0, which interpolates.
     pub smoothing: Option<Smoothing>,
-    /// Largest deviation of the file, over a value's range; [`F32_ERROR`].
+    /// Largest deviation of the file, over a value's range; default: [`F32_ERROR`].
     pub f32_error: f64,
-    /// Degree of the polynomial; -1 without one, by default the least that the kernel allows.
+    /// Degree of the polynomial, -1 for none; default: the least degree that the kernel allows.
     pub degree: Option<i32>,
-    /// SciPy's mode: how many samples make the function at a query.
+    /// For SciPy's mode: number of nearest samples that determine the function at a query.
     pub neighbors: Option<usize>,
-    /// Centres, where they are to be fewer than samples.
+    /// Number of centres; default: every sample is a centre.
     pub centres: Option<usize>,
-    /// Learns centres and metric.
+    /// Options for learning centres and metric.
     pub learn: Option<Learn>,
-    /// Makes weights of the samples: an output each, 1 at its own sample and 0 at the others.
+    /// Replaces the values by weights of the samples: an output per sample, 1 at the sample and 0 at the others.
     pub weights: bool,
-    /// Takes the mean of samples of one site that disagree.
+    /// Averages samples of one site with different values.
     pub average: bool,
-    /// Samples by groups that are left out together, a number each.
+    /// Group number of each sample. Samples of a group are left out together.
     pub groups: Option<Vec<usize>>,
-    /// The sample that is neutral; the first.
+    /// Row of the neutral sample; default: the first.
     pub neutral: usize,
-    /// What becomes of a query far from the samples.
+    /// Rule for queries far from the samples.
     #[serde(deserialize_with = "query_rule")]
     pub outside: QueryRule,
-    /// Whether marked outputs are divided by their sum.
+    /// Rule by which marked outputs are divided by their sum.
     #[serde(deserialize_with = "normalise")]
     pub normalise: Option<Normalise>,
-    /// S2's mode: the radius; 1.
+    /// For S2's mode: radius; default: 1.
     pub radius: Option<f64>,
-    /// S2's mode: whether columns of sites are divided by their lengths.
+    /// For S2's mode: divides columns of sites by their lengths.
     pub normalise_features: bool,
 }
 
-/// λ as it is written.
+/// Smoothing λ, as a person writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Value")]
 pub enum Smoothing {
-    /// This, of all samples.
+    /// One λ for all samples.
     Given(f64),
-    /// One of each row.
+    /// λ of each row.
     Each(Vec<f64>),
-    /// One that predicts left-out samples best.
+    /// The λ that predicts left-out samples best.
     Chosen,
 }
 
@@ -165,62 +162,62 @@ impl TryFrom<Value> for Smoothing {
     }
 }
 
-/// Whose rules a fit follows.
+/// Rules of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// METHOD §2's.
+    /// Rules of METHOD §2.
     #[default]
     Sinew,
-    /// Those of SciPy's `RBFInterpolator`.
+    /// Rules of SciPy's `RBFInterpolator`.
     Scipy,
-    /// S2's, as its post publishes them.
+    /// Rules of S2, as its post publishes them.
     Published,
 }
 
-/// What is learned.
+/// Options for learning centres and metric.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "options of `learn` by name")]
 pub struct Learn {
-    /// How.
+    /// Method of learning.
     pub method: LearnMethod,
-    /// Centres; 12, or fewer where samples are fewer.
+    /// Number of centres; default: 12, or fewer if there are fewer samples.
     pub centres: Option<usize>,
-    /// The metric.
+    /// Learned part of the metric.
     pub metric: LearnMetric,
-    /// Rows of a metric of low rank.
+    /// Number of rows of a low-rank metric.
     pub rank: Option<usize>,
-    /// Starts.
+    /// Number of starts.
     pub seeds: u64,
-    /// How often the energy may be evaluated from each.
+    /// Largest number of energy evaluations per start.
     pub evaluations: usize,
-    /// λ of the coefficients.
+    /// Ridge λ of the coefficients.
     pub ridge: f64,
 }
 
-/// A method of learning.
+/// Method of learning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LearnMethod {
-    /// Coefficients solved exactly, the rest by L-BFGS.
+    /// Solves for the coefficients exactly, and for the rest by L-BFGS.
     #[default]
     Projection,
-    /// S1's dynamical system.
+    /// Follows S1's dynamical system.
     Flow,
-    /// S1's random changes, cooled.
+    /// Makes S1's random changes, with a falling temperature.
     Metropolis,
 }
 
-/// What of a metric is learned.
+/// Learned part of a metric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LearnMetric {
-    /// Nothing.
+    /// No entry.
     Fixed,
-    /// A weight an input.
+    /// A weight per input.
     #[default]
     Diagonal,
-    /// All of it.
+    /// Every entry.
     Full,
 }
 
@@ -263,7 +260,7 @@ impl Default for Learn {
 }
 
 impl LearnMethod {
-    /// Returns the method with its numbers.
+    /// Returns the method with its parameters.
     pub fn method(self) -> hyper::Method {
         match self {
             Self::Projection => hyper::Method::VariableProjection,

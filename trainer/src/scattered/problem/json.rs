@@ -1,5 +1,4 @@
-//! A problem as JSON.
-//! Kinds of inputs and outputs, as they are written.
+//! Problems as JSON, with the kinds of inputs and outputs as a person writes them.
 
 use super::definition::{Problem, ProblemOptions};
 use super::error::ProblemError;
@@ -22,12 +21,12 @@ struct Written {
     options: ProblemOptions,
 }
 
-/// Most characters of a wrong value that an error shows.
+/// Largest number of characters of a wrong value that an error shows.
 const SHOWN: usize = 40;
 
-/// Reads rows of numbers, or a column of them; all rows of one kind.
+/// Reads rows of numbers, or a column of numbers. All rows have the form of the first.
 ///
-/// - `what`: the name of the rows, for errors.
+/// - `what`: name of the rows, for errors.
 ///
 /// # Errors
 /// [`ProblemError::NoRows`] and [`ProblemError::Entry`].
@@ -51,7 +50,7 @@ pub(in crate::scattered) fn rows(
     all.iter().enumerate().map(row).collect()
 }
 
-/// Writes a wrong value, its beginning if it is long.
+/// Formats a wrong value, shortened if it is long.
 fn shown(found: &Value) -> String {
     let text = found.to_string();
     match text.char_indices().nth(SHOWN) {
@@ -85,7 +84,7 @@ pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> 
     Problem { name, inputs, outputs, sites, values, lines: Vec::new(), options }.check()
 }
 
-/// Makes values of n samples that are 1 at their own and 0 at the others.
+/// Makes the values of n weights: 1 at the sample of the weight and 0 at the others.
 fn weights(n: usize) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|k| f64::from(u8::from(i == k))).collect()).collect()
 }
@@ -93,13 +92,13 @@ fn weights(n: usize) -> Vec<Vec<f64>> {
 /// Reads queries: `{"queries": [[...]]}`, or the rows alone.
 ///
 /// # Errors
-/// [`ProblemError::Json`], and those of [`rows`].
+/// [`ProblemError::Json`], and the errors of [`rows`].
 pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, ProblemError> {
     let all: Value = json::read(text)?;
     rows("queries", all.get("queries").unwrap_or(&all))
 }
 
-/// The orders of Euler angles, by name.
+/// Orders of Euler angles, by name.
 const ORDERS: [(&str, EulerOrder); 6] = [
     ("XYZ", EulerOrder::Xyz),
     ("XZY", EulerOrder::Xzy),
@@ -108,13 +107,13 @@ const ORDERS: [(&str, EulerOrder); 6] = [
     ("ZXY", EulerOrder::Zxy),
     ("ZYX", EulerOrder::Zyx),
 ];
-/// What an input may be.
+/// Kinds of inputs.
 const INPUTS: &str = "scalar, vector3, quaternion, rows, swing, twist, angle or euler XYZ (any order), \
                       and \"swing euler XYZ\" likewise";
-/// What an output may be.
+/// Kinds of outputs.
 const OUTPUTS: &str = "scalar, vector3 or quaternion";
 
-/// An input as it is written.
+/// Input, as a person writes it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an input, as {\"name\": \"x\"}")]
 pub(super) struct WrittenInput {
@@ -126,7 +125,7 @@ pub(super) struct WrittenInput {
     axis: Option<[f64; 3]>,
 }
 
-/// An output as it is written.
+/// Output, as a person writes it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an output, as {\"name\": \"y\"}")]
 pub(super) struct WrittenOutput {
@@ -147,6 +146,8 @@ const fn one() -> f64 {
 }
 
 impl WrittenInput {
+    /// Reads the kind of the input.
+    ///
     /// # Errors
     /// [`ProblemError::Kind`] and [`ProblemError::Axis`].
     pub(super) fn input(&self) -> Result<Input, ProblemError> {
@@ -206,7 +207,7 @@ impl WrittenInput {
 }
 
 impl WrittenOutput {
-    /// Its neutral is 0, or no rotation, until a sample is known.
+    /// Reads the kind of the output. Its neutral value is 0, or the identity, until the neutral sample sets it.
     ///
     /// # Errors
     /// [`ProblemError::Kind`] and [`ProblemError::Bounds`].
@@ -238,13 +239,13 @@ impl WrittenOutput {
     }
 }
 
-/// Makes so many scalar inputs that nobody has named.
+/// Makes scalar inputs with default names.
 pub(super) fn scalar_inputs(len: usize) -> Vec<Input> {
     let input = |i| Input { name: format!("x{i}"), kind: InputKind::Scalar, weight: 1.0 };
     (0..len).map(input).collect()
 }
 
-/// Makes so many scalar outputs that nobody has named.
+/// Makes scalar outputs with default names.
 pub(super) fn scalar_outputs(len: usize) -> Vec<Output> {
     (0..len).map(|i| Output { name: format!("y{i}"), kind: free_scalar() }).collect()
 }

@@ -1,5 +1,4 @@
-//! A problem as a person writes it: samples of a function from named inputs to named outputs, as JSON, CSV
-//! or `.npz`.
+//! Problems: samples of a function from named inputs to named outputs, as a person writes them in JSON, CSV or `.npz`.
 
 mod csv;
 mod definition;
@@ -20,10 +19,10 @@ use std::path::Path;
 
 /// Reads a problem from JSON, CSV or `.npz`.
 ///
-/// - `outputs`: names of a CSV's outputs; the last where none is named.
+/// - `outputs`: names of a CSV's outputs; empty for the last column.
 ///
 /// # Errors
-/// [`ProblemError`]: of a file other than CSV also if outputs are named.
+/// [`ProblemError`]: also if outputs are named for a file other than CSV.
 pub fn read(path: &Path, outputs: &[String]) -> Result<Problem, ProblemError> {
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     match extension(path).as_str() {
@@ -35,7 +34,7 @@ pub fn read(path: &Path, outputs: &[String]) -> Result<Problem, ProblemError> {
     }
 }
 
-/// Reads queries of a function from JSON or CSV: what is given of all inputs, a row a query.
+/// Reads queries of a function from JSON or CSV: the given numbers of all inputs, a row a query.
 ///
 /// # Errors
 /// [`ProblemError`].
@@ -54,10 +53,10 @@ fn bytes(path: &Path) -> Result<Vec<u8>, FormatError> {
     std::fs::read(path).map_err(FormatError::Read)
 }
 
-/// Reads a problem of scalars.
+/// Reads a problem of scalars from the arrays `sites`, n x d, and `values`, n x m.
 ///
 /// # Errors
-/// [`ProblemError::Format`], and those of rows.
+/// [`ProblemError::Format`], and the errors of [`Problem::check`].
 fn from_npz(path: &Path, name: &str) -> Result<Problem, ProblemError> {
     let mut archive = Archive::open(path)?;
     let mut matrix = |array| -> Result<Vec<Vec<f64>>, ProblemError> {

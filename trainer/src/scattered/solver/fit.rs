@@ -1,8 +1,6 @@
-//! A function from samples, every sample a centre (METHOD §2.2).
-//! A function of fewer centres than samples, by least squares (METHOD §2.2):
-//! `min Σ_i |y_i - f(x_i)|² + λ n (|c|² + |b|²)`.
-//! A function from samples by the fit that options ask for: every sample a centre, or fewer.
-//! Samples as a fit sees them, and a function of what it found.
+//! Fits of scattered data (METHOD §2.2): every sample a centre, or fewer centres than samples.
+//!
+//! A fit of fewer centres is a least-squares fit: `min Σ_i |y_i - f(x_i)|² + λ n (|c|² + |b|²)`.
 
 use super::error::KernelError;
 use super::leave_one_out::LeaveOneOut;
@@ -17,19 +15,18 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, Par};
 
-/// Least reciprocal condition of a system that is solved: beyond, f64 has no digit left.
+/// Least reciprocal condition of a solved system. Below it, f64 has no correct digit left.
 pub const RCOND: f64 = 1e-14;
-/// Largest share of the values' range by which its equations may be missed: what METHOD §2.7 promises
-/// of samples.
+/// Largest residual of the equations, over the values' range: METHOD §2.7 promises this of samples.
 pub const MISSED: f64 = 1e-10;
 
-/// A function, and what it was fitted with.
+/// Fit with every sample a centre.
 pub struct Fit {
-    /// The function.
+    /// Fitted function.
     pub sum: KernelSum,
-    /// The solution.
+    /// Solution of the system.
     pub solved: Solved,
-    /// λ of each sample, n.
+    /// Smoothing λ of each sample, n.
     pub smoothing: Vec<f64>,
 }
 
@@ -37,7 +34,7 @@ impl Fit {
     /// Fits samples.
     ///
     /// # Errors
-    /// Those of [`Options::check`]; if rounding decides what the function is.
+    /// Errors of [`Options::check`]; if rounding errors would determine the function.
     pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
         options.check()?;
         let prepared = Prepared::new(samples, options);
@@ -59,40 +56,43 @@ impl Fit {
     }
 }
 
-/// Which samples are centres.
+/// Choice of centres.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Centres {
-    /// At most so many, by the power function.
+    /// At most this number of samples, by the power function.
     Greedy(usize),
-    /// These.
+    /// Indices of samples.
     Given(Vec<usize>),
 }
 
-/// A function of fewer centres, and what it was fitted with.
+/// Fit of fewer centres than samples.
 pub struct FewerFit {
-    /// The function.
+    /// Fitted function.
     pub sum: KernelSum,
-    /// The samples that are centres, k.
+    /// Indices of the samples that are centres, k.
     pub centres: Vec<usize>,
     /// Rank of the polynomials, r.
     pub rank: usize,
-    /// Their degree.
+    /// Degree of the polynomials.
     pub degree: Option<usize>,
-    /// What the function leaves of the values, n x m.
+    /// Residuals of the values, n x m.
     pub residuals: Mat<f64>,
     /// Reciprocal condition of the triangular factor, in the 1-norm.
     pub rcond: f64,
-    /// h of the hat matrix `h hᵀ`, n x (k + r).
+    /// Factor h of the hat matrix `h hᵀ`, n x (k + r).
     hat: Mat<f64>,
 }
 
 impl FewerFit {
-    /// Fits samples; b are coefficients on the orthonormal basis of the polynomials. Without smoothing the
-    /// power function chooses no more centres than samples determine beside the polynomials.
+    /// Fits samples; b are coefficients on the orthonormal basis of the polynomials.
+    ///
+    /// Without smoothing, the power function chooses at most as many centres as the samples can determine besides the
+    /// polynomials.
     ///
     /// # Errors
-    /// Those of [`Options::check`]; if a given centre is not a sample or stands twice; if there are
-    /// more given centres and polynomials than samples and smoothing determine.
+    /// - Errors of [`Options::check`].
+    /// - If a given centre is not a sample or occurs twice.
+    /// - If samples and smoothing do not determine the given centres and polynomials.
     pub fn new(
         samples: &Samples,
         options: &Options,
@@ -141,13 +141,13 @@ impl FewerFit {
         Ok(Self { sum, centres, rank, degree, residuals, rcond, hat })
     }
 
-    /// Predicts samples by the fit with the same centres and without their values.
+    /// Predicts samples by the fit with the same centres and without the samples' values.
     pub fn leave_one_out(&self) -> LeaveOneOut {
         LeaveOneOut::of_hat(self.hat.clone(), self.residuals.clone())
     }
 }
 
-/// Refuses centres that are not samples, or stand twice.
+/// Checks that centres are different samples.
 fn distinct(centres: &[usize], samples: usize) -> Result<(), KernelError> {
     let mut taken = vec![false; samples];
     for &centre in centres {
@@ -159,7 +159,7 @@ fn distinct(centres: &[usize], samples: usize) -> Result<(), KernelError> {
     Ok(())
 }
 
-/// A fit of either kind.
+/// Fit of either kind.
 pub enum AnyFit {
     /// Every sample is a centre.
     Every(Box<Fit>),
@@ -171,7 +171,7 @@ impl AnyFit {
     /// Fits samples.
     ///
     /// # Errors
-    /// Those of [`Fit::new`] or [`FewerFit::new`].
+    /// Errors of [`Fit::new`] or [`FewerFit::new`].
     pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
         Ok(match options.centres {
             Some(most) if most < samples.sample_len() => {
@@ -200,11 +200,11 @@ impl AnyFit {
 
 /// Points and polynomials of a fit.
 struct Prepared {
-    /// Samples, scaled, n x d.
+    /// Scaled samples, n x d.
     points: Mat<f64>,
-    /// Polynomials of them.
+    /// Polynomials at the points.
     polynomial: Polynomial,
-    /// The function, with neither centres nor coefficients.
+    /// Function without centres and coefficients.
     empty: KernelSum,
 }
 
@@ -227,8 +227,11 @@ impl Prepared {
         Self { points, polynomial, empty }
     }
 
-    /// Makes the function of centres (k x d) and of coefficients of kernels (k x m) and of monomials
-    /// (T x m).
+    /// Makes the function.
+    ///
+    /// - `centres`: k x d.
+    /// - `kernels`: coefficients of the kernels, k x m.
+    /// - `monomials`: coefficients of the monomials, T x m.
     fn sum(&self, centres: &Mat<f64>, kernels: &Mat<f64>, monomials: &Mat<f64>) -> KernelSum {
         KernelSum {
             centres: centres.transpose().to_owned(),

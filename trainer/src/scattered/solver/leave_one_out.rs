@@ -1,10 +1,11 @@
-//! Every sample, or group of them, predicted by a fit without it, in closed form (METHOD §2.2).
-//! How unsure a function is between its samples: the variance of a gaussian process with its kernel as
-//! covariance, or generalised covariance (METHOD §2, §4).
+//! Errors of samples that a fit leaves out, and the variance of a fit between its samples.
 //!
-//! METHOD has `G(0) - [g; p]ᵀ S⁻¹ [g; p]`, a difference of large numbers. With the weights B p that
-//! reproduce the polynomials at a query, the same is
-//! `G(0) - 2 g·(B p) + p·(H p) - |A [g; p]|²`, H = Bᵀ(K + Λ)B and A what whitens `g - (K + Λ)B p`.
+//! Samples are left out in closed form, alone or in groups (METHOD §2.2). The variance is that of a gaussian process
+//! with the kernel as covariance, or generalised covariance (METHOD §2, §4).
+//!
+//! METHOD's variance is `G(0) - [g; p]ᵀ S⁻¹ [g; p]`, a difference of large numbers. Let B p be the weights that
+//! reproduce the polynomials at a query, H = Bᵀ(K + Λ)B, and let A whiten `g - (K + Λ)B p`. Then the same variance is
+//! `G(0) - 2 g·(B p) + p·(H p) - |A [g; p]|²`.
 
 use super::system::Solved;
 use crate::regression::function::Exact;
@@ -12,25 +13,27 @@ use crate::regression::outputs::LeftOut;
 use crate::scattered::sum::KernelSum;
 use faer::Mat;
 
-/// Share of a sample that the others must leave to its own error, below which they do not determine
-/// the fit.
+/// Least share of a sample that the other samples must leave undetermined; below it they determine no fit.
 const DETERMINED: f64 = 1e-10;
 
-/// What a fit with n samples knows of being without some of them.
+/// Matrices that give the fit without some of its n samples.
 pub struct LeaveOneOut {
-    /// R of `r = R y`, or a multiple of it, n x n.
+    /// R of `r = R y`, or a multiple of R, n x n.
     remainder: Mat<f64>,
-    /// r, or the same multiple of it, n x m.
+    /// Residuals r, or the same multiple of r, n x m.
     residuals: Mat<f64>,
-    /// Orthonormal directions of the samples that a fit follows whatever they are, n x r.
+    /// Orthonormal directions of the samples that a fit reproduces exactly, n x r.
     followed: Mat<f64>,
-    /// Effective degrees of freedom: the trace of what turns values into those of the fit.
+    /// Effective degrees of freedom: the trace of the hat matrix.
     pub freedom: f64,
 }
 
 impl LeaveOneOut {
-    /// Takes a fit with every sample a centre, smoothed by λ (n): residuals are λ c there, and c is
-    /// the inverse's block times y also where λ is 0.
+    /// Takes a fit with every sample a centre.
+    ///
+    /// The residuals are λ c. The coefficients c are the inverse's block times y, also if λ is 0.
+    ///
+    /// - `smoothing`: λ of each sample, n.
     pub fn of_solved(solved: &Solved, smoothing: &[f64]) -> Self {
         let remainder = solved.system.inverse();
         let left = smoothing.iter().enumerate().map(|(i, lambda)| lambda * remainder[(i, i)]);
@@ -42,7 +45,10 @@ impl LeaveOneOut {
         }
     }
 
-    /// Takes a least-squares fit of residuals r whose hat matrix is `h hᵀ`, h n x k.
+    /// Takes a least-squares fit.
+    ///
+    /// - `h`: factor of the hat matrix `h hᵀ`, n x k.
+    /// - `residuals`: n x m.
     pub fn of_hat(h: Mat<f64>, residuals: Mat<f64>) -> Self {
         let n = h.nrows();
         Self {
@@ -53,8 +59,8 @@ impl LeaveOneOut {
         }
     }
 
-    /// Finds the errors of a group of samples, values less predictions of the fit without them, a row
-    /// each; none where the others do not determine a fit.
+    /// Returns the errors of a group of samples, a row each: values less predictions of the fit without the group.
+    /// `None` if the other samples do not determine a fit.
     pub fn errors(&self, group: &[usize]) -> Option<Mat<f64>> {
         let rows = |m: &Mat<f64>| Mat::from_fn(group.len(), m.ncols(), |i, c| m[(group[i], c)]);
         let followed = rows(&self.followed);
@@ -69,7 +75,7 @@ impl LeaveOneOut {
         Some(LeftOut::new(&own)?.errors(&rows(&self.residuals)))
     }
 
-    /// Finds the error of each sample, predicted by the others: RMS over its values.
+    /// Returns the error of each sample that the others predict: RMS over its values.
     pub fn each(&self) -> Vec<Option<f64>> {
         let rms = |i: usize| {
             let errors = self.errors(&[i])?;
@@ -78,8 +84,10 @@ impl LeaveOneOut {
         (0..self.residuals.nrows()).map(rms).collect()
     }
 
-    /// Finds the errors of groups, each predicted without its own: mean squares of each value over
-    /// all samples of the groups, m; none where a group cannot be left out.
+    /// Returns the mean square of the errors of each value, m, over all samples of the groups; `None` if a group cannot
+    /// be left out.
+    ///
+    /// Each group is predicted without its samples.
     pub fn mean_squares(&self, groups: &[Vec<usize>]) -> Option<Vec<f64>> {
         let mut sums = vec![0.0; self.residuals.ncols()];
         for group in groups {
@@ -92,24 +100,24 @@ impl LeaveOneOut {
     }
 }
 
-/// What the variance of a function of n centres and T monomials is computed with.
+/// Variance of a function of n centres and T monomials.
 #[derive(Clone, Debug)]
 pub struct Variance {
-    /// A, r x (n + T).
+    /// Whitening matrix A, r x (n + T).
     pub whitening: Mat<f64>,
-    /// B, n x T.
+    /// Reproducing matrix B, n x T.
     pub reproducing: Mat<f64>,
-    /// H, T x T.
+    /// Polynomial matrix H, T x T.
     pub polynomial: Mat<f64>,
-    /// Standard deviations that the values' variances are measured in, m.
+    /// Standard deviation of each value, the unit of its variance, m.
     pub deviations: Vec<f64>,
 }
 
 impl Variance {
-    /// Takes what a fit of values (n x m) knows; none where its system is indefinite.
+    /// Computes the variance of a fit to values (n x m); `None` if the system is indefinite.
     ///
-    /// A deviation is the one under which the values are likeliest: `√(c·y / (n - r))`, r the rank of
-    /// the polynomials.
+    /// The standard deviation of a value is the most likely one, `√(c·y / (n - r))`, with the rank r of the
+    /// polynomials.
     pub fn new(solved: &Solved, values: &Mat<f64>) -> Option<Self> {
         let (system, basis) = (&solved.system, &solved.polynomial.basis);
         let reproducing = system.reproducing() * basis.transpose();
@@ -130,7 +138,7 @@ impl Variance {
         })
     }
 
-    /// Computes the variance of each value of a function at a query, m: never below 0.
+    /// Computes the variance of each value of a function at a query, m: at least 0.
     pub fn at(&self, sum: &KernelSum, x: &[f64]) -> Vec<f64> {
         let (g, p) = sum.basis(x);
         let column = |of: &[f64]| Mat::from_fn(of.len(), 1, |i, _| of[i]);

@@ -1,13 +1,7 @@
-//! Kernels between points: the matrices of every fit.
+//! Kernel matrices between points, and centres chosen by the power function.
 //!
-//! Points are rows, n x d: a column holds one coordinate of all of them, so that a loop over points
-//! runs over contiguous memory. Each distance is summed in the order of [`crate::scattered::sum`].
-//! Samples in the order in which the power function makes them centres: each next one is the sample
-//! that those before determine least (METHOD §2.2).
-//!
-//! The first are samples that determine the polynomials. What they leave of the kernel is positive
-//! definite (Wendland, *Scattered data approximation*, §12.3), and its Cholesky factorisation with the
-//! largest pivot first gives the others.
+//! Points are rows, n x d. A column holds one coordinate of all points, so a loop over points reads contiguous memory.
+//! Each distance is summed in the order of [`crate::scattered::sum`].
 
 use crate::numeric::columns;
 use crate::regression::function::Exact;
@@ -38,7 +32,7 @@ pub fn gram(kernel: Kernel, points: &Mat<f64>) -> Mat<f64> {
     out
 }
 
-/// Copies what is below the diagonal above it, by blocks that stay in the cache.
+/// Copies the lower triangle to the upper, in blocks that fit the cache.
 fn mirror(matrix: &mut Mat<f64>) {
     const BLOCK: usize = 64;
     let n = matrix.nrows();
@@ -53,7 +47,7 @@ fn mirror(matrix: &mut Mat<f64>) {
     }
 }
 
-/// Measures the distances of points from one of them: of itself, 0, and of all after it.
+/// Measures the distances of a point from itself (0) and from all later points.
 pub fn distances(points: &Mat<f64>, from: usize) -> Vec<f64> {
     let mut out = vec![0.0; points.nrows() - from];
     add_squared(points, from, points, from, &mut out);
@@ -61,7 +55,7 @@ pub fn distances(points: &Mat<f64>, from: usize) -> Vec<f64> {
     out
 }
 
-/// Adds the squared distances of points, from one of them on, from a centre.
+/// Adds the squared distances between a centre and the points from `first` on.
 fn add_squared(
     points: &Mat<f64>,
     first: usize,
@@ -78,10 +72,18 @@ fn add_squared(
     }
 }
 
-/// Share of the first pivot below which a sample is determined.
+/// Share of the first pivot below which the centres determine a sample.
 const DETERMINED: f64 = 1e-15;
 
-/// Chooses at most `most` of the points (n x d), of which polynomials have values n x r.
+/// Chooses at most `most` centres by the power function: each next centre is the sample that the earlier centres
+/// determine least (METHOD §2.2).
+///
+/// The first centres are samples that determine the polynomials. The remainder of the kernel is positive definite
+/// (Wendland, *Scattered data approximation*, §12.3). Its Cholesky factorisation with the largest pivot first gives the
+/// other centres.
+///
+/// - `points`: n x d.
+/// - `polynomials`: values of the polynomials at the points, n x r.
 pub fn greedy(
     kernel: Kernel,
     points: &Mat<f64>,
@@ -95,7 +97,7 @@ pub fn greedy(
         _ => polynomials.transpose().to_owned().col_piv_qr().P().arrays().0[..r].to_vec(),
     };
     let rows = |m: &Mat<f64>, of: &[usize]| Mat::from_fn(of.len(), m.ncols(), |i, c| m[(of[i], c)]);
-    // The polynomials that are 1 at one of the first samples and 0 at the others, n x r.
+    // Polynomials that are 1 at one of the first samples and 0 at the others, n x r.
     let lagrange = match r {
         0 => Mat::zeros(n, 0),
         _ => {
@@ -178,7 +180,7 @@ mod tests {
         Space { points, inputs: &[0, 1], tolerance: RANK_F64 }.polynomial(degree).values
     }
 
-    /// The power function of centres at a point, by the whole system: the variance there.
+    /// Returns the power function of centres at a point, by the whole system: the variance there.
     fn power(kernel: Kernel, points: &Mat<f64>, p: &Mat<f64>, centres: &[usize], at: usize) -> f64 {
         let own = Mat::from_fn(centres.len(), 2, |i, c| points[(centres[i], c)]);
         let k = matrix(kernel, &own, &own);

@@ -1,14 +1,13 @@
-//! The system of a fit with every sample a centre (METHOD §2.2):
+//! System of a fit with every sample a centre, its solution and its condition (METHOD §2.2):
 //!
 //! ```text
 //! [K + Λ  P] [c]   [y]
 //! [Pᵀ     0] [b] = [0]
 //! ```
 //!
-//! With P = Q₁ R and Z what Q₁ is orthogonal to, c = Z a and Zᵀ(K + Λ)Z a = Zᵀ y: a positive definite
-//! system for every kernel whose order the polynomials reach, positive definite or conditionally so.
-//! Values at samples, every sample a centre, solved for a sum of kernels and a polynomial (METHOD §2.2).
-//! The condition of a matrix that is known by its solves alone.
+//! Let P = Q₁ R, and let the columns of Z be orthogonal to Q₁. Then c = Z a, and Zᵀ(K + Λ)Z a = Zᵀ y. This system is
+//! positive definite for every kernel whose order the polynomials reach, also for a conditionally positive definite
+//! kernel.
 
 use super::matrix::gram;
 use super::polynomial::Polynomial;
@@ -26,13 +25,13 @@ use faer::linalg::triangular_solve::{
 use faer::{ColRef, Conj, Mat, MatMut, MatRef, Par, Side};
 use sinew_runtime::kernel::Kernel;
 
-/// The factors of a system of n samples and r polynomials.
+/// Factors of a system of n samples and r polynomials.
 pub struct System {
-    /// Of P: Q = [Q₁ Z] and R.
+    /// QR decomposition of P: Q = [Q₁ Z] and R.
     reflected: Qr<f64>,
     /// Q₁ᵀ(K + Λ)Z, r x (n - r).
     coupling: Mat<f64>,
-    /// Of Zᵀ(K + Λ)Z.
+    /// Factor of Zᵀ(K + Λ)Z.
     factor: Factor,
     /// Reciprocal condition of Zᵀ(K + Λ)Z in the 1-norm.
     rcond: f64,
@@ -40,7 +39,7 @@ pub struct System {
 
 enum Factor {
     Definite(Llt<f64>),
-    /// Polynomials fall short of the kernel's order, or rounding has left no sign.
+    /// The polynomials are below the kernel's order, or rounding has changed a sign.
     Indefinite(Lblt<f64>),
 }
 
@@ -73,7 +72,7 @@ impl System {
         self.coupling.nrows()
     }
 
-    /// Returns the reciprocal condition of what is solved, in the 1-norm.
+    /// Returns the reciprocal condition of the definite system, in the 1-norm.
     pub fn rcond(&self) -> f64 {
         self.rcond
     }
@@ -92,7 +91,7 @@ impl System {
         (kernels, polynomials)
     }
 
-    /// Computes Z (Zᵀ(K + Λ)Z)⁻¹ Zᵀ, n x n: the block of the system's inverse that turns values into c.
+    /// Computes Z (Zᵀ(K + Λ)Z)⁻¹ Zᵀ, n x n: the block of the system's inverse that maps values to c.
     pub fn inverse(&self) -> Mat<f64> {
         let (n, r) = (self.sample_len(), self.rank());
         let mut out = Mat::zeros(n, n);
@@ -102,7 +101,7 @@ impl System {
         out
     }
 
-    /// Computes Q₁, n x r: what polynomials can follow.
+    /// Computes Q₁, n x r: the span of the polynomials at the samples.
     pub fn followed(&self) -> Mat<f64> {
         self.reflected.compute_thin_Q()
     }
@@ -111,13 +110,12 @@ impl System {
     pub fn reproducing(&self) -> Mat<f64> {
         let mut out = self.followed();
         let lower = self.reflected.thin_R();
-        // X Rᵀ = Q₁ is R Xᵀ = Q₁ᵀ.
+        // X Rᵀ = Q₁ is the same as R Xᵀ = Q₁ᵀ.
         solve_upper_triangular_in_place(lower, out.as_mut().transpose_mut(), Par::Seq);
         out
     }
 
-    /// Computes L⁻¹ Zᵀ x, (n - r) x k, of x (n x k), with L Lᵀ = Zᵀ(K + Λ)Z; none where that is
-    /// indefinite.
+    /// Computes L⁻¹ Zᵀ x, (n - r) x k, for x (n x k), with L Lᵀ = Zᵀ(K + Λ)Z; `None` if that matrix is indefinite.
     pub fn whitened(&self, x: &Mat<f64>) -> Option<Mat<f64>> {
         let Factor::Definite(factor) = &self.factor else { return None };
         let mut turned = x.clone();
@@ -147,13 +145,13 @@ impl Factor {
 
 #[derive(Clone, Copy)]
 enum Way {
-    /// Q on the left.
+    /// Multiplies by Q on the left.
     Forward,
-    /// Qᵀ on the left.
+    /// Multiplies by Qᵀ on the left.
     Transposed,
 }
 
-/// Multiplies a matrix of n rows by Q or Qᵀ, which are never formed.
+/// Multiplies a matrix of n rows by Q or Qᵀ, without forming Q.
 fn reflect(reflected: &Qr<f64>, matrix: MatMut<'_, f64>, way: Way) {
     let (basis, blocks) = (reflected.Q_basis(), reflected.Q_coeff());
     let mut memory = MemBuffer::new(scratch::<f64>(basis.nrows(), blocks.nrows(), matrix.ncols()));
@@ -164,15 +162,15 @@ fn reflect(reflected: &Qr<f64>, matrix: MatMut<'_, f64>, way: Way) {
     }
 }
 
-/// Share of the values' range above which missed equations are solved once more for what is left: a digit
-/// at most (*measured*), where few are left.
+/// Residual over the values' range above which the system is solved once more for the residual. This gains a digit at
+/// most (*measured*), where few digits are left.
 const REFINED: f64 = 1e-12;
 
-/// A solution, and what it was solved with.
+/// Solution of a system.
 pub struct Solved {
-    /// The factors.
+    /// Factors of the system.
     pub system: System,
-    /// The polynomials.
+    /// Polynomials of the fit.
     pub polynomial: Polynomial,
     /// Coefficients of the kernels, n x m.
     pub kernels: Mat<f64>,
@@ -180,13 +178,17 @@ pub struct Solved {
     pub monomials: Mat<f64>,
     /// K + Λ, n x n.
     pub matrix: Mat<f64>,
-    /// What the function leaves of the values, n x m.
+    /// Residuals of the values, n x m.
     pub residuals: Mat<f64>,
-    /// By how much equations are missed at most, over the range of the values.
+    /// Largest residual of the equations, over the range of the values.
     pub missed: f64,
 }
 
-/// Solves for values (n x m) at points (n x d), each smoothed by λ (n).
+/// Solves for values.
+///
+/// - `points`: n x d.
+/// - `smoothing`: λ of each point, n.
+/// - `values`: n x m.
 pub fn solve(
     kernel: Kernel,
     points: &Mat<f64>,
@@ -197,7 +199,7 @@ pub fn solve(
     let mut matrix = gram(kernel, points);
     smoothing.iter().enumerate().for_each(|(i, lambda)| matrix[(i, i)] += lambda);
     let system = System::new(&matrix, &polynomial.values);
-    // A large offset leaves its rounding in the equations.
+    // The rounding of a large offset remains in the equations.
     let offsets = values.col_iter().map(|column| OFFSET * column.norm_max());
     let ranges: Vec<f64> = ranges(values).into_iter().zip(offsets).map(|(r, o)| r.max(o)).collect();
     let of = |(kernels, basis): (Mat<f64>, Mat<f64>)| {
@@ -219,7 +221,7 @@ pub fn solve(
     Solved { system, polynomial, kernels, monomials, matrix, residuals, missed }
 }
 
-/// Returns the largest error over the range of its value; what is not a number is infinite.
+/// Returns the largest error over the range of its value; infinite for a NaN.
 fn over(errors: &Mat<f64>, ranges: &[f64]) -> f64 {
     let of = |(column, range): (ColRef<'_, f64>, &f64)| {
         let share = |error: &f64| if error.is_nan() { f64::INFINITY } else { error.abs() / range };
@@ -228,14 +230,17 @@ fn over(errors: &Mat<f64>, ranges: &[f64]) -> f64 {
     errors.col_iter().zip(ranges).map(of).fold(0.0, f64::max)
 }
 
-/// Most pairs of solves; more hardly ever change the estimate.
+/// Largest number of pairs of solves. More pairs hardly ever change the estimate.
 const ROUNDS: usize = 5;
 
-/// Estimates the reciprocal condition in the 1-norm of a matrix of order n and given 1-norm: 1 of an
-/// empty one, 0 where a solve overflows.
+/// Estimates the reciprocal condition of a matrix, in the 1-norm; 1 for an empty matrix, 0 if a solve overflows.
 ///
-/// The estimate of the inverse's norm is a lower bound, seldom off by more than 3 (Higham, *Accuracy
+/// The estimate of the inverse's norm is a lower bound, and seldom wrong by more than a factor of 3 (Higham, *Accuracy
 /// and stability of numerical algorithms*, algorithm 15.4, for one vector).
+///
+/// - `norm`: 1-norm of the matrix.
+/// - `n`: order of the matrix.
+/// - `solve`, `solve_transposed`: solve for one column.
 pub fn reciprocal_condition(
     norm: f64,
     n: usize,
@@ -261,7 +266,7 @@ pub fn reciprocal_condition(
         let Some(steepest) = steepest.filter(|&i| z[(i, 0)].abs() > along) else { break };
         x = Mat::from_fn(n, 1, |i, _| f64::from(u8::from(i == steepest)));
     }
-    // A vector that no cancellation of the rounds above can fool.
+    // This vector detects a matrix for which all rounds above cancel.
     let last = (n - 1).max(1) as f64;
     let alternating =
         |i: usize| (1.0 + i as f64 / last) * if i.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -271,7 +276,7 @@ pub fn reciprocal_condition(
     if reciprocal.is_finite() { reciprocal.min(1.0) } else { 0.0 }
 }
 
-/// Writes a reciprocal condition as errors name it: below f64's precision there is no digit to tell.
+/// Formats a reciprocal condition for error messages. Below f64's precision no digit is known.
 pub fn described(rcond: f64) -> String {
     if rcond < f64::EPSILON {
         format!("reciprocal condition below {:.0e}", f64::EPSILON)
@@ -280,7 +285,7 @@ pub fn described(rcond: f64) -> String {
     }
 }
 
-/// Returns a matrix's 1-norm: the largest sum of a column's magnitudes.
+/// Returns the 1-norm of a matrix: the largest sum of a column's magnitudes.
 pub fn norm_l1(matrix: MatRef<'_, f64>) -> f64 {
     matrix.col_iter().map(|c| c.norm_l1()).fold(0.0, f64::max)
 }
@@ -296,7 +301,7 @@ mod tests {
         Mat::from_fn(n, 2, |i, c| ((1 + i) as f64 * [0.618, 0.414][c]).fract())
     }
 
-    /// The whole system, and its solution by elimination.
+    /// Solves the whole system by elimination.
     fn eliminated(k: &Mat<f64>, p: &Mat<f64>, y: &Mat<f64>) -> Mat<f64> {
         let (n, r) = p.shape();
         let whole = faer::concat![[k, p], [p.transpose(), Mat::<f64>::zeros(r, r)]];

@@ -1,5 +1,4 @@
-//! From a problem to a function with names: by METHOD §2, by SciPy's rules, by S2's, or with learned
-//! centres.
+//! Training: fits a problem by METHOD §2, by SciPy's rules, by S2's rules, or with learned centres.
 
 mod modes;
 mod report;
@@ -21,21 +20,22 @@ use faer::Mat;
 use report::Fitted;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
-/// Room for the rounding of a squared distance in f32: the sample that the fade starts at has confidence 1.
+/// Factor of the fade's start, for the f32 rounding of a squared distance. The sample at the start then has confidence
+/// 1.
 const ROOM: f64 = 1.0 + 1e-4;
 
-/// Kernels that are offered where another one does not fit, the smoothest first.
+/// Kernels that an error suggests if the chosen kernel does not fit, the smoothest first.
 const KERNELS: [&str; 3] = ["matern 5/2", "matern 3/2", "linear"];
-/// Distance of two samples, over the mean one between nearest samples, below which they are named.
+/// Distance of two samples below which an error names them, over the mean distance between nearest samples.
 const NEAR: f64 = 0.1;
 
 /// Fits a problem.
 ///
-/// - `variance`: whether what the variance takes is kept.
+/// - `variance`: whether the model keeps its variance.
 ///
 /// # Errors
-/// [`TrainError`]: a site or a value that is none, options that do not fit each other, a refusal of the fit
-/// itself, and a file whose deviation is above the limit of the options.
+/// [`TrainError`]: an unusable site or value, options that exclude each other, a refused fit, or a file whose deviation
+/// is above the limit in the options.
 pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
     let mut outputs = problem.outputs.clone();
     let Matrices { features, values } = Matrices::new(problem, &mut outputs)?;
@@ -45,7 +45,7 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
         return Err(TrainError::F32Error(limit));
     }
     check(&features, &values)?;
-    // The sites have become features, so they are sound.
+    // Every site has features, so this error does not occur.
     let probe = Probe::new(&problem.inputs, &problem.sites, ranges(&values), limit)
         .map_err(|error| TrainError::Site { place: problem.place(0, "sites"), error })?;
     let of = Data { problem, features: &features, values: &values, probe: &probe };
@@ -98,7 +98,7 @@ struct Data<'a> {
 }
 
 impl Data<'_> {
-    /// Fits it, and measures the deviation of its file.
+    /// Fits the problem, and measures the deviation of its file.
     fn fitted(&self, variance: bool) -> Result<(Fitted, f64), TrainError> {
         let Self { problem, features, values, probe } = self;
         let fitted = match (problem.options.mode, &problem.options.learn) {
@@ -111,7 +111,7 @@ impl Data<'_> {
         Ok((fitted, deviation))
     }
 
-    /// Adds to a refusal what fits, and which samples are too near.
+    /// Adds advice to an error: options that fit, and samples that are too near.
     fn advised(&self, error: TrainError) -> TrainError {
         match error {
             TrainError::Kernel(KernelError::Deviation {
@@ -132,8 +132,9 @@ impl Data<'_> {
         }
     }
 
-    /// Finds options that fit: a lower degree, or another kernel at a width that joins the samples. None in the modes of
-    /// others and of learned centres.
+    /// Finds options that fit: a lower degree, or another kernel at a width that joins the samples.
+    ///
+    /// Other solvers' modes and learned centres have no advice.
     fn other(&self) -> Option<String> {
         let own = &self.problem.options;
         if own.mode != Mode::Sinew || own.learn.is_some() {
@@ -170,12 +171,13 @@ impl Data<'_> {
     }
 }
 
-/// Fades beyond the farthest that a sample is from the centres that are not its own; a sample's own centre is
-/// nearer than two sites that are one. Where there is no other centre any fade is as good: every query is at
-/// the one, or it fades within a width of the kernel.
+/// Chooses the fade: it starts at the largest distance of a sample from its nearest other centre.
+///
+/// A centre at the sample's own site does not count: such a centre is nearer than [`ONE_SITE`]. If there is no other
+/// centre, any fade works, because every query is at the centre or fades within a width of the kernel.
 ///
 /// # Errors
-/// If there is no centre to fade by.
+/// If there are no centres to fade by.
 fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade, TrainError> {
     if sum.centres.ncols() == 0 {
         return match outside {
@@ -198,7 +200,7 @@ fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade
     Ok(Fade::beyond(if farthest > 0.0 { ROOM * farthest } else { 1.0 }))
 }
 
-/// Samples, as fits take them.
+/// Samples as matrices.
 struct Matrices {
     /// Features of the sites, n x d.
     features: Mat<f64>,
@@ -207,7 +209,7 @@ struct Matrices {
 }
 
 impl Matrices {
-    /// Takes a problem's rows; `outputs` learn what they are at the neutral sample.
+    /// Converts the rows of a problem, and sets the neutral values of `outputs` from the neutral sample.
     ///
     /// # Errors
     /// [`TrainError::Site`], [`TrainError::Neutral`] and [`TrainError::Value`].
@@ -228,7 +230,7 @@ impl Matrices {
                 (OutputKind::Vector3 { neutral }, &[x, y, z]) => *neutral = [x, y, z],
                 (OutputKind::Rotation { neutral }, &[x, y, z, w]) => {
                     let length = (x * x + y * y + z * z + w * w).sqrt();
-                    // What is no rotation is refused with its value.
+                    // The loop below reports other quaternions that are no rotation.
                     *neutral = [x, y, z, w].map(|part| part / length);
                     if !length.is_normal() {
                         let error = RotationError::Zero;

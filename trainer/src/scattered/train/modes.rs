@@ -1,5 +1,4 @@
-//! Fits by the rules of others.
-//! A fit with learned centres and metric.
+//! Fits by the rules of other solvers, and fits with learned centres and metric.
 
 use super::report::{Fitted, LearnReport, Report, TrainError};
 use super::solved::{NEIGHBOURS, degree_of, kernel, samples};
@@ -14,7 +13,7 @@ use crate::scattered::sum::{KernelSum, monomials};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// Condition above which S2's normal equations are warned of: its square is what they work with.
+/// Condition above which S2's solver has a warning: its normal equations square the condition.
 const CONDITION: f64 = 1e5;
 
 pub(super) fn scipy(
@@ -113,7 +112,7 @@ fn fitted(
     Fitted { sum, variance: None, figures, report, is_narrow: false, warnings }
 }
 
-/// Measures what a function leaves of values at their sites.
+/// Measures the RMS residual of values at their sites.
 fn residual_rms(sum: &KernelSum, features: &Mat<f64>, values: &Mat<f64>) -> f64 {
     let mut squares = 0.0;
     for (site, own) in features.row_iter().zip(values.row_iter()) {
@@ -123,7 +122,7 @@ fn residual_rms(sum: &KernelSum, features: &Mat<f64>, values: &Mat<f64>) -> f64 
     (squares / (values.nrows() * values.ncols()) as f64).sqrt()
 }
 
-/// Centres that are learned where no number is asked for, and samples are as many.
+/// Default number of learned centres, if there are enough samples.
 const CENTRES: usize = 12;
 
 pub(super) fn learned(
@@ -148,7 +147,8 @@ pub(super) fn learned(
     let terms = degree.map_or(0, |degree| monomials(d, degree).len());
     let most = samples.sample_len().saturating_sub(terms).max(1);
     let centres = asked.centres.unwrap_or(CENTRES.min(most));
-    let epsilon = own.epsilon.unwrap_or_else(|| spacing(centres, samples.scaling.kept().len()));
+    let epsilon =
+        own.epsilon.unwrap_or_else(|| spacing_factor(centres, samples.scaling.kept().len()));
     let rows = asked.rank.unwrap_or(d).clamp(1, d);
     let learned = match asked.metric {
         _ if rows < d => Entries::All,
@@ -195,9 +195,11 @@ pub(super) fn learned(
     Ok(Fitted { sum, variance: None, figures, report, is_narrow: false, warnings })
 }
 
-/// Returns what makes the distance of n centres in a cube of d inputs 1, where the mean distance of
-/// samples in it is: the side is √(6/d), nearly.
-fn spacing(centres: usize, inputs: usize) -> f64 {
+/// Returns the factor that makes the spacing of n centres 1.
+///
+/// The centres fill a cube of d inputs whose side is about √(6/d), because the mean distance of samples in the cube is
+/// 1.
+fn spacing_factor(centres: usize, inputs: usize) -> f64 {
     let d = inputs.max(1) as f64;
     (centres as f64).powf(1.0 / d) * (d / 6.0).sqrt()
 }
