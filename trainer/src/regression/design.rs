@@ -54,21 +54,11 @@ pub struct Design<'a> {
     largest: f64,
 }
 
-/// Rows of a block of samples, on a design's directions.
-pub struct BlockRows {
-    /// Rows of the samples that the block leaves out, the predicted samples first: len x k.
-    rows: Mat<f64>,
-    /// Number of samples that are predicted.
-    own: usize,
-}
-
 /// Block of samples that a fit leaves out.
 pub struct BlockOut {
     /// Rows of the hat matrix for these samples, on the design's directions: len x k.
     hat: Mat<f64>,
     left_out: LeftOut,
-    /// Number of samples that are predicted: the first of the rows.
-    own: usize,
     /// Variance of the noise that the ridge assumes.
     noise: f64,
 }
@@ -99,20 +89,13 @@ impl<'a> Design<'a> {
         counts.dedup();
         counts.into_iter().filter_map(move |count| {
             let hyperparameters = Hyperparameters { kernel, width, centres: count };
-            Self::decompose(inputs, hyperparameters, greedy.first(count))
+            let centres = greedy.first(count);
+            let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
+            let columns = faer::concat![[centres.functions(), scaled]];
+            let (directions, squared) = directions(&columns)?;
+            let largest = squared.first().copied().unwrap_or(0.0);
+            Some(Self { hyperparameters, inputs, centres, columns, directions, squared, largest })
         })
-    }
-
-    fn decompose(
-        inputs: &'a Inputs,
-        hyperparameters: Hyperparameters,
-        centres: GreedyCentres,
-    ) -> Option<Self> {
-        let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
-        let columns = faer::concat![[centres.functions(), scaled]];
-        let (directions, squared) = directions(&columns)?;
-        let largest = squared.first().copied().unwrap_or(0.0);
-        Some(Self { hyperparameters, inputs, centres, columns, directions, squared, largest })
     }
 
     /// Returns n.
@@ -125,9 +108,9 @@ impl<'a> Design<'a> {
         self.directions.transpose() * outputs
     }
 
-    /// Collects the rows of a block.
-    pub fn rows(&self, block: &Block) -> BlockRows {
-        BlockRows { rows: block.rows(&self.directions), own: block.own.len() }
+    /// Collects the rows of a block on the design's directions, len x k.
+    pub fn rows(&self, block: &Block) -> Mat<f64> {
+        block.rows(&self.directions)
     }
 
     /// Returns the residuals of a fit to all samples with a ridge, n x r, from the outputs and their projection.
@@ -145,7 +128,9 @@ impl<'a> Design<'a> {
     }
 
     /// Leaves a block of samples out of a fit with a ridge; `None` if rounding makes the remainder indefinite.
-    pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
+    ///
+    /// - `rows`: rows of the block.
+    pub fn block_out(&self, rows: &Mat<f64>, ridge: f64) -> Option<BlockOut> {
         columns::narrow_registers();
         let shrink = self.shrink(ridge);
         let hat = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| shrink[k] * rows[(i, k)]);
@@ -155,7 +140,7 @@ impl<'a> Design<'a> {
         let (out, onto) = (remainder.as_mut(), rows.transpose());
         triangular::matmul(out, lower, Accum::Add, &hat, whole, onto, whole, -1.0, Par::Seq);
         let noise = ridge * self.largest;
-        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: *own, noise })
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, noise })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs.
@@ -333,15 +318,15 @@ impl BlockOut {
     }
 
     /// Converts residuals into the errors of the block's predicted samples.
-    pub fn errors(&self, residuals: &Mat<f64>) -> Mat<f64> {
-        self.left_out.errors(residuals).subrows(0, self.own).to_owned()
+    pub fn errors(&self, block: &Block, residuals: &Mat<f64>) -> Mat<f64> {
+        self.left_out.errors(residuals).subrows(0, block.own.len()).to_owned()
     }
 
     /// Returns the variance of the fit without the block, summed over the block's predicted samples.
     pub fn variance(&self, design: &Design<'_>, block: &Block) -> f64 {
         let variances = self.left_out.variances();
         let unspanned: f64 = block.own.iter().map(|&i| design.unspanned(i)).sum();
-        unspanned + self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
+        unspanned + self.noise * variances[..block.own.len()].iter().map(|v| v - 1.0).sum::<f64>()
     }
 }
 
@@ -377,7 +362,7 @@ mod tests {
                 let residuals = left.residuals(&own, &projected);
                 let same = block.rows(&design.residuals(&all, &projected, 1e-3));
                 assert!((&same - &residuals).norm_max() < 1e-12);
-                let found = left.errors(&residuals);
+                let found = left.errors(&block, &residuals);
                 let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
                 let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
                 let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
@@ -407,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn variances_are_those_of_fits_without_a_block_and_of_what_no_centre_spans() {
+    fn variances_include_the_fit_without_a_block_and_the_unspanned_prior() {
         let inputs = inputs();
         for design in [6, 20].map(|centres| design(&inputs, centres)) {
             let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
@@ -418,8 +403,8 @@ mod tests {
                 variance(&x, &kept, i, ridge) + prior
             };
             let expected: f64 = block.own.iter().map(of).sum();
-            let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
-            let found = found.variance(&design, &block);
+            let out = design.block_out(&design.rows(&block), 1e-3).unwrap();
+            let found = out.variance(&design, &block);
             assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
         }
     }
@@ -461,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_centres_share_their_first_ones() {
+    fn larger_numbers_of_centres_begin_with_the_smaller() {
         let inputs = inputs();
         let designs: Vec<_> =
             Design::each(&inputs, GroupKernel::Matern32, 4.0, &[3, 8, 30, 40]).collect();

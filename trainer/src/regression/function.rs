@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slopes_are_those_of_the_values() {
+    fn slopes_are_differences_of_values() {
         for kernel in Kernel::ALL {
             for r in [0.1f64, 0.7, 0.95, 2.0] {
                 let h = 1e-5;

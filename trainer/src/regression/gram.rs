@@ -147,20 +147,20 @@ impl SampleErrors {
         let half = gram * &inverse;
         let columns =
             |m: &Mat<f64>, out: &[usize]| Mat::from_fn(n, out.len(), |r, i| m[(r, out[i])]);
-        let missed = |block: &Block, missed: &mut [f64]| {
+        let predict = |block: &Block, errors: &mut [f64]| {
             let out: Vec<usize> = block.out().collect();
             let remainder = Mat::from_fn(out.len(), out.len(), |i, j| inverse[(out[i], out[j])]);
             let residuals = columns(&inverse, &out).transpose() * columns(&half, &out);
-            let errors = LeftOut::new(&remainder)?.products(&residuals);
-            block.own.iter().enumerate().for_each(|(i, &sample)| missed[sample] = errors[(i, i)]);
+            let products = LeftOut::new(&remainder)?.products(&residuals);
+            block.own.iter().enumerate().for_each(|(i, &sample)| errors[sample] = products[(i, i)]);
             Some(())
         };
         let (mut alone, mut block) = (vec![0.0; n], vec![0.0; n]);
         for sample in 0..n {
-            missed(&Block::row(sample..sample + 1), &mut alone)?;
+            predict(&Block::row(sample..sample + 1), &mut alone)?;
         }
         for left_out in blocks {
-            missed(left_out, &mut block)?;
+            predict(left_out, &mut block)?;
         }
         Some(Self { alone, block })
     }
@@ -186,7 +186,7 @@ mod tests {
     }
 
     /// Returns the squared error of a sample that some others predict, by solving for them.
-    fn missed(kernel: &Mat<f64>, outputs: &Mat<f64>, sample: usize, by: &[usize]) -> f64 {
+    fn squared_error(kernel: &Mat<f64>, outputs: &Mat<f64>, sample: usize, by: &[usize]) -> f64 {
         let among = Mat::from_fn(by.len(), by.len(), |i, j| {
             kernel[(by[i], by[j])] + if i == j { RIDGE } else { 0.0 }
         });
@@ -214,8 +214,8 @@ mod tests {
                 let others: Vec<usize> = (0..N).filter(|&i| i != sample).collect();
                 let outside: Vec<usize> =
                     (0..N).filter(|i| !block.out().any(|out| out == *i)).collect();
-                let alone = missed(&regression.kernel, &outputs, sample, &others);
-                let blocked = missed(&regression.kernel, &outputs, sample, &outside);
+                let alone = squared_error(&regression.kernel, &outputs, sample, &others);
+                let blocked = squared_error(&regression.kernel, &outputs, sample, &outside);
                 assert!((found.alone[sample] - alone).abs() < 1e-9 * (1.0 + alone));
                 assert!((found.block[sample] - blocked).abs() < 1e-9 * (1.0 + blocked));
             }
@@ -223,13 +223,13 @@ mod tests {
     }
 
     #[test]
-    fn surprises_are_the_errors_of_single_samples_over_their_variance() {
+    fn standardised_errors_are_squared_errors_over_their_variance() {
         let (regression, outputs) = regression();
         let kept: Vec<usize> = (0..N).filter(|&i| i != 4).collect();
         let found = regression.standardised_errors(&kept).unwrap();
         for (sample, found) in found.into_iter().enumerate() {
             let others: Vec<usize> = kept.iter().copied().filter(|&i| i != sample).collect();
-            let squared = missed(&regression.kernel, &outputs, sample, &others);
+            let squared = squared_error(&regression.kernel, &outputs, sample, &others);
             let among = Mat::from_fn(others.len(), others.len(), |i, j| {
                 let ridge = if i == j { RIDGE } else { 0.0 };
                 regression.kernel[(others[i], others[j])] + ridge
@@ -238,8 +238,8 @@ mod tests {
             let explained = (near.transpose() * among.partial_piv_lu().inverse() * &near)[(0, 0)];
             let variance = regression.kernel[(sample, sample)] + RIDGE - explained;
             assert!((found.1 - squared).abs() < 1e-8 * (1.0 + squared));
-            let surprise = squared / variance;
-            assert!((found.0 - surprise).abs() < 1e-8 * (1.0 + surprise));
+            let standardised = squared / variance;
+            assert!((found.0 - standardised).abs() < 1e-8 * (1.0 + standardised));
         }
     }
 
@@ -250,7 +250,7 @@ mod tests {
         let learnt = [7, 2, 10];
         learnt.into_iter().for_each(|sample| regression.learn(sample));
         for sample in (0..N).filter(|sample| !learnt.contains(sample)) {
-            let expected = missed(&kernel, &outputs, sample, &learnt);
+            let expected = squared_error(&kernel, &outputs, sample, &learnt);
             assert!((regression.left(sample) - expected).abs() < 1e-9 * (1.0 + expected));
         }
     }

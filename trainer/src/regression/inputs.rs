@@ -126,10 +126,10 @@ impl GreedyCentres {
         for column in 0..factor.ncols() {
             let root = f64::sqrt(left[pivot]);
             let before = factor.subcols(0, column);
-            let known = before * before.row(pivot).transpose();
+            let explained = before * before.row(pivot).transpose();
             for point in 0..points {
                 let here = kernel.exact(squared(point, pivot));
-                let value = (here - known[point]) / root;
+                let value = (here - explained[point]) / root;
                 values[(point, column)] = here;
                 factor[(point, column)] = value;
                 left[point] -= value * value;
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_that_are_all_alike_have_no_median() {
+    fn equal_samples_have_no_median() {
         assert!(Inputs::new(Mat::from_fn(2, 10, |r, _| r as f64)).is_none());
     }
 
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_are_those_of_the_kernels_and_vanish_at_the_origin() {
+    fn functions_are_sums_of_kernels_and_vanish_at_the_origin() {
         let (x, squared) = line(20);
         let greedy = GreedyCentres::new(GroupKernel::Matern32, 20, 6, squared);
         let given = Mat::from_fn(6, 2, |r, c| (r as f64 - 2.0 * c as f64).sin());

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn inner_products_of_errors_are_those_of_the_errors() {
+    fn products_of_residuals_become_products_of_errors() {
         let remainder = Mat::from_fn(3, 3, |i, j| if i == j { 0.9 } else { 0.1 * (i + j) as f64 });
         let residuals = Mat::from_fn(3, 2, |i, o| (i as f64 - 2.0 * o as f64).sin());
         let left_out = LeftOut::new(&remainder).unwrap();

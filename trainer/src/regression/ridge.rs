@@ -4,7 +4,7 @@
 
 use super::arithmetic::U;
 use super::confidence::MapConfidence;
-use super::design::{BlockRows, Design, Hyperparameters};
+use super::design::{Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Block, Outputs, power_mean};
 use faer::Mat;
@@ -23,7 +23,7 @@ const PLAUSIBLE: f64 = 1e6;
 /// Largest squared error of a map over the squared error of the base, per unit of variance.
 const NOISE: f64 = 4.0;
 /// Largest error per unit of variance that a file holds.
-const MOST: f64 = CORRECTION_MAX as f64;
+const LARGEST_ERROR: f64 = CORRECTION_MAX as f64;
 
 /// Parameters of a design with the ridges of its outputs, and their scores.
 #[derive(Clone, Debug)]
@@ -60,26 +60,27 @@ pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
     let rounding = Rounding::new(design, outputs.blocks.len());
     let plausible = PLAUSIBLE / design.variance();
-    let of_ridge = |ridge: f64| {
+    let scores_of = |ridge: f64| {
         let left = projected.left_out(design, outputs, ridge)?;
         let dual = design.dual(&projected.all, |_| ridge);
         let squared_norms = design.squared_norms(&dual);
-        let rounding = rounding.of(&dual);
+        let rounding = rounding.added(&dual);
         let score = |(output, rounding): (usize, f64)| {
             if squared_norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
                 return f64::INFINITY;
             }
             power_mean(left.iter().map(|left| left.col(output).squared_norm_l2() + rounding))
         };
-        Some(OfRidge { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
+        Some(RidgeScores { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
     };
-    let mut tried = Vec::<OfRidge>::new();
+    let mut tried = Vec::<RidgeScores>::new();
     let mut best = None;
-    for at in RIDGES.into_iter().rev().filter_map(of_ridge) {
+    for at in RIDGES.into_iter().rev().filter_map(scores_of) {
         let ridge = at.ridge;
         tried.push(at);
-        let found: Vec<(f64, f64)> =
-            (0..outputs.all.ncols()).map(|output| least(&tried, output)).collect::<Option<_>>()?;
+        let found: Vec<(f64, f64)> = (0..outputs.all.ncols())
+            .map(|output| best_ridge(&tried, output))
+            .collect::<Option<_>>()?;
         let is_past = found.iter().all(|found| found.0 > ridge);
         best = Some(found);
         if is_past {
@@ -100,7 +101,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
     let part = |block: &Block| (design.rows(block), block.rows(&outputs.all));
-    let parts: Vec<(BlockRows, Mat<f64>)> = outputs.parts.iter().map(part).collect();
+    let parts: Vec<(Mat<f64>, Mat<f64>)> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
         for (sum, left) in squared.iter_mut().zip(projected.left_out(design, outputs, ridge)?) {
@@ -108,7 +109,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
         }
         for (block, (rows, truth)) in outputs.parts.iter().zip(&parts) {
             let out = design.block_out(rows, ridge)?;
-            let left = out.errors(&out.residuals(truth, &projected.all));
+            let left = out.errors(block, &out.residuals(truth, &projected.all));
             for (i, &sample) in block.own.iter().enumerate() {
                 own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
@@ -121,8 +122,8 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let noise = noise(design, outputs, (&projected, &squared), ridge)?.min(NOISE * signal);
     let confidence = MapConfidence {
         len: rows.ncols(),
-        signal: (signal / outputs.negligible).min(MOST),
-        noise: (noise / outputs.negligible).min(MOST),
+        signal: (signal / outputs.negligible).min(LARGEST_ERROR),
+        noise: (noise / outputs.negligible).min(LARGEST_ERROR),
         ..design.confidence()
     };
     let map = design.map(&faer::concat![[&solution, &rows]], confidence);
@@ -154,7 +155,7 @@ fn noise(
 /// Outputs projected onto a design's directions.
 struct Projected {
     all: Mat<f64>,
-    blocks: Vec<BlockRows>,
+    blocks: Vec<Mat<f64>>,
 }
 
 impl Projected {
@@ -171,8 +172,8 @@ impl Projected {
         ridge: f64,
     ) -> Option<Vec<Mat<f64>>> {
         let all = design.residuals(&outputs.all, &self.all, ridge);
-        let errors = |(block, rows): (&Block, &BlockRows)| {
-            Some(design.block_out(rows, ridge)?.errors(&block.rows(&all)))
+        let errors = |(block, rows): (&Block, &Mat<f64>)| {
+            Some(design.block_out(rows, ridge)?.errors(block, &block.rows(&all)))
         };
         outputs.blocks.iter().zip(&self.blocks).map(errors).collect()
     }
@@ -195,19 +196,19 @@ impl Rounding {
     }
 
     /// Returns the added error of each output, from the coefficients of its directions.
-    fn of(&self, dual: &Mat<f64>) -> Vec<f64> {
+    fn added(&self, dual: &Mat<f64>) -> Vec<f64> {
         (&self.terms * dual).col_iter().map(|output| output.squared_norm_l2()).collect()
     }
 }
 
 /// Scores of the outputs at one ridge.
-struct OfRidge {
+struct RidgeScores {
     ridge: f64,
     scores: Vec<f64>,
 }
 
 /// Returns the ridge with the best score of an output, and that score. The largest ridge was tried first.
-fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
+fn best_ridge(tried: &[RidgeScores], output: usize) -> Option<(f64, f64)> {
     let of = tried.iter().map(|at| (at.ridge, at.scores[output]));
     of.min_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -238,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_hangs_on_a_direction_that_samples_hardly_take() {
+    fn directions_that_samples_hardly_cover_get_small_coefficients() {
         // The spread falls from input to input, but each input contributes as much to the second output.
         let swing = |r: usize, i: usize| ((1 + r) as f64 * 0.37 * (i * i) as f64).sin();
         let values = Mat::from_fn(6, 120, |r, i| 0.1f64.powi(r as i32) * swing(r, i));

@@ -152,7 +152,7 @@ impl KernelSum {
 }
 
 /// Returns |a - b|².
-fn squared<'a>(a: &[f64], b: impl Iterator<Item = &'a f64>) -> f64 {
+pub(super) fn squared<'a>(a: &[f64], b: impl Iterator<Item = &'a f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_jacobian_is_that_of_the_values() {
+    fn the_jacobian_is_the_differences_of_the_values() {
         let metric = Mat::from_fn(2, 3, |r, c| [[0.8, -0.3, 0.2], [0.1, 0.5, -0.6]][r][c]);
         for kernel in Kernel::ALL {
             for metric in [None, Some(metric.clone())] {

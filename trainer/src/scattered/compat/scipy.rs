@@ -123,7 +123,7 @@ pub enum ScipyError {
         found: usize,
     },
     /// The samples do not determine the polynomial.
-    #[error("the system is singular: the samples tell {rank} of {terms} monomials apart")]
+    #[error("the system is singular: the samples determine {rank} of {terms} monomials")]
     Rank {
         /// Number of independent monomials at the samples.
         rank: usize,

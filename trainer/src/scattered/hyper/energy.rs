@@ -4,7 +4,7 @@ use super::least_squares::solve;
 use super::options::{Entries, HyperError, Options};
 use crate::numeric::columns::dot;
 use crate::regression::function::Exact;
-use crate::scattered::sum::{monomials, powers};
+use crate::scattered::sum::{monomials, powers, squared};
 use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 
@@ -162,7 +162,7 @@ impl Energy {
                 let coefficients = parameters.coefficients[a..].iter().step_by(count);
                 let of_sample = residuals[i..].iter().step_by(self.sample_len);
                 let product: f64 = coefficients.zip(of_sample).map(|(c, left)| c * left).sum();
-                let share = 4.0 * product * self.kernel.slope(squared(z, centre));
+                let share = 4.0 * product * self.kernel.slope(squared(z, centre.iter()));
                 for (r, (z, t)) in z.iter().zip(centre).enumerate() {
                     by_sample[r] -= share * (z - t);
                     by_centre[a * e + r] += share * (z - t);
@@ -237,7 +237,7 @@ impl Energy {
     }
 
     /// Returns the norms of the residuals, N.
-    pub(super) fn misfits(&self, point: &Point) -> Vec<f64> {
+    pub(super) fn residual_norms(&self, point: &Point) -> Vec<f64> {
         let of = |i: usize| point.residuals[i..].iter().step_by(self.sample_len);
         (0..self.sample_len).map(|i| of(i).map(|left| left * left).sum::<f64>().sqrt()).collect()
     }
@@ -248,7 +248,7 @@ impl Energy {
         let centres = self.measured(&parameters.metric, &parameters.centres);
         let mut basis = Vec::with_capacity(self.monomials.len() + self.sample_len);
         for centre in centres.chunks_exact(e) {
-            let squared = samples.chunks_exact(e).map(|z| squared(z, centre));
+            let squared = samples.chunks_exact(e).map(|z| squared(z, centre.iter()));
             basis.extend(squared.map(|s| self.kernel.exact(s)));
         }
         basis.extend(&self.monomials);
@@ -295,11 +295,6 @@ impl Parameters {
     fn row_len(&self, energy: &Energy) -> usize {
         self.metric.len() / energy.input_len
     }
-}
-
-/// Returns |a - b|².
-pub(super) fn squared(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 #[cfg(test)]
@@ -383,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_sample_where_slopes_are_infinite_the_gradient_is_the_middle() {
+    fn at_an_infinite_slope_the_gradient_is_the_middle() {
         for kernel in [Kernel::Linear, Kernel::Matern12, Kernel::ThinPlate] {
             let energy = energy(kernel, Entries::All);
             let mut at = parameters();
@@ -394,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn where_coefficients_are_solved_the_rest_is_the_gradient_of_the_least_energy() {
+    fn the_gradient_at_solved_coefficients_is_that_of_the_least_energy() {
         for kernel in Kernel::ALL {
             let energy = energy(kernel, Entries::All);
             let solved = energy.solved(parameters());
@@ -407,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_learned_has_no_gradient() {
+    fn entries_that_are_not_learned_have_no_gradient() {
         let of = |learned| {
             let energy = energy(Kernel::Gaussian, learned);
             energy.gradient(&energy.at(parameters()))

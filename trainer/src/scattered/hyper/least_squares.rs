@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_that_depends_on_earlier_ones_gets_nothing() {
+    fn dependent_columns_get_no_coefficient() {
         let columns = [[1.0, 2.0, 0.0, 1.0], [2.0, 4.0, 0.0, 2.0], [0.0; 4], [1.0, 0.0, 1.0, 0.0]];
         let found = solve(columns.concat(), vec![2.0, 2.0, 1.0, 1.0], 4);
         assert_eq!([found[1], found[2]], [0.0, 0.0]);

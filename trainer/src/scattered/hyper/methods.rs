@@ -50,8 +50,8 @@ pub(super) fn variable_projection(
             }
             break Stop::NoDescent;
         };
-        let mut step = flat(&there.parameters);
-        add(&mut step, -1.0, &flat(&here.parameters));
+        let mut step = flattened(&there.parameters);
+        add(&mut step, -1.0, &flattened(&here.parameters));
         let mut change = after.clone();
         add(&mut change, -1.0, &gradient);
         // Wolfe's conditions ensure this, except for rounding.
@@ -60,14 +60,14 @@ pub(super) fn variable_projection(
         }
         (here, gradient) = (there, after);
         trace.steps.push(Step { energy: here.energy, accepted: true });
-        if settled(trace) {
+        if is_settled(trace) {
             break Stop::Settled;
         }
     };
     here
 }
 
-fn settled(trace: &Trace) -> bool {
+fn is_settled(trace: &Trace) -> bool {
     let (count, share) = SETTLED;
     let before = trace.steps.len().checked_sub(count + 1).map(|place| trace.steps[place].energy);
     let now = trace.steps.last().map(|step| step.energy);
@@ -76,11 +76,11 @@ fn settled(trace: &Trace) -> bool {
 
 /// Returns the gradient by centres and metric. The gradient by the solved coefficients is 0.
 fn downhill(energy: &Energy, point: &Point) -> Vec<f64> {
-    flat(&energy.gradient(point))
+    flattened(&energy.gradient(point))
 }
 
 /// Joins the centres and the metric.
-fn flat(parameters: &Parameters) -> Vec<f64> {
+fn flattened(parameters: &Parameters) -> Vec<f64> {
     [parameters.centres.as_slice(), &parameters.metric].concat()
 }
 
@@ -277,7 +277,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_direction_is_newtons_on_a_bowl_whose_axes_were_stepped_along() {
+    fn steps_along_the_axes_of_a_bowl_give_newtons_direction() {
         let curvatures = [1.0, 10.0, 100.0];
         let mut memory = Memory::default();
         for (axis, curvature) in curvatures.into_iter().enumerate() {
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_hold_both_conditions() {
+    fn lengths_meet_both_conditions() {
         // Curves that are steep at the start, with the minimum far, near, and behind a rise.
         type Curve = fn(f64) -> (f64, f64);
         let curves: [Curve; 3] = [

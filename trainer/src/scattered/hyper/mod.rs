@@ -15,8 +15,7 @@ pub use energy::{Energy, Parameters, Point};
 pub use options::{Entries, HyperError, Method, Metric, Options, Start, Step, Stop, Trace};
 
 use crate::regression::function::order;
-use crate::scattered::sum::{KernelSum, monomials};
-use energy::squared;
+use crate::scattered::sum::{KernelSum, monomials, squared};
 use faer::{Mat, MatRef};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -95,8 +94,8 @@ fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Tr
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = options.metric.start.row_iter();
     let metric: Vec<f64> = rows.flat_map(|row| row.iter().copied()).collect();
-    let samples = choose(options.start, energy, &metric, options.centres, &mut random);
-    let start = energy.solved(placed(energy, &metric, &samples));
+    let samples = choose_samples(options.start, energy, &metric, options.centres, &mut random);
+    let start = energy.solved(centres_on(energy, &metric, &samples));
     if !start.energy.is_finite() {
         return Err(HyperError::NotFinite { seed });
     }
@@ -148,7 +147,7 @@ fn sum(
 /// Chooses `count` different samples.
 ///
 /// - `metric`: W by rows, for distances between samples.
-fn choose(
+fn choose_samples(
     start: Start,
     energy: &Energy,
     metric: &[f64],
@@ -188,7 +187,7 @@ fn k_means_plus_plus(
     while chosen.len() < count {
         let last = chosen[chosen.len() - 1];
         for (i, distance) in distances.iter_mut().enumerate() {
-            *distance = distance.min(squared(at(i), at(last)));
+            *distance = distance.min(squared(at(i), at(last).iter()));
         }
         let mut left = random.random::<f64>() * distances.iter().sum::<f64>();
         let drawn = distances.iter().position(|distance| {
@@ -205,16 +204,18 @@ fn k_means_plus_plus(
 fn greedy_samples(energy: &Energy, metric: &[f64], count: usize) -> Vec<usize> {
     let mut chosen = Vec::new();
     while chosen.len() < count {
-        let misfits = energy.misfits(&energy.solved(placed(energy, metric, &chosen)));
+        let residual_norms =
+            energy.residual_norms(&energy.solved(centres_on(energy, metric, &chosen)));
         let others = (0..energy.sample_len()).filter(|i| !chosen.contains(i));
-        let worst = others.max_by(|&a, &b| misfits[a].total_cmp(&misfits[b]).then(b.cmp(&a)));
+        let worst =
+            others.max_by(|&a, &b| residual_norms[a].total_cmp(&residual_norms[b]).then(b.cmp(&a)));
         chosen.extend(worst);
     }
     chosen
 }
 
 /// Places centres on samples, without coefficients.
-fn placed(energy: &Energy, metric: &[f64], samples: &[usize]) -> Parameters {
+fn centres_on(energy: &Energy, metric: &[f64], samples: &[usize]) -> Parameters {
     let centres = samples.iter().flat_map(|&i| energy.input(i).iter().copied()).collect();
     Parameters { centres, metric: metric.to_vec(), coefficients: Vec::new() }
 }

@@ -127,10 +127,10 @@ pub enum HyperError {
         found: f64,
     },
     /// The number of centres is 0.
-    #[error("no centre is asked for")]
+    #[error("the number of centres is 0")]
     NoCentres,
     /// There are no seeds.
-    #[error("no seed is given")]
+    #[error("there is no seed")]
     NoSeeds,
     /// There are more coefficients than samples.
     #[error(

@@ -12,7 +12,7 @@ use crate::regression::rotations::Feature;
 use crate::scattered::solver::leave_one_out::Variance;
 use crate::scattered::sum::{KernelSum, Term};
 use faer::Mat;
-use output::finish;
+use output::output_numbers;
 use sinew_runtime::kernel::{
     InputKind as FileInput, KernelMap, NO_TERM, Normalise, OutputKind as FileOutput, OutputRow,
     QueryRule,
@@ -84,7 +84,7 @@ impl KernelModel {
             }
         }
         let rotation = |error| EvaluationError::Rotation { input: "neutral".to_owned(), error };
-        let numbers = finish(&self.outputs, self.normalise, &values).map_err(rotation)?;
+        let numbers = output_numbers(&self.outputs, self.normalise, &values).map_err(rotation)?;
         Ok(Evaluated { numbers, confidence })
     }
 

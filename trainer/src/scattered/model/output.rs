@@ -4,7 +4,7 @@ use crate::regression::rotations::{RotationError, Xyzw, from_values, to_values};
 use sinew_runtime::kernel::Normalise;
 
 /// Least sum by which outputs are divided.
-pub(super) const LEAST_SUM: f64 = 1e-12;
+const LEAST_SUM: f64 = 1e-12;
 
 /// Named output.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl OutputKind {
 ///
 /// # Errors
 /// If a neutral quaternion is no rotation.
-pub(super) fn finish(
+pub(super) fn output_numbers(
     outputs: &[Output],
     normalise: Normalise,
     values: &[f64],

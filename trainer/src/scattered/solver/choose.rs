@@ -93,13 +93,13 @@ impl Choice {
         let epsilons = if fixed { vec![options.epsilon] } else { epsilons(apart, joins) };
         let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
         let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples), probe };
-        let grid: Vec<Place> =
-            epsilons.iter().flat_map(|&epsilon| places(epsilon, &shares)).collect();
+        let grid: Vec<GridPoint> =
+            epsilons.iter().flat_map(|&epsilon| grid_points(epsilon, &shares)).collect();
         let mut all = judge.all(&grid);
         if !fixed
             && apart > 0.0
             && let Err(error) = judge.best(&all)
-            && error.is_of_width()
+            && error.is_caused_by_kernel()
         {
             let widest = epsilons.last().copied().unwrap_or(WIDEST);
             let found = judge.narrower(&mut all, &shares, [widest, APART / apart]);
@@ -112,12 +112,13 @@ impl Choice {
             let step = 0.5f64.powi(halving as i32);
             // The grid's steps are factors of 2 and of 100.
             let (wider, smoother) = (2f64.powf(step), 100f64.powf(step));
-            let Place { epsilon, share } = judge.best(&all)?.place;
+            let GridPoint { epsilon, share } = judge.best(&all)?.point;
             let epsilons = [epsilon / wider, epsilon * wider].into_iter().filter(joins);
-            let shares = [share / smoother, share * smoother].map(|share| Place { epsilon, share });
+            let shares =
+                [share / smoother, share * smoother].map(|share| GridPoint { epsilon, share });
             let mut near = Vec::new();
-            near.extend(epsilons.filter(|_| !fixed).map(|epsilon| Place { epsilon, share }));
-            near.extend(shares.into_iter().filter(|place| place.share > 0.0));
+            near.extend(epsilons.filter(|_| !fixed).map(|epsilon| GridPoint { epsilon, share }));
+            near.extend(shares.into_iter().filter(|point| point.share > 0.0));
             all.extend(judge.all(&near));
         }
         let Tried { epsilon, smoothing, .. } = judge.best(&all)?.tried;
@@ -142,13 +143,13 @@ fn epsilons(apart: f64, joins: impl Fn(&f64) -> bool) -> Vec<f64> {
 
 /// Candidate's epsilon, and its smoothing in units of the kernel matrix's RMS entry.
 #[derive(Clone, Copy)]
-struct Place {
+struct GridPoint {
     epsilon: f64,
     share: f64,
 }
 
 struct Candidate {
-    place: Place,
+    point: GridPoint,
     tried: Tried,
     /// Fitted function, or the reason why there is none.
     sum: Result<KernelSum, KernelError>,
@@ -168,19 +169,19 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn all(&self, places: &[Place]) -> Vec<Candidate> {
-        places.par_iter().map(|&place| self.one(place)).collect()
+    fn all(&self, points: &[GridPoint]) -> Vec<Candidate> {
+        points.par_iter().map(|&point| self.one(point)).collect()
     }
 
-    fn one(&self, place: Place) -> Candidate {
-        let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(place.epsilon);
-        let unit = match place.share {
+    fn one(&self, point: GridPoint) -> Candidate {
+        let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(point.epsilon);
+        let unit = match point.share {
             0.0 => 0.0,
             _ => gram(self.options.kernel, &points).norm_l2() / points.nrows() as f64,
         };
         // A fixed smoothing is the given one, and its share is then 0.
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
-        let (epsilon, smoothing) = (place.epsilon, given + place.share * unit);
+        let (epsilon, smoothing) = (point.epsilon, given + point.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
         let fit = AnyFit::new(self.samples, &options);
         let squares =
@@ -191,7 +192,7 @@ impl Judge<'_> {
         });
         let tried = Tried { epsilon, smoothing, error };
         let sum = fit.map(|fit| fit.sum().clone());
-        Candidate { place, tried, sum, deviation: OnceCell::new() }
+        Candidate { point, tried, sum, deviation: OnceCell::new() }
     }
 
     /// Finds the widest kernels with an acceptable fit.
@@ -207,7 +208,7 @@ impl Judge<'_> {
         // Deviations do not fall evenly, because of rounding.
         let steps = std::iter::successors(Some(widest), |epsilon| Some(STEP * epsilon)).skip(1);
         steps.take_while(|epsilon| *epsilon <= most).find_map(|epsilon| {
-            let own = self.all(&places(epsilon, shares).collect::<Vec<_>>());
+            let own = self.all(&grid_points(epsilon, shares).collect::<Vec<_>>());
             let found = self.best(&own).ok().map(|best| best.tried);
             all.extend(own);
             found
@@ -261,8 +262,8 @@ impl Judge<'_> {
 }
 
 /// Lists the candidates of an epsilon.
-fn places(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = Place> {
-    shares.iter().map(move |&share| Place { epsilon, share })
+fn grid_points(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = GridPoint> {
+    shares.iter().map(move |&share| GridPoint { epsilon, share })
 }
 
 /// Returns the error of the best-conditioned candidate, if no candidate was fitted.

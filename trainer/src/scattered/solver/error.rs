@@ -77,7 +77,7 @@ pub enum KernelError {
         least: usize,
     },
     /// A centre is not a sample, or occurs twice.
-    #[error("centre {centre} is not one of {samples} samples, or is there twice")]
+    #[error("centre {centre} is not one of {samples} samples, or is given twice")]
     Centre {
         /// Index of the centre.
         centre: usize,
@@ -131,7 +131,7 @@ pub fn same_site(distance: f64) -> String {
 
 impl KernelError {
     /// Returns true if another width or another kernel may fit.
-    pub fn is_of_width(&self) -> bool {
+    pub fn is_caused_by_kernel(&self) -> bool {
         let of_kernel =
             matches!(self, Self::Deviation { cause: DeviationCause::Kernel { .. }, .. });
         of_kernel || matches!(self, Self::IllConditioned { .. })

@@ -108,7 +108,7 @@ impl FewerFit {
                 greedy(options.kernel, points, &polynomial.values, free.min(*most))
             }
             Centres::Given(centres) => {
-                distinct(centres, n)?;
+                check_centres(centres, n)?;
                 centres.clone()
             }
         };
@@ -148,7 +148,7 @@ impl FewerFit {
 }
 
 /// Checks that centres are different samples.
-fn distinct(centres: &[usize], samples: usize) -> Result<(), KernelError> {
+fn check_centres(centres: &[usize], samples: usize) -> Result<(), KernelError> {
     let mut taken = vec![false; samples];
     for &centre in centres {
         match taken.get_mut(centre) {

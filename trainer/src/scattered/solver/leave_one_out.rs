@@ -23,7 +23,7 @@ pub struct LeaveOneOut {
     /// Residuals r, or the same multiple of r, n x m.
     residuals: Mat<f64>,
     /// Orthonormal directions of the samples that a fit reproduces exactly, n x r.
-    followed: Mat<f64>,
+    span: Mat<f64>,
     /// Effective degrees of freedom: the trace of the hat matrix.
     pub freedom: f64,
 }
@@ -40,7 +40,7 @@ impl LeaveOneOut {
         Self {
             freedom: solved.system.sample_len() as f64 - left.sum::<f64>(),
             residuals: solved.kernels.clone(),
-            followed: solved.system.followed(),
+            span: solved.system.span(),
             remainder,
         }
     }
@@ -55,7 +55,7 @@ impl LeaveOneOut {
             freedom: h.squared_norm_l2(),
             remainder: Mat::<f64>::identity(n, n) - &h * h.transpose(),
             residuals,
-            followed: h,
+            span: h,
         }
     }
 
@@ -63,9 +63,8 @@ impl LeaveOneOut {
     /// `None` if the other samples do not determine a fit.
     pub fn errors(&self, group: &[usize]) -> Option<Mat<f64>> {
         let rows = |m: &Mat<f64>| Mat::from_fn(group.len(), m.ncols(), |i, c| m[(group[i], c)]);
-        let followed = rows(&self.followed);
-        let free =
-            Mat::<f64>::identity(group.len(), group.len()) - &followed * followed.transpose();
+        let span = rows(&self.span);
+        let free = Mat::<f64>::identity(group.len(), group.len()) - &span * span.transpose();
         let factor = free.llt(faer::Side::Lower).ok()?;
         if factor.L().diagonal().column_vector().iter().any(|l| l * l < DETERMINED) {
             return None;

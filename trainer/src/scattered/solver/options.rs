@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kernel_but_hats_has_options_that_serve() {
+    fn every_kernel_except_hats_has_valid_options() {
         for kernel in Kernel::ALL {
             let found = Options::new(kernel).check();
             let import_only = matches!(kernel, Kernel::Hat { .. });

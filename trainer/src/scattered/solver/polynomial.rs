@@ -123,7 +123,7 @@ mod tests {
     }
 
     /// Returns the largest distance of values at the samples from the span of the basis.
-    fn missed(polynomial: &Polynomial, values: &Mat<f64>) -> f64 {
+    fn largest_residual(polynomial: &Polynomial, values: &Mat<f64>) -> f64 {
         let q = polynomial.values.qr().compute_thin_Q();
         (values - &q * (q.transpose() * values)).norm_max()
     }
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!((found.degree, found.terms.len(), found.rank()), (Some(1), 10, 3));
         let gram = found.basis.transpose() * &found.basis;
         assert!((gram - Mat::<f64>::identity(3, 3)).norm_max() < 1e-12);
-        assert!(missed(&found, &points) < 1e-12, "every entry is in its span");
+        assert!(largest_residual(&found, &points) < 1e-12, "every entry is in its span");
     }
 
     #[test]
@@ -156,7 +156,7 @@ mod tests {
         let found = of(&points, 2);
         assert_eq!((found.degree, found.rank()), (Some(2), 5));
         let square = Mat::from_fn(12, 1, |i, _| points[(i, 0)] * points[(i, 1)]);
-        assert!(missed(&found, &square) < 1e-12);
+        assert!(largest_residual(&found, &square) < 1e-12);
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn single_precision_is_told_from_a_direction() {
+    fn f32_rounding_is_not_a_direction() {
         let points = Mat::from_fn(9, 2, |i, c| {
             i as f64 + if c == 1 { 1e-8 * (i as f64).sin() } else { 0.0 }
         });

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_but_not_one_site_is_kept() {
+    fn near_sites_that_differ_are_kept() {
         assert_eq!(
             samples(&[0.0, 1e-8, 1.0], &[0.0, 9.0, 1.0], Conflicts::Refuse).unwrap().rows.len(),
             3

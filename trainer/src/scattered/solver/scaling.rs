@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_one_apart_in_the_mean_and_blocks_weigh_what_they_shall() {
+    fn the_mean_distance_is_one_and_blocks_have_their_weights() {
         let scaling = Scaling::new(&sites(), &BLOCKS).unwrap();
         let points = scaling.apply(&sites());
         assert!((mean_distance(&points) - 1.0).abs() < 1e-12);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_off_is_a_number_of_a_file() {
+    fn shifts_are_f32_numbers() {
         let sites = Mat::from_fn(3, 2, |i, c| [1e7 + 0.3 * i as f64, 1e300][c]);
         let shift = Scaling::new(&sites, &[Block { len: 2, weight: 1.0 }]).unwrap().shift;
         // f32 has no number near 1e300; the function's file will be refused.

@@ -25,6 +25,74 @@ use faer::linalg::triangular_solve::{
 use faer::{ColRef, Conj, Mat, MatMut, MatRef, Par, Side};
 use sinew_runtime::kernel::Kernel;
 
+/// Residual over the values' range above which the system is solved once more for the residual. This gains a digit at
+/// most (*measured*), where few digits are left.
+const REFINED: f64 = 1e-12;
+
+/// Solution of a system.
+pub struct Solved {
+    /// Factors of the system.
+    pub system: System,
+    /// Polynomials of the fit.
+    pub polynomial: Polynomial,
+    /// Coefficients of the kernels, n x m.
+    pub kernels: Mat<f64>,
+    /// Coefficients of the monomials, T x m.
+    pub monomials: Mat<f64>,
+    /// K + Λ, n x n.
+    pub matrix: Mat<f64>,
+    /// Residuals of the values, n x m.
+    pub residuals: Mat<f64>,
+    /// Largest residual of the equations, over the range of the values.
+    pub missed: f64,
+}
+
+/// Solves for values.
+///
+/// - `points`: n x d.
+/// - `smoothing`: λ of each point, n.
+/// - `values`: n x m.
+pub fn solve(
+    kernel: Kernel,
+    points: &Mat<f64>,
+    smoothing: &[f64],
+    polynomial: Polynomial,
+    values: &Mat<f64>,
+) -> Solved {
+    let mut matrix = gram(kernel, points);
+    smoothing.iter().enumerate().for_each(|(i, lambda)| matrix[(i, i)] += lambda);
+    let system = System::new(&matrix, &polynomial.values);
+    // The rounding of a large offset remains in the equations.
+    let offsets = values.col_iter().map(|column| OFFSET * column.norm_max());
+    let ranges: Vec<f64> = ranges(values).into_iter().zip(offsets).map(|(r, o)| r.max(o)).collect();
+    let of = |(kernels, basis): (Mat<f64>, Mat<f64>)| {
+        let error = values - &matrix * &kernels - &polynomial.values * &basis;
+        let missed = largest_share(&error, &ranges);
+        (kernels, basis, error, missed)
+    };
+    let mut found = of(system.solve(values));
+    if found.3 > REFINED {
+        let (kernels, basis) = system.solve(&found.2);
+        let refined = of((&found.0 + kernels, &found.1 + basis));
+        found = if refined.3 < found.3 { refined } else { found };
+    }
+    let (kernels, basis, error, missed) = found;
+    let residuals = Mat::from_fn(error.nrows(), error.ncols(), |i, o| {
+        error[(i, o)] + smoothing[i] * kernels[(i, o)]
+    });
+    let monomials = &polynomial.basis * basis;
+    Solved { system, polynomial, kernels, monomials, matrix, residuals, missed }
+}
+
+/// Returns the largest error over the range of its value; infinite for a NaN.
+fn largest_share(errors: &Mat<f64>, ranges: &[f64]) -> f64 {
+    let of = |(column, range): (ColRef<'_, f64>, &f64)| {
+        let share = |error: &f64| if error.is_nan() { f64::INFINITY } else { error.abs() / range };
+        column.iter().map(share).fold(0.0, f64::max)
+    };
+    errors.col_iter().zip(ranges).map(of).fold(0.0, f64::max)
+}
+
 /// Factors of a system of n samples and r polynomials.
 pub struct System {
     /// QR decomposition of P: Q = [Q₁ Z] and R.
@@ -102,13 +170,13 @@ impl System {
     }
 
     /// Computes Q₁, n x r: the span of the polynomials at the samples.
-    pub fn followed(&self) -> Mat<f64> {
+    pub fn span(&self) -> Mat<f64> {
         self.reflected.compute_thin_Q()
     }
 
     /// Computes Q₁ R⁻ᵀ, n x r: the weights on the samples that reproduce each polynomial of the basis.
     pub fn reproducing(&self) -> Mat<f64> {
-        let mut out = self.followed();
+        let mut out = self.span();
         let lower = self.reflected.thin_R();
         // X Rᵀ = Q₁ is the same as R Xᵀ = Q₁ᵀ.
         solve_upper_triangular_in_place(lower, out.as_mut().transpose_mut(), Par::Seq);
@@ -160,74 +228,6 @@ fn reflect(reflected: &Qr<f64>, matrix: MatMut<'_, f64>, way: Way) {
         Way::Forward => apply(basis, blocks, Conj::No, matrix, Par::Seq, stack),
         Way::Transposed => apply_transposed(basis, blocks, Conj::No, matrix, Par::Seq, stack),
     }
-}
-
-/// Residual over the values' range above which the system is solved once more for the residual. This gains a digit at
-/// most (*measured*), where few digits are left.
-const REFINED: f64 = 1e-12;
-
-/// Solution of a system.
-pub struct Solved {
-    /// Factors of the system.
-    pub system: System,
-    /// Polynomials of the fit.
-    pub polynomial: Polynomial,
-    /// Coefficients of the kernels, n x m.
-    pub kernels: Mat<f64>,
-    /// Coefficients of the monomials, T x m.
-    pub monomials: Mat<f64>,
-    /// K + Λ, n x n.
-    pub matrix: Mat<f64>,
-    /// Residuals of the values, n x m.
-    pub residuals: Mat<f64>,
-    /// Largest residual of the equations, over the range of the values.
-    pub missed: f64,
-}
-
-/// Solves for values.
-///
-/// - `points`: n x d.
-/// - `smoothing`: λ of each point, n.
-/// - `values`: n x m.
-pub fn solve(
-    kernel: Kernel,
-    points: &Mat<f64>,
-    smoothing: &[f64],
-    polynomial: Polynomial,
-    values: &Mat<f64>,
-) -> Solved {
-    let mut matrix = gram(kernel, points);
-    smoothing.iter().enumerate().for_each(|(i, lambda)| matrix[(i, i)] += lambda);
-    let system = System::new(&matrix, &polynomial.values);
-    // The rounding of a large offset remains in the equations.
-    let offsets = values.col_iter().map(|column| OFFSET * column.norm_max());
-    let ranges: Vec<f64> = ranges(values).into_iter().zip(offsets).map(|(r, o)| r.max(o)).collect();
-    let of = |(kernels, basis): (Mat<f64>, Mat<f64>)| {
-        let error = values - &matrix * &kernels - &polynomial.values * &basis;
-        let missed = over(&error, &ranges);
-        (kernels, basis, error, missed)
-    };
-    let mut found = of(system.solve(values));
-    if found.3 > REFINED {
-        let (kernels, basis) = system.solve(&found.2);
-        let refined = of((&found.0 + kernels, &found.1 + basis));
-        found = if refined.3 < found.3 { refined } else { found };
-    }
-    let (kernels, basis, error, missed) = found;
-    let residuals = Mat::from_fn(error.nrows(), error.ncols(), |i, o| {
-        error[(i, o)] + smoothing[i] * kernels[(i, o)]
-    });
-    let monomials = &polynomial.basis * basis;
-    Solved { system, polynomial, kernels, monomials, matrix, residuals, missed }
-}
-
-/// Returns the largest error over the range of its value; infinite for a NaN.
-fn over(errors: &Mat<f64>, ranges: &[f64]) -> f64 {
-    let of = |(column, range): (ColRef<'_, f64>, &f64)| {
-        let share = |error: &f64| if error.is_nan() { f64::INFINITY } else { error.abs() / range };
-        column.iter().map(share).fold(0.0, f64::max)
-    };
-    errors.col_iter().zip(ranges).map(of).fold(0.0, f64::max)
 }
 
 /// Largest number of pairs of solves. More pairs hardly ever change the estimate.
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn solutions_are_those_of_elimination_definite_or_not() {
+    fn solutions_equal_elimination_definite_or_not() {
         for (kernel, r) in [
             (Kernel::Gaussian, 0),
             (Kernel::Gaussian, 1),
@@ -335,8 +335,8 @@ mod tests {
             let weights = system.reproducing();
             let identity = Mat::<f64>::identity(r, r);
             assert!((p.transpose() * &weights - &identity).norm_max() < 1e-12);
-            let followed = system.followed();
-            assert!((followed.transpose() * &followed - identity).norm_max() < 1e-12);
+            let span = system.span();
+            assert!((span.transpose() * &span - identity).norm_max() < 1e-12);
             let definite = kernel == Kernel::Gaussian || r == 3;
             let whitened = system.whitened(&y);
             assert_eq!(whitened.is_some(), definite);
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_polynomials_as_samples_leave_kernels_nothing() {
+    fn as_many_polynomials_as_samples_leave_no_kernels() {
         let p = Mat::from_fn(3, 3, |i, t| (i as f64).powi(t as i32));
         let y = Mat::from_fn(3, 1, |i, _| i as f64 + 1.0);
         let system = System::new(&Mat::identity(3, 3), &p);
@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn conditions_that_f64_cannot_tell_from_none_are_written_as_below_it() {
+    fn conditions_below_f64_precision_are_named_so() {
         assert_eq!(described(3.4e-9), "reciprocal condition 3.4e-9");
         for rcond in [0.0, 1e-17] {
             assert_eq!(described(rcond), "reciprocal condition below 2e-16");
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_well_conditioned_and_a_singular_matrix_is_not() {
+    fn an_empty_matrix_is_well_conditioned_and_a_singular_one_is_not() {
         let none = |x: Mat<f64>| x;
         assert_eq!(reciprocal_condition(0.0, 0, none, none), 1.0);
         let overflow = |x: Mat<f64>| x * faer::Scale(f64::INFINITY);

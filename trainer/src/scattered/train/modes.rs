@@ -134,7 +134,7 @@ pub(super) fn learned(
     let own = &problem.options;
     if own.neighbors.is_some() || own.centres.is_some() || own.smoothing.is_some() {
         return Err(TrainError::Options(
-            "learned centres have `centres` and `ridge` of their own, in `learn`",
+            "learned centres have their own `centres` and `ridge`, in `learn`",
         ));
     }
     let samples = samples(problem, features, values)?;
