@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 
 /// Largest length of the first step, in units of u and of W.
 const REACH: f64 = 0.1;
-/// Number of steps, and the share of the energy by which they must lower it together, or learning stops.
+/// Number of steps that must together lower the energy by more than a share, and that share. Otherwise learning stops.
 const SETTLED: (usize, f64) = (20, 1e-4);
 
 /// Runs variable projection from a point, up to the limit of evaluations.
@@ -193,7 +193,7 @@ impl Walk<'_> {
 
 /// Number of steps in the memory of L-BFGS.
 const MEMORY: usize = 20;
-/// Share of the first slope by which the value must fall: Armijo's condition.
+/// Least fall of the value, as a share of the first slope: Armijo's condition.
 const FALL: f64 = 1e-4;
 /// Share of the first slope that may remain: the curvature condition.
 const LEFT: f64 = 0.9;

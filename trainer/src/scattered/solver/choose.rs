@@ -15,7 +15,7 @@ use std::cell::OnceCell;
 
 /// Least candidate of epsilon, the widest kernel, in distances whose mean is 1. Each next candidate is twice as large.
 const WIDEST: f64 = 0.125;
-/// Largest candidate of epsilon, the narrowest kernel, unless all neighbours are close.
+/// Largest candidate of epsilon, the narrowest kernel, unless neighbours are closer than its width.
 const NARROW: f64 = 8.0;
 /// Largest mean distance of neighbours in widths, if no width that joins them can be evaluated.
 const APART: f64 = 8.0;

@@ -9,8 +9,7 @@ use serde::Serialize;
 
 /// Distance below which two sites count as the same site, over the mean distance.
 pub const ONE_SITE: f64 = 1e-9;
-/// Difference up to which two samples of one site agree, over the range of the value: a few units in the last place of
-/// f32.
+/// Largest difference of two samples that agree, over the range of the value: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
 /// Range that replaces the range of a constant, over its magnitude.
 pub const OFFSET: f64 = 1e-4;
@@ -98,8 +97,8 @@ impl Samples {
         })
     }
 
-    /// Takes sites (n x d, in blocks of columns) without values. Each sample has a value of its own: 1 at the sample
-    /// and 0 at the others.
+    /// Takes sites (n x d, in blocks of columns) without values. Each sample has its own value: 1 at the sample and 0
+    /// at the others.
     ///
     /// A function of these values gives the weights of the samples.
     ///
@@ -153,10 +152,10 @@ fn merge(
     Ok((groups, merged))
 }
 
-/// Checks that there are sites and values, equally many, and all finite.
+/// Checks that sites and values are not empty, equally many, and finite.
 ///
 /// # Errors
-/// In that order.
+/// [`KernelError::Empty`], [`KernelError::Rows`] and [`KernelError::NotFinite`], in this order.
 pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
     let counts =
         [("samples", sites.nrows()), ("inputs", sites.ncols()), ("values", values.ncols())];

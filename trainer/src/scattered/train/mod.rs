@@ -20,8 +20,7 @@ use faer::Mat;
 use report::Fitted;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
-/// Factor of the fade's start, for the f32 rounding of a squared distance. The sample at the start then has confidence
-/// 1.
+/// Factor of the fade's start. The f32 rounding of a squared distance then leaves the sample there at confidence 1.
 const ROOM: f64 = 1.0 + 1e-4;
 
 /// Kernels that an error suggests if the chosen kernel does not fit, the smoothest first.
