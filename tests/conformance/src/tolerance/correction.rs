@@ -112,5 +112,5 @@ fn added(
         ((y * w).abs() + error) * U + error
     };
     let k_error = y.iter().zip(y_error).map(faded).collect();
-    (y.iter().map(|y| y * w).collect(), k_error, between)
+    (y.iter().map(|y| y * w).collect(), k_error, bounds)
 }
