@@ -2,7 +2,6 @@
 //! input to the centres.
 
 use super::arithmetic::{Arithmetic, U, gamma};
-use serde::Serialize;
 
 /// End of a fade over its start, as squared distances (METHOD §2.6).
 const FADE: f64 = 6.25;
@@ -12,7 +11,7 @@ pub const STEP_ERROR: f64 = 4e-7;
 /// Parameters of a map's confidence: how the variance of the map becomes an expected error.
 ///
 /// Errors are squared distances, divided by the squared distance that counts as no error.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapConfidence {
     /// Number of values whose squares sum to the explained variance, m: the last rows of the map's coefficients.
     pub len: usize,
@@ -180,7 +179,7 @@ impl ExpectedErrorBounds {
 /// centre (METHOD §2.6).
 ///
 /// Squared distances are smooth where an input meets a centre.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fade {
     /// Squared scaled distance up to which the confidence is 1.
     pub start: f64,
