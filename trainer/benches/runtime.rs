@@ -7,8 +7,7 @@
 //! in an engine without SIMD.
 
 use faer::Mat;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{Certificate, Level, Predictor};
+use sinew_runtime::envelope::{Certificate, GroupKernel, Level, Predictor};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
@@ -17,7 +16,7 @@ use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::error::Error;
 use std::hint::black_box;
@@ -217,11 +216,11 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
             kernel,
             centres: Mat::from_fn(inputs, centres, |i, k| number(k + i)),
             coefficients: matrix(g, rank + certainty, inputs + centres),
-            certainty: Certainty {
+            confidence: MapConfidence {
                 len: certainty,
                 reach: 1e3,
                 signal: 1.0,
-                ..Certainty::default()
+                ..MapConfidence::default()
             },
         },
         outputs: matrix(g, 12 * proxies, rank),

@@ -1,12 +1,11 @@
 //! A model of a given size; its motion does not matter here.
 
 use faer::Mat;
-use sinew_runtime::envelope::Certificate;
-use sinew_runtime::envelope::GroupKernel;
+use sinew_runtime::envelope::{Certificate, GroupKernel};
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 
 const JOINTS: usize = 20;
@@ -104,7 +103,7 @@ fn group(group: usize) -> Group {
             kernel: GroupKernel::Gaussian,
             centres: Mat::from_fn(INPUTS, CENTRES, |i, k| wave(k * INPUTS + i)),
             coefficients: small(RANK + CERTAINTY, CENTRES + INPUTS),
-            certainty: Certainty {
+            confidence: MapConfidence {
                 len: CERTAINTY,
                 reach: 1e4,
                 linear: 0.1,

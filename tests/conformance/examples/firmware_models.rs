@@ -4,10 +4,9 @@ use conformance::models::{Shape, random_with, row_major, trained, with_coefficie
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{GroupKernel, Predictor};
 use sinew_trainer::envelope::model::{Group, Input};
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -84,7 +83,7 @@ fn groups(shape: Shape) -> Vec<Group> {
                 kernel: GroupKernel::Gaussian,
                 centres: Mat::from_fn(d, centres, |i, k| coordinates[k * d + i]),
                 coefficients: row_major(&list(rows * (centres + d), 0.1), rows, centres + d),
-                certainty: Certainty {
+                confidence: MapConfidence {
                     len: CERTAINTY,
                     reach: 1e3,
                     linear: 0.0,

@@ -6,8 +6,7 @@ use faer::{Mat, MatRef};
 use nalgebra::{SMatrix, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor};
 use sinew_runtime::format::SectionKind;
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
@@ -17,7 +16,7 @@ use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, npz};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -273,7 +272,7 @@ fn groups(shape: Shape) -> Vec<Group> {
                 kernel: GroupKernel::ALL[(first + g) % GroupKernel::ALL.len()],
                 centres: Mat::from_fn(d, n, |i, k| centres[k * d + i]),
                 coefficients: row_major(&coefficients, r + 3, n + d),
-                certainty: Certainty {
+                confidence: MapConfidence {
                     len: 3,
                     reach: 0.2 * d as f64,
                     linear: 0.5,

@@ -5,8 +5,7 @@
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
-use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
+use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor};
 use sinew_runtime::format::{ALIGNMENT, Axis, Element, Handedness, SectionKind, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -15,7 +14,7 @@ use sinew_trainer::envelope::model::{
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
 
@@ -99,7 +98,13 @@ fn file_model(predictor: Predictor) -> FileModel {
                 kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
                 coefficients: dyadic.dense(rank + 2, n + d, 0.25),
-                certainty: Certainty { len: 2, reach: 4.0, linear: 0.25, signal: 8.0, noise: 16.0 },
+                confidence: MapConfidence {
+                    len: 2,
+                    reach: 4.0,
+                    linear: 0.25,
+                    signal: 8.0,
+                    noise: 16.0,
+                },
             },
             outputs: dyadic.dense(12 * proxies, rank, 0.25),
         }
@@ -249,21 +254,21 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         assert_eq!(origin, (!parts.groups.is_empty()).then_some([x[3], y[3], z[3]]));
     }
     for (found, group) in envelope.groups().zip(&parts.groups) {
-        let KernelMap { kernel, centres, coefficients, certainty } = &group.map;
+        let KernelMap { kernel, centres, coefficients, confidence } = &group.map;
         let dense = |like: &Mat<f64>, entry: &dyn Fn(usize, usize) -> Option<f32>| {
             Mat::from_fn(like.nrows(), like.ncols(), |r, c| f64::from(entry(r, c).unwrap()))
         };
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         let GroupConfidence { reach, linear, signal, noise } = found.confidence;
-        let read = Certainty {
+        let read = MapConfidence {
             len: found.certainty_len(),
             reach: reach.into(),
             linear: linear.into(),
             signal: signal.into(),
             noise: noise.into(),
         };
-        assert_eq!(read, *certainty);
+        assert_eq!(read, *confidence);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, weight as f32)));
         }
@@ -393,7 +398,7 @@ fn parts_that_do_not_fit_are_refused() {
         |p, _| p.groups.truncate(2),
         |p, _| p.groups[0].inputs[0].feature = 60,
         |p, _| p.groups[0].outputs[(0, 0)] = 1e7,
-        |p, _| p.groups[0].map.certainty.reach = 0.0,
+        |p, _| p.groups[0].map.confidence.reach = 0.0,
         |_, s| s.rest_positions[3][1] = 1e300,
         |_, s| s.rest_normals[3] = [0.0, 1.1, 0.0],
         |_, s| s.ranges[1].1 = 19..24,

@@ -5,8 +5,7 @@ use crate::evaluate::{evaluate, read};
 use arbitrary::{Error, Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
-use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
-use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
+use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor, TWIST_MAX};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -14,7 +13,7 @@ use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::regression::certainty::Certainty;
+use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::ops::Range;
 
@@ -202,7 +201,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
             // number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
             coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
-            certainty: Certainty { len, reach, linear, signal, noise },
+            confidence: MapConfidence { len, reach, linear, signal, noise },
         },
         outputs: matrix(rows, r, || float(u, CORRECTION_MAX))?,
     })
@@ -355,13 +354,13 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.group_len(), parts.groups.len());
     for (group, found) in parts.groups.iter().zip(envelope.groups()) {
-        let Group { inputs, map: KernelMap { kernel, centres, coefficients, certainty }, .. } =
+        let Group { inputs, map: KernelMap { kernel, centres, coefficients, confidence }, .. } =
             group;
         let (d, n, r) = (inputs.len(), centres.ncols(), group.outputs.ncols());
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
-        let Certainty { len, reach, linear, signal, noise } = *certainty;
+        let MapConfidence { len, reach, linear, signal, noise } = *confidence;
         let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(round);
         assert_eq!(
             (found.certainty_len(), found.confidence),

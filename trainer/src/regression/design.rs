@@ -1,88 +1,79 @@
-//! The design of a kernel fit: all of it that depends on the inputs alone, so that one serves any
-//! outputs (METHOD §2.2).
+//! Design of a kernel fit: the part that depends on the inputs alone, so that one design serves any outputs (METHOD
+//! §2.2).
 //!
-//! `f(x) = Σ_k c_k (G(|x - t_k|²/w) - G(|t_k|²/w)) + A x`. The columns are the orthonormal functions
-//! of some centres, zero at the origin, and the scaled inputs; a ridge acts on their coefficients. So
-//! with every sample a centre this is kernel ridge regression with [`Inputs::kernel_matrix`]. The
-//! linear part is penalised too: an unpenalised tail of many inputs overfits.
+//! `f(x) = Σ_k c_k (G(|x - t_k|²/w) - G(|t_k|²/w)) + A x`. The columns are the orthonormal functions of the centres,
+//! zero at the origin, and the scaled inputs. A ridge penalises the coefficients of the columns. If every sample is a
+//! centre, this is kernel ridge regression with [`Inputs::kernel_matrix`]. The linear part is penalised too, because an
+//! unpenalised linear part of many inputs overfits.
 
-use super::centres::Greedy;
-use super::certainty::Certainty;
+use super::confidence::MapConfidence;
 use super::function::{Exact, by_name};
-use super::inputs::Inputs;
-use super::left_out::LeftOut;
+use super::inputs::{GreedyCentres, Inputs};
 use super::map::KernelMap;
-use super::outputs::Block;
+use super::outputs::{Block, LeftOut};
 use crate::numeric::columns;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par, Side};
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
-/// Share of the variance over the samples that they may leave unexplained.
+/// Share of the variance over the samples that the variance roots may leave unexplained.
 const UNEXPLAINED: f64 = 1e-6;
 
-/// Squared distance from rest up to which a design's certainty tells, over that of the farthest sample.
+/// Squared distance from rest where a map's confidence starts to fade, over the squared distance of the farthest
+/// sample.
 const REACH: f64 = 2.0;
 
-/// Squared singular values that are a smaller share of the largest are rounding.
+/// Share of the largest squared singular value below which a squared singular value is rounding.
 const ROUNDED: f64 = 1e-14;
 
-/// What a design is made with.
+/// Parameters of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hyperparameters {
-    /// G.
+    /// Kernel G.
     #[serde(serialize_with = "by_name")]
     pub kernel: GroupKernel,
     /// Squared width over the median squared distance.
     pub width: f64,
-    /// Centres beside the origin.
+    /// Number of centres besides the origin.
     pub centres: usize,
 }
 
-/// A design X of n rows, a sample each, decomposed.
+/// Design matrix X with a row for each of the n samples, and its decomposition.
 pub struct Design<'a> {
-    /// What it is made with.
+    /// Parameters of the design.
     pub hyperparameters: Hyperparameters,
     inputs: &'a Inputs,
-    centres: Greedy,
+    centres: GreedyCentres,
     /// X.
     columns: Mat<f64>,
-    /// Its left singular vectors, n x k, and its squared singular values, descending.
+    /// Left singular vectors of X, n x k; their squared singular values follow, descending.
     directions: Mat<f64>,
     squared: Vec<f64>,
-    /// The largest of them, of which ridges are shares.
+    /// Largest squared singular value. Ridges are relative to it.
     largest: f64,
 }
 
-/// A block of samples on a design's directions.
-pub struct BlockRows {
-    /// The rows of what it leaves out, its own first: len x k.
-    rows: Mat<f64>,
-    /// How many of them are to be predicted.
-    own: usize,
-}
-
-/// A block of samples as a fit sees it that has not seen them.
+/// Block of samples that a fit leaves out.
 pub struct BlockOut {
-    /// Their rows of the hat matrix, on the design's directions: len x k.
+    /// Rows of the hat matrix for these samples, on the design's directions: len x k.
     hat: Mat<f64>,
     left_out: LeftOut,
-    /// How many of them are to be predicted, the first.
-    own: usize,
-    /// The variance of noise that the ridge stands for.
+    /// Variance of the noise that the ridge assumes.
     noise: f64,
 }
 
 impl<'a> Design<'a> {
-    /// Makes a design; none where its decomposition does not converge.
+    /// Makes a design; `None` if the decomposition does not converge.
     pub fn new(inputs: &'a Inputs, hyperparameters: Hyperparameters) -> Option<Self> {
         let Hyperparameters { kernel, width, centres } = hyperparameters;
         Self::each(inputs, kernel, width, &[centres]).next()
     }
 
-    /// Makes designs of ascending numbers of centres, one when it is asked for, each by the first of
-    /// the same centres; of numbers that are more than there are, one.
+    /// Makes designs with ascending numbers of centres, one at a time.
+    ///
+    /// Each design has the first centres of one common order. Counts above the number of possible centres give one
+    /// design.
     pub fn each(
         inputs: &'a Inputs,
         kernel: GroupKernel,
@@ -92,26 +83,19 @@ impl<'a> Design<'a> {
         let most = counts.iter().copied().max().unwrap_or(0);
         let scale = 1.0 / inputs.squared_width(width);
         let squared = |i, j| scale * inputs.squared(i, j);
-        let greedy = Greedy::new(kernel, inputs.sample_len(), most, squared);
+        let greedy = GreedyCentres::new(kernel, inputs.sample_len(), most, squared);
         let mut counts: Vec<_> =
             counts.iter().map(|&count| count.min(greedy.order.len())).collect();
         counts.dedup();
         counts.into_iter().filter_map(move |count| {
             let hyperparameters = Hyperparameters { kernel, width, centres: count };
-            Self::decompose(inputs, hyperparameters, greedy.first(count))
+            let centres = greedy.first(count);
+            let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
+            let columns = faer::concat![[centres.functions(), scaled]];
+            let (directions, squared) = directions(&columns)?;
+            let largest = squared.first().copied().unwrap_or(0.0);
+            Some(Self { hyperparameters, inputs, centres, columns, directions, squared, largest })
         })
-    }
-
-    fn decompose(
-        inputs: &'a Inputs,
-        hyperparameters: Hyperparameters,
-        centres: Greedy,
-    ) -> Option<Self> {
-        let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
-        let columns = faer::concat![[centres.functions(), scaled]];
-        let (directions, squared) = directions(&columns)?;
-        let largest = squared.first().copied().unwrap_or(0.0);
-        Some(Self { hyperparameters, inputs, centres, columns, directions, squared, largest })
     }
 
     /// Returns n.
@@ -124,12 +108,12 @@ impl<'a> Design<'a> {
         self.directions.transpose() * outputs
     }
 
-    /// Takes the rows of a block.
-    pub fn rows(&self, block: &Block) -> BlockRows {
-        BlockRows { rows: block.rows(&self.directions), own: block.own.len() }
+    /// Collects the rows of a block on the design's directions, len x k.
+    pub fn rows(&self, block: &Block) -> Mat<f64> {
+        block.rows(&self.directions)
     }
 
-    /// What a fit to all samples with a ridge leaves of outputs, n x r, given their projection.
+    /// Returns the residuals of a fit to all samples with a ridge, n x r, from the outputs and their projection.
     pub fn residuals(&self, outputs: &Mat<f64>, projected: &Mat<f64>, ridge: f64) -> Mat<f64> {
         let shrink = self.shrink(ridge);
         let fitted = Mat::from_fn(projected.nrows(), projected.ncols(), |k, o| {
@@ -138,14 +122,15 @@ impl<'a> Design<'a> {
         outputs - &self.directions * fitted
     }
 
-    /// What a ridge leaves of each direction.
+    /// Returns the share of each direction that a fit with a ridge keeps.
     fn shrink(&self, ridge: f64) -> Vec<f64> {
         self.squared.iter().map(|s| s / (s + ridge * self.largest)).collect()
     }
 
-    /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
-    /// indefinite.
-    pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
+    /// Leaves a block of samples out of a fit with a ridge; `None` if rounding makes the remainder indefinite.
+    ///
+    /// - `rows`: rows of the block.
+    pub fn block_out(&self, rows: &Mat<f64>, ridge: f64) -> Option<BlockOut> {
         columns::narrow_registers();
         let shrink = self.shrink(ridge);
         let hat = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| shrink[k] * rows[(i, k)]);
@@ -155,44 +140,46 @@ impl<'a> Design<'a> {
         let (out, onto) = (remainder.as_mut(), rows.transpose());
         triangular::matmul(out, lower, Accum::Add, &hat, whole, onto, whole, -1.0, Par::Seq);
         let noise = ridge * self.largest;
-        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: *own, noise })
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, noise })
     }
 
-    /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
-    /// first outputs that were projected, with a ridge each.
+    /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs.
+    ///
+    /// The first outputs of the projection are solved for, each with its own ridge.
     pub fn solve(&self, projected: &Mat<f64>, ridges: &[f64]) -> Mat<f64> {
         let dual = self.dual(&projected.subcols(0, ridges.len()).to_owned(), |o| ridges[o]);
         self.columns.transpose() * (&self.directions * dual)
     }
 
-    /// Solves for coefficients of the directions, k x r.
+    /// Solves for the coefficients of the directions, k x r.
     ///
-    /// - `ridge`: of each output.
+    /// - `ridge`: ridge of each output.
     pub fn dual(&self, projected: &Mat<f64>, ridge: impl Fn(usize) -> f64) -> Mat<f64> {
         Mat::from_fn(projected.nrows(), projected.ncols(), |k, o| {
             projected[(k, o)] / (self.squared[k] + ridge(o) * self.largest)
         })
     }
 
-    /// Returns the squared norms of the functions that coefficients of the directions stand for, r.
+    /// Returns the squared norms of the functions with given coefficients of the directions, r.
     pub fn squared_norms(&self, dual: &Mat<f64>) -> Vec<f64> {
         let norm = |o| self.squared.iter().enumerate().map(|(k, s)| s * dual[(k, o)].powi(2)).sum();
         (0..dual.ncols()).map(norm).collect()
     }
 
-    /// Turns coefficients of the design's columns to those of the kernels at the origin and at the
-    /// centres, centres + 1 x r.
+    /// Converts coefficients of the design's columns into coefficients of the kernels at the origin and at the centres,
+    /// centres + 1 x r.
     fn at_centres(&self, solution: &Mat<f64>) -> Mat<f64> {
         self.centres.at_centres(&solution.subrows(0, self.hyperparameters.centres).to_owned())
     }
 
-    /// The same of what each direction stands for, centres + 1 x k.
+    /// Returns the coefficients of each direction for the kernels at the origin and at the centres, centres + 1 x k.
     pub fn directions_at_centres(&self) -> Mat<f64> {
         self.at_centres(&(self.columns.transpose() * &self.directions))
     }
 
-    /// RMS size of what is rounded in the kernel of each centre, the origin first: the value itself,
-    /// or, for a gaussian, its change from rest.
+    /// Returns the RMS magnitude of the rounded term of each centre, the origin first.
+    ///
+    /// The rounded term is the kernel's value, or, for a gaussian, the change of the value from rest.
     pub fn terms(&self) -> Vec<f64> {
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
         let (n, scale) = (self.sample_len(), 1.0 / self.inputs.squared_width(width));
@@ -213,14 +200,15 @@ impl<'a> Design<'a> {
         std::iter::once(0).chain(centres).enumerate().map(of).collect()
     }
 
-    /// Returns what inputs are to be multiplied by before a map of this design takes them.
+    /// Returns the factor that scales inputs before a map of this design evaluates them.
     pub fn scale(&self) -> f64 {
         1.0 / self.inputs.squared_width(self.hyperparameters.width).sqrt()
     }
 
-    /// Makes the map of scaled inputs that has these coefficients of the design's columns, for the outputs and then
-    /// for the values of its certainty.
-    pub fn map(&self, solution: &Mat<f64>, certainty: Certainty) -> KernelMap {
+    /// Makes the map of scaled inputs.
+    ///
+    /// - `solution`: coefficients of the design's columns, for the outputs and then for the variance roots.
+    pub fn map(&self, solution: &Mat<f64>, confidence: MapConfidence) -> KernelMap {
         let Hyperparameters { kernel, width, centres: count } = self.hyperparameters;
         let width = self.inputs.squared_width(width);
         let centres = self.at_centres(solution);
@@ -233,25 +221,27 @@ impl<'a> Design<'a> {
                 if k == 0 { 0.0 } else { values[(r, self.centres.order[k - 1])] / width.sqrt() }
             }),
             coefficients: faer::concat![[centres.transpose(), linear.transpose()]],
-            certainty,
+            confidence,
         }
     }
 
-    /// Returns the coefficients of the design's columns that give the values whose squares sum to the variance that a
-    /// fit with a ridge explains: those of the leading directions, at most so many, k x m. They stand for the others as
-    /// well: over the samples the sum is that of all.
-    pub fn certainty(&self, ridge: f64, most: usize) -> Mat<f64> {
+    /// Returns the coefficients of the variance roots, k x m: values whose squares sum to the variance that a fit with
+    /// a ridge explains.
+    ///
+    /// At most `most` leading directions have a root. The roots are scaled up, so that their sum over the samples is
+    /// the variance that all directions explain.
+    pub fn variance_roots(&self, ridge: f64, most: usize) -> Mat<f64> {
         let s = &self.squared;
         let share = |i: usize| s[i] / (s[i] + ridge * self.largest);
         let explained = |count: usize| (0..count).map(|i| s[i] * share(i)).sum::<f64>();
-        let len = self.certainty_len(most);
+        let len = self.root_len(most);
         let others = explained(s.len()) / explained(len).max(f64::MIN_POSITIVE);
         let v = self.columns.transpose() * self.directions.subcols(0, len);
         Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * (others * share(i) / s[i]).sqrt())
     }
 
-    /// Counts the values of [`Design::certainty`], m.
-    pub fn certainty_len(&self, most: usize) -> usize {
+    /// Counts the roots of [`Design::variance_roots`], m.
+    pub fn root_len(&self, most: usize) -> usize {
         let mut left: f64 = self.squared.iter().sum();
         let negligible = UNEXPLAINED * left;
         let needed = self.squared.iter().take_while(|s| {
@@ -262,15 +252,15 @@ impl<'a> Design<'a> {
         needed.count().min(most)
     }
 
-    /// Returns a certainty of no values, with the design's own numbers.
-    pub fn certain(&self) -> Certainty {
+    /// Returns the confidence of a map without variance roots, with the design's distances.
+    pub fn confidence(&self) -> MapConfidence {
         let width = self.inputs.squared_width(self.hyperparameters.width);
         let farthest =
             (1..=self.sample_len()).map(|i| self.inputs.squared(0, i)).fold(0.0, f64::max);
-        Certainty {
+        MapConfidence {
             reach: REACH * farthest / width,
             linear: self.inputs.linear_share() * width,
-            ..Certainty::default()
+            ..MapConfidence::default()
         }
     }
 
@@ -279,7 +269,7 @@ impl<'a> Design<'a> {
         (0..self.sample_len()).map(|i| self.prior(i)).sum()
     }
 
-    /// The prior variance of a sample.
+    /// Returns the prior variance of a sample.
     fn prior(&self, sample: usize) -> f64 {
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
         let apart = self.inputs.squared(0, sample + 1);
@@ -287,16 +277,18 @@ impl<'a> Design<'a> {
         1.0 - rest.powi(2) + self.inputs.linear_share() * apart
     }
 
-    /// What of it the centres do not span.
+    /// Returns the part of a sample's prior variance outside the span of the centres.
     fn unspanned(&self, sample: usize) -> f64 {
         let spanned = self.columns.row(sample).squared_norm_l2();
         (self.prior(sample) - spanned).max(0.0)
     }
 }
 
-/// The left singular vectors of a matrix, n x k, and its squared singular values, descending; none where the
-/// decomposition does not converge. They come from inner products, in half the time of a decomposition of the matrix itself.
-/// What that rounds is far below every ridge, and is left out.
+/// Decomposes a matrix into left singular vectors, n x k, and squared singular values, descending; `None` if the
+/// decomposition does not converge.
+///
+/// The decomposition uses inner products, in half the time of a decomposition of the matrix. Directions that this
+/// rounds away are far below every ridge.
 fn directions(columns: &Mat<f64>) -> Option<(Mat<f64>, Vec<f64>)> {
     let is_wide = columns.nrows() <= columns.ncols();
     let products =
@@ -317,22 +309,24 @@ fn directions(columns: &Mat<f64>) -> Option<(Mat<f64>, Vec<f64>)> {
 }
 
 impl BlockOut {
-    /// What a fit to all samples leaves of those that are left out, given their outputs and the projection of all, as the
-    /// fit without the block sees them: a row a sample.
+    /// Returns the residuals of the samples that are left out, in a fit to all samples, a row each.
+    ///
+    /// - `outputs`: outputs of these samples.
+    /// - `projected`: projection of all outputs.
     pub fn residuals(&self, outputs: &Mat<f64>, projected: &Mat<f64>) -> Mat<f64> {
         outputs - &self.hat * projected
     }
 
-    /// Turns these residuals to the errors of the block's own samples.
-    pub fn errors(&self, residuals: &Mat<f64>) -> Mat<f64> {
-        self.left_out.errors(residuals).subrows(0, self.own).to_owned()
+    /// Converts residuals into the errors of the block's predicted samples.
+    pub fn errors(&self, block: &Block, residuals: &Mat<f64>) -> Mat<f64> {
+        self.left_out.errors(residuals).subrows(0, block.own.len()).to_owned()
     }
 
-    /// Returns the variance of the fit without its samples, summed over a block's own.
+    /// Returns the variance of the fit without the block, summed over the block's predicted samples.
     pub fn variance(&self, design: &Design<'_>, block: &Block) -> f64 {
         let variances = self.left_out.variances();
         let unspanned: f64 = block.own.iter().map(|&i| design.unspanned(i)).sum();
-        unspanned + self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
+        unspanned + self.noise * variances[..block.own.len()].iter().map(|v| v - 1.0).sum::<f64>()
     }
 }
 
@@ -368,7 +362,7 @@ mod tests {
                 let residuals = left.residuals(&own, &projected);
                 let same = block.rows(&design.residuals(&all, &projected, 1e-3));
                 assert!((&same - &residuals).norm_max() < 1e-12);
-                let found = left.errors(&residuals);
+                let found = left.errors(&block, &residuals);
                 let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
                 let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
                 let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
@@ -388,7 +382,7 @@ mod tests {
         }
     }
 
-    /// The variance of a fit to some samples at another, in closed form.
+    /// Variance of a fit to some samples at another sample, in closed form.
     fn variance(x: &Mat<f64>, kept: &[usize], at: usize, ridge: f64) -> f64 {
         let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
         let mut normal = a.transpose() * &a;
@@ -398,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn variances_are_those_of_fits_without_a_block_and_of_what_no_centre_spans() {
+    fn variances_include_the_fit_without_a_block_and_the_unspanned_prior() {
         let inputs = inputs();
         for design in [6, 20].map(|centres| design(&inputs, centres)) {
             let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
@@ -409,19 +403,19 @@ mod tests {
                 variance(&x, &kept, i, ridge) + prior
             };
             let expected: f64 = block.own.iter().map(of).sum();
-            let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
-            let found = found.variance(&design, &block);
+            let out = design.block_out(&design.rows(&block), 1e-3).unwrap();
+            let found = out.variance(&design, &block);
             assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
         }
     }
 
     #[test]
-    fn certainty_explains_what_all_samples_tell_of_each() {
+    fn variance_roots_give_the_variance_that_all_samples_explain() {
         let inputs = inputs();
         for design in [6, 20].map(|centres| design(&inputs, centres)) {
             let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
-            let rows = design.certainty(1e-3, 16);
-            assert_eq!(rows.ncols(), design.certainty_len(16));
+            let rows = design.variance_roots(1e-3, 16);
+            assert_eq!(rows.ncols(), design.root_len(16));
             let all = Vec::from_iter(0..20);
             for i in 0..20 {
                 let explained = (x.row(i) * &rows).squared_norm_l2();
@@ -429,16 +423,17 @@ mod tests {
                 let expected = variance(&x, &all, i, ridge);
                 assert!((left - expected).abs() < 1e-4, "{left} {expected}");
             }
-            let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
+            let fitted =
+                design.map(&rows, MapConfidence { len: rows.ncols(), ..design.confidence() });
             let input: Vec<f64> =
                 inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
-            let evidence = fitted.evaluate(&input).evidence;
-            assert_eq!(evidence.known, 0.0, "no signal");
+            let expected = fitted.evaluate(&input).expected_error;
+            assert_eq!(expected.explained, 0.0, "no signal");
             let trusted =
-                Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
-            let known = design.map(&rows, trusted).evaluate(&input).evidence;
-            assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
-            assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
+                MapConfidence { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.confidence() };
+            let expected = design.map(&rows, trusted).evaluate(&input).expected_error;
+            assert!((expected.explained + expected.unexplained - design.prior(7)).abs() < 1e-9);
+            assert!((expected.explained - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
         }
     }
 
@@ -451,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_centres_share_their_first_ones() {
+    fn larger_numbers_of_centres_begin_with_the_smaller() {
         let inputs = inputs();
         let designs: Vec<_> =
             Design::each(&inputs, GroupKernel::Matern32, 4.0, &[3, 8, 30, 40]).collect();

@@ -1,4 +1,4 @@
-//! The kernels in f64, as functions of s, the squared scaled distance (METHOD §2.1).
+//! Kernels in f64, as functions of s, the squared scaled distance (METHOD §2.1).
 
 use serde::Serializer;
 use sinew_runtime::envelope::GroupKernel;
@@ -40,8 +40,10 @@ pub trait Exact: Into<Kernel> {
         }
     }
 
-    /// Returns the slope dG/ds at `s >= 0`; 0 at 0 where it is infinite there, so that its product with
-    /// the distance is what it tends to, or the middle of it where that is a cone.
+    /// Returns the slope dG/ds at `s >= 0`.
+    ///
+    /// If the slope at 0 is infinite, this returns 0. The product of slope and distance then has its limit, or the
+    /// middle value at a cone.
     fn slope(self, s: f64) -> f64 {
         let r = s.sqrt();
         let over_r = |value: f64| if r > 0.0 { value / r } else { 0.0 };
@@ -87,8 +89,9 @@ pub trait Exact: Into<Kernel> {
 impl Exact for Kernel {}
 impl Exact for GroupKernel {}
 
-/// Returns the order of a kernel's conditional definiteness: one more than the degree of the least
-/// polynomial that a fit with it needs; none of a hat, with which nothing can be solved.
+/// Returns the order of a kernel's conditional definiteness; `None` for a hat, with which no system can be solved.
+///
+/// The order is one more than the lowest degree of polynomial that a fit with the kernel needs.
 pub const fn order(kernel: Kernel) -> Option<usize> {
     match kernel {
         Kernel::Linear | Kernel::Multiquadric => Some(1),
@@ -97,6 +100,11 @@ pub const fn order(kernel: Kernel) -> Option<usize> {
         Kernel::Hat { .. } => None,
         _ => Some(0),
     }
+}
+
+/// Returns true if scaling all distances leaves the interpolant unchanged.
+pub const fn is_scale_invariant(kernel: Kernel) -> bool {
+    matches!(kernel, Kernel::Linear | Kernel::ThinPlate | Kernel::Cubic | Kernel::Quintic)
 }
 
 /// Writes a kernel by its name.
@@ -112,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slopes_are_those_of_the_values() {
+    fn slopes_are_differences_of_values() {
         for kernel in Kernel::ALL {
             for r in [0.1f64, 0.7, 0.95, 2.0] {
                 let h = 1e-5;

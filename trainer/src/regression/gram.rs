@@ -1,37 +1,39 @@
-//! Kernel ridge regression of outputs that are known by their inner products alone, with every sample
-//! a centre: how well the samples of very many outputs predict each other (METHOD §2.2).
+//! Kernel ridge regression of outputs that are known only by their inner products, with every sample a centre (METHOD
+//! §2.2).
+//!
+//! The regression measures how well samples with very many outputs predict each other.
 
 use super::inputs::{Inputs, WIDTHS};
-use super::left_out::LeftOut;
-use super::outputs::Block;
+use super::outputs::{Block, LeftOut};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;
 
-/// Candidate ridges, as shares of the kernel's mean diagonal, so that one chosen on some samples
-/// holds for all.
+/// Candidate ridges, as shares of the kernel's mean diagonal: a ridge chosen on some samples then holds for all.
 const RIDGES: [f64; 3] = [1e-5, 1e-4, 1e-3];
 
-/// A regression of n samples on each other, and what is left to learn of them.
+/// Regression of n samples on each other, with the residuals of the samples.
 pub struct GramRegression {
-    /// The kernel of the samples, zero at rest, n x n.
+    /// Kernel matrix of the samples, zero at rest, n x n.
     kernel: Mat<f64>,
     /// Inner products of the samples' outputs, n x n.
     gram: Mat<f64>,
     ridge: f64,
 }
 
-/// Squared errors of each sample, summed over the outputs, predicted by the others.
+/// Squared error of each sample, predicted by other samples and summed over the outputs.
 pub struct SampleErrors {
-    /// Without the sample alone.
+    /// Errors if only the sample is left out.
     pub alone: Vec<f64>,
-    /// Without its block.
+    /// Errors if the sample's block is left out.
     pub block: Vec<f64>,
 }
 
 impl GramRegression {
-    /// Chooses width and ridge by leaving out blocks of some samples; `blocks` cover `some` and
-    /// count its elements. None where no fit can be made.
+    /// Chooses width and ridge by leaving out blocks of some samples; `None` if no fit can be made.
+    ///
+    /// - `some`: samples that the choice uses.
+    /// - `blocks`: blocks that cover `some`; their indices count the elements of `some`.
     pub fn choose(
         inputs: &Inputs,
         gram: Mat<f64>,
@@ -42,7 +44,7 @@ impl GramRegression {
             |m: &Mat<f64>| Mat::from_fn(some.len(), some.len(), |i, j| m[(some[i], some[j])]);
         let picked_gram = pick(&gram);
         let (mut best, mut least) = (None, f64::INFINITY);
-        // With the narrowest a frame would be known by its neighbours alone.
+        // With the narrowest width, only a frame's neighbours would predict the frame.
         for &width in &WIDTHS[1..] {
             let kernel = pick(&inputs.kernel_matrix(GroupKernel::Gaussian, width));
             let mean = kernel.diagonal().column_vector().sum() / some.len() as f64;
@@ -65,25 +67,26 @@ impl GramRegression {
         self.gram.nrows()
     }
 
-    /// Returns the squared size of what is left to learn of a sample, summed over the outputs.
+    /// Returns the squared residual of a sample, summed over the outputs.
     pub fn left(&self, sample: usize) -> f64 {
         self.gram[(sample, sample)]
     }
 
-    /// Predicts every sample by the others; `blocks` cover all. None where
-    /// rounding makes a fit indefinite.
+    /// Predicts every sample by the others; `None` if rounding makes a fit indefinite.
+    ///
+    /// - `blocks`: blocks that cover all samples.
     pub fn errors(&self, blocks: &[Block]) -> Option<SampleErrors> {
         SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
     }
 
-    /// Predicts every sample by those of some that are others: squared errors, summed over the outputs, over their variance
-    /// as the regression has it, and as they are. None where rounding makes the fit indefinite.
+    /// Predicts every sample by the other samples of `by`. Returns the squared error over its variance, and the squared
+    /// error, both summed over the outputs. `None` if rounding makes the fit indefinite.
     ///
-    /// - `by`: in order.
+    /// - `by`: samples that predict, ascending.
     ///
-    /// With A = K + λI of some samples the error of one of them is `[A⁻¹ y]_i / [A⁻¹]_ii` and its variance `1 / [A⁻¹]_ii`; of
-    /// another it is y - kᵀA⁻¹y, with a variance of K_ii + λ - kᵀA⁻¹k.
-    pub fn surprises(&self, by: &[usize]) -> Option<Vec<(f64, f64)>> {
+    /// Let A = K + λI of the samples in `by`. A sample in `by` has the error `[A⁻¹ y]_i / [A⁻¹]_ii` and the variance `1
+    /// / [A⁻¹]_ii`. Any other sample has the error y - kᵀA⁻¹y and the variance K_ii + λ - kᵀA⁻¹k.
+    pub fn standardised_errors(&self, by: &[usize]) -> Option<Vec<(f64, f64)>> {
         let (n, m) = (self.sample_len(), by.len());
         let others: Vec<usize> = (0..n).filter(|j| by.binary_search(j).is_err()).collect();
         let of = |matrix: &Mat<f64>, columns: &[usize]| {
@@ -114,8 +117,7 @@ impl GramRegression {
         Some((0..n).map(of_sample).collect())
     }
 
-    /// Takes what one sample predicts from the others: the regression's own update, kernel and
-    /// residuals conditioned on the sample.
+    /// Conditions the regression on a sample: kernel and residuals lose the part that the sample predicts.
     pub fn learn(&mut self, sample: usize) {
         let n = self.sample_len();
         let scale = 1.0 / (self.kernel[(sample, sample)].max(0.0) + self.ridge);
@@ -135,7 +137,7 @@ impl GramRegression {
 }
 
 impl SampleErrors {
-    /// With A = K + λI a fit to all samples leaves λA⁻¹ of their outputs; λ cancels. A single sample
+    /// Computes the errors. With A = K + λI, a fit to all samples has the residuals λA⁻¹y; λ cancels. A single sample
     /// is a block of one.
     fn new(kernel: &Mat<f64>, gram: &Mat<f64>, ridge: f64, blocks: &[Block]) -> Option<Self> {
         let n = kernel.nrows();
@@ -145,20 +147,20 @@ impl SampleErrors {
         let half = gram * &inverse;
         let columns =
             |m: &Mat<f64>, out: &[usize]| Mat::from_fn(n, out.len(), |r, i| m[(r, out[i])]);
-        let missed = |block: &Block, missed: &mut [f64]| {
+        let predict = |block: &Block, errors: &mut [f64]| {
             let out: Vec<usize> = block.out().collect();
             let remainder = Mat::from_fn(out.len(), out.len(), |i, j| inverse[(out[i], out[j])]);
             let residuals = columns(&inverse, &out).transpose() * columns(&half, &out);
-            let errors = LeftOut::new(&remainder)?.products(&residuals);
-            block.own.iter().enumerate().for_each(|(i, &sample)| missed[sample] = errors[(i, i)]);
+            let products = LeftOut::new(&remainder)?.products(&residuals);
+            block.own.iter().enumerate().for_each(|(i, &sample)| errors[sample] = products[(i, i)]);
             Some(())
         };
         let (mut alone, mut block) = (vec![0.0; n], vec![0.0; n]);
         for sample in 0..n {
-            missed(&Block::row(sample..sample + 1), &mut alone)?;
+            predict(&Block::row(sample..sample + 1), &mut alone)?;
         }
         for left_out in blocks {
-            missed(left_out, &mut block)?;
+            predict(left_out, &mut block)?;
         }
         Some(Self { alone, block })
     }
@@ -171,7 +173,7 @@ mod tests {
     const N: usize = 12;
     const RIDGE: f64 = 1e-2;
 
-    /// A regression of samples on a spiral, with outputs n x 2.
+    /// Returns a regression of samples on a spiral, with outputs n x 2.
     fn regression() -> (GramRegression, Mat<f64>) {
         let inputs = Mat::from_fn(2, N, |r, i| {
             let t = 0.4 * i as f64;
@@ -183,8 +185,8 @@ mod tests {
         (GramRegression { gram, kernel, ridge: RIDGE }, outputs)
     }
 
-    /// Squared error of a sample predicted by some others, by solving for them.
-    fn missed(kernel: &Mat<f64>, outputs: &Mat<f64>, sample: usize, by: &[usize]) -> f64 {
+    /// Returns the squared error of a sample that some others predict, by solving for them.
+    fn squared_error(kernel: &Mat<f64>, outputs: &Mat<f64>, sample: usize, by: &[usize]) -> f64 {
         let among = Mat::from_fn(by.len(), by.len(), |i, j| {
             kernel[(by[i], by[j])] + if i == j { RIDGE } else { 0.0 }
         });
@@ -212,8 +214,8 @@ mod tests {
                 let others: Vec<usize> = (0..N).filter(|&i| i != sample).collect();
                 let outside: Vec<usize> =
                     (0..N).filter(|i| !block.out().any(|out| out == *i)).collect();
-                let alone = missed(&regression.kernel, &outputs, sample, &others);
-                let blocked = missed(&regression.kernel, &outputs, sample, &outside);
+                let alone = squared_error(&regression.kernel, &outputs, sample, &others);
+                let blocked = squared_error(&regression.kernel, &outputs, sample, &outside);
                 assert!((found.alone[sample] - alone).abs() < 1e-9 * (1.0 + alone));
                 assert!((found.block[sample] - blocked).abs() < 1e-9 * (1.0 + blocked));
             }
@@ -221,13 +223,13 @@ mod tests {
     }
 
     #[test]
-    fn surprises_are_the_errors_of_single_samples_over_their_variance() {
+    fn standardised_errors_are_squared_errors_over_their_variance() {
         let (regression, outputs) = regression();
         let kept: Vec<usize> = (0..N).filter(|&i| i != 4).collect();
-        let found = regression.surprises(&kept).unwrap();
+        let found = regression.standardised_errors(&kept).unwrap();
         for (sample, found) in found.into_iter().enumerate() {
             let others: Vec<usize> = kept.iter().copied().filter(|&i| i != sample).collect();
-            let squared = missed(&regression.kernel, &outputs, sample, &others);
+            let squared = squared_error(&regression.kernel, &outputs, sample, &others);
             let among = Mat::from_fn(others.len(), others.len(), |i, j| {
                 let ridge = if i == j { RIDGE } else { 0.0 };
                 regression.kernel[(others[i], others[j])] + ridge
@@ -236,8 +238,8 @@ mod tests {
             let explained = (near.transpose() * among.partial_piv_lu().inverse() * &near)[(0, 0)];
             let variance = regression.kernel[(sample, sample)] + RIDGE - explained;
             assert!((found.1 - squared).abs() < 1e-8 * (1.0 + squared));
-            let surprise = squared / variance;
-            assert!((found.0 - surprise).abs() < 1e-8 * (1.0 + surprise));
+            let standardised = squared / variance;
+            assert!((found.0 - standardised).abs() < 1e-8 * (1.0 + standardised));
         }
     }
 
@@ -248,7 +250,7 @@ mod tests {
         let learnt = [7, 2, 10];
         learnt.into_iter().for_each(|sample| regression.learn(sample));
         for sample in (0..N).filter(|sample| !learnt.contains(sample)) {
-            let expected = missed(&kernel, &outputs, sample, &learnt);
+            let expected = squared_error(&kernel, &outputs, sample, &learnt);
             assert!((regression.left(sample) - expected).abs() < 1e-9 * (1.0 + expected));
         }
     }

@@ -1,52 +1,51 @@
-//! A kernel map in f64, and how far its f32 evaluation may be from it (METHOD §2.7).
+//! Kernel map in f64, with bounds of the error of its f32 evaluation (METHOD §2.7).
 
 use super::arithmetic::{Arithmetic, U, gamma};
-use super::certainty::{Between, Certainty, Evidence};
+use super::confidence::{ExpectedError, ExpectedErrorBounds, MapConfidence};
 use super::function::Exact;
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
 
-/// More than any kernel's change may be off by: it lies between -1 and 1, computed or not.
+/// Bound of the error of any kernel's change. Exact and computed changes lie between -1 and 1.
 const CHANGE_ERROR: f64 = 2.1;
 
-/// A map of d inputs to r outputs that is zero at zero:
-/// `Σ_k c_k (G(|x - t_k|²) - G(|t_k|²)) + A x`.
+/// Map of d inputs to r outputs that is zero at zero: `Σ_k c_k (G(|x - t_k|²) - G(|t_k|²)) + A x`.
 #[derive(Clone, Debug)]
 pub struct KernelMap {
-    /// G.
+    /// Kernel G.
     pub kernel: GroupKernel,
     /// Centres t, d x n.
     pub centres: Mat<f64>,
-    /// `[c A]`, (r + m) x (n + d): the outputs' rows, then those that tell how well an input is known.
+    /// Coefficients `[c A]`, (r + m) x (n + d): the rows of the outputs, then the rows of the variance roots.
     pub coefficients: Mat<f64>,
-    /// How those count.
-    pub certainty: Certainty,
+    /// Parameters of the map's confidence.
+    pub confidence: MapConfidence,
 }
 
-/// What a map gives for an input.
+/// Value of a map at an input.
 pub struct Value {
-    /// Outputs, r, to be multiplied by the evidence's share.
+    /// Outputs, r, without the map's weight.
     pub outputs: Vec<f64>,
-    /// What is known of the input.
-    pub evidence: Evidence,
+    /// Expected error at the input.
+    pub expected_error: ExpectedError,
 }
 
-/// How far a value may be off.
+/// Bounds of the error of a value.
 pub struct ValueError {
-    /// Each of the outputs, r.
+    /// Bound of the error of each output, r.
     pub outputs: Vec<f64>,
-    /// Between what the evidence lies.
-    pub evidence: Between,
+    /// Bounds of the expected error.
+    pub expected_error: ExpectedErrorBounds,
 }
 
 impl KernelMap {
-    /// A map of no inputs to no outputs.
+    /// Makes a map of no inputs to no outputs.
     pub fn nothing() -> Self {
         Self {
             kernel: GroupKernel::Gaussian,
             centres: Mat::zeros(0, 0),
             coefficients: Mat::zeros(0, 0),
-            certainty: Certainty::default(),
+            confidence: MapConfidence::default(),
         }
     }
 
@@ -58,7 +57,7 @@ impl KernelMap {
         let first = has_centres.then(|| Squared::new(input, self.centres.col_as_slice(0)));
         let change = first.map_or(0.0, |first| first.change(self.kernel));
         let apart = input.iter().map(|x| x * x).sum();
-        Value { outputs, evidence: self.certainty.evidence(apart, change, &values) }
+        Value { outputs, expected_error: self.confidence.expected_error(apart, change, &values) }
     }
 
     /// Computes the values of all rows, r + m.
@@ -79,19 +78,18 @@ impl KernelMap {
 
     /// Counts the outputs, r.
     pub fn rank(&self) -> usize {
-        self.coefficients.nrows() - self.certainty.len
+        self.coefficients.nrows() - self.confidence.len
     }
 
-    /// Bounds the error of the runtime's evaluation at an input whose values are products of exact
-    /// f32 numbers.
+    /// Bounds the error of the runtime's evaluation at an input whose values are products of exact f32 numbers.
     pub fn error(&self, input: &[f64]) -> ValueError {
         let rounded: Vec<f64> = input.iter().map(|x| U * x.abs()).collect();
         self.error_from(input, &rounded, Arithmetic::IEEE)
     }
 
-    /// Bounds it where an f32 evaluation takes inputs that are off by up to `input_error` each.
+    /// Bounds the error of an f32 evaluation whose inputs have errors of up to `input_error` each.
     ///
-    /// A sum of n + d products is off by the errors of its terms and γₙ₊d of their magnitudes.
+    /// The error of a sum of n + d products is the error of its terms and γₙ₊d of their magnitudes.
     pub fn error_from(
         &self,
         input: &[f64],
@@ -122,18 +120,18 @@ impl KernelMap {
         let apart: f64 = input.iter().map(|x| x * x).sum();
         let inherited: f64 = squares().map(|(x, e)| (2.0 * x.abs() + e) * e).sum();
         let apart = (apart, inherited + gamma(input.len() + 1) * (apart + inherited));
-        let evidence = self.certainty.between(apart, change, &values, &errors, arithmetic);
-        ValueError { outputs, evidence }
+        let expected_error = self.confidence.bounds(apart, change, &values, &errors, arithmetic);
+        ValueError { outputs, expected_error }
     }
 }
 
 /// Squared distances from a centre t.
 struct Squared {
-    /// Of x, s.
+    /// Squared distance of x, s.
     here: f64,
-    /// Of 0, |t|².
+    /// Squared distance of 0, |t|².
     rest: f64,
-    /// What the one exceeds the other by.
+    /// s - |t|².
     gain: f64,
 }
 
@@ -148,7 +146,7 @@ impl Squared {
         out
     }
 
-    /// Returns `G(s) - G(|t|²)`, of a gaussian to its last places also where the two are close.
+    /// Returns `G(s) - G(|t|²)`. A gaussian's change is exact to the last places, also if s and |t|² are close.
     fn change(&self, kernel: GroupKernel) -> f64 {
         let (value, rest) = (kernel.exact(self.here), kernel.exact(self.rest));
         match kernel {
@@ -159,31 +157,33 @@ impl Squared {
     }
 }
 
-/// An input's distance from a centre, and how far an f32 evaluation may be from it.
+/// Distance of an input from a centre, with bounds of the error of its f32 evaluation.
 struct Distance {
-    /// d.
+    /// Number of inputs, d.
     dimensions: usize,
-    /// What it is.
+    /// Exact squared distances.
     squared: Squared,
-    /// Of s.
+    /// Error of s.
     squared_error: f64,
-    /// Of the gain.
+    /// Error of the gain.
     gain_error: f64,
     /// Length of the inputs' errors.
     input_error: f64,
 }
 
 impl Distance {
-    /// Each term of `Σ (x - t)²` is behind d + 2 roundings. `Σ x ((x - t) - t)` is one of products
-    /// behind d + 1, of which the inner difference is off by u before. An error e of x moves either
-    /// by `2 (x - t) e + e²`.
+    /// Measures an input, d values with a bound of the error of each.
+    ///
+    /// Each term of `Σ (x - t)²` is behind d + 2 roundings. Each product of `Σ x ((x - t) - t)` is behind d + 1
+    /// roundings, and its inner difference has an error of u before. An error e of x changes a term of either sum by `2
+    /// (x - t) e + e²`.
     fn new(input: &[f64], input_error: &[f64], centre: &[f64]) -> Self {
         let dimensions = input.len();
         let squared = Squared::new(input, centre);
-        let (mut moved, mut rounded, mut length) = (0.0, 0.0, 0.0);
+        let (mut inherited, mut rounded, mut length) = (0.0, 0.0, 0.0);
         for ((&x, &error), &t) in input.iter().zip(input_error).zip(centre) {
             let apart = (x - t).abs();
-            moved += (2.0 * apart + error) * error;
+            inherited += (2.0 * apart + error) * error;
             length += error * error;
             let of_difference = U * (1.0 + gamma(dimensions + 1)) * (apart + error);
             let of_product = gamma(dimensions + 1) * ((x - 2.0 * t).abs() + error);
@@ -191,19 +191,18 @@ impl Distance {
         }
         Self {
             dimensions,
-            squared_error: moved + gamma(dimensions + 2) * (squared.here + moved),
+            squared_error: inherited + gamma(dimensions + 2) * (squared.here + inherited),
             squared,
-            gain_error: moved + rounded,
+            gain_error: inherited + rounded,
             input_error: f64::sqrt(length),
         }
     }
 
     /// Bounds the error of a kernel's change.
     ///
-    /// A gaussian's is `e^-s (1 - e^gain)` or `e^-|t|² (1 - e^-gain)`: the first factor passes its
-    /// own error on to the change, the second the gain's to the lesser of the two values. Where the
-    /// gain's error makes either possible, the change is no greater than that. Roundings: 1 ULP,
-    /// 2 ULP and a product.
+    /// A gaussian's change is `e^-s (1 - e^gain)` or `e^-|t|² (1 - e^-gain)`. The first factor passes its error on to
+    /// the change. The second factor passes the gain's error on to the lesser of the two values. If the sign of the
+    /// gain is uncertain, the change is at most the gain's error. Roundings: 1 ULP, 2 ULP and a product.
     fn change_error(&self, kernel: GroupKernel, arithmetic: Arithmetic) -> f64 {
         let Squared { here, rest, gain } = self.squared;
         let change = self.squared.change(kernel).abs();
@@ -222,10 +221,10 @@ impl Distance {
 
     /// Bounds the error of a Matérn kernel's value.
     ///
-    /// Its argument is √s, off by what the input is and by half of s's roundings, times √3 or √5
-    /// below the root, and the root's own. The value falls by at most -dG/d√s times that, here
-    /// taken at the far end and for an exponential at the near one; it is behind 1 ULP, and a
-    /// polynomial of 1 or 4 roundings and its product.
+    /// The kernel's argument is √s, times √3 or √5 inside the root. Its error consists of the input's error, half of
+    /// the roundings of s, and the roundings of the root. The value falls by at most -dG/d√s times that error. The
+    /// slope is taken at the far end, and for an exponential at the near end. The value is also behind 1 ULP, and
+    /// behind a polynomial of 1 or 4 roundings and its product.
     fn value_error(
         &self,
         kernel: GroupKernel,
@@ -258,20 +257,26 @@ mod tests {
             coefficients: Mat::from_fn(2, 5, |row, k| {
                 [[1.0, -2.0, 0.5, 0.3, -0.7], [0.2, 0.6, -0.1, 0.4, 0.3]][row][k]
             }),
-            certainty: Certainty { len: 1, reach: 4.0, linear: 0.2, signal: 20.0, noise: 30.0 },
+            confidence: MapConfidence {
+                len: 1,
+                reach: 4.0,
+                linear: 0.2,
+                signal: 20.0,
+                noise: 30.0,
+            },
         }
     }
 
     #[test]
-    fn rest_is_zero_and_what_inputs_are_off_by_is_within_the_bound() {
+    fn rest_is_zero_and_errors_of_inputs_stay_within_the_bound() {
         for kernel in SMOOTHEST_FIRST {
             let map = KernelMap { kernel, ..map() };
             assert_eq!(map.evaluate(&[0.0, 0.0]).outputs, [0.0]);
-            // On a centre, where Matérn 1/2 has its cone, and where |x - t| = |t|; far away.
+            // On a centre, where Matérn 1/2 has its cone; where |x - t| = |t|; and far away.
             for x in [[1.0, -0.2], [0.5, -0.2], [1.0, -0.4], [0.1, 0.4], [2.6, 0.0]] {
                 for off in [0.0, U, 1e-3] {
                     let error = map.error_from(&x, &[off, off], Arithmetic::IEEE);
-                    let (least, most) = error.evidence.confidence(1, Arithmetic::IEEE);
+                    let (least, most) = error.expected_error.confidence(1, Arithmetic::IEEE);
                     let error = error.outputs[0];
                     let exact = map.evaluate(&x);
                     assert!(error < 200.0 * U + 50.0 * off, "{kernel:?} {error:?}");
@@ -279,7 +284,7 @@ mod tests {
                         let moved = map.evaluate(&[x[0] + moved[0], x[1] + moved[1]]);
                         let change = (moved.outputs[0] - exact.outputs[0]).abs();
                         assert!(change <= error, "{kernel:?} {x:?} {off}");
-                        let confidence = moved.evidence.confidence();
+                        let confidence = moved.expected_error.confidence();
                         assert!((least..=most).contains(&confidence), "{kernel:?} {x:?} {off}");
                     }
                 }
@@ -288,7 +293,7 @@ mod tests {
                 assert_eq!(map.error(&x).outputs, expected.outputs);
             }
         }
-        let far = map().evaluate(&[1e5, 0.0]).evidence.share();
-        assert!(far < 1e-80, "nothing is known far away");
+        let far = map().evaluate(&[1e5, 0.0]).expected_error.map_weight();
+        assert!(far < 1e-80, "no weight far away");
     }
 }

@@ -1,81 +1,86 @@
-//! Kernel ridge regression on few centres, of functions that vanish at the origin: a design's outputs,
-//! each with the ridge that predicts blocks of samples best when they are left out (METHOD §1.9, §2.2).
+//! Kernel ridge regression on few centres, of functions that vanish at the origin (METHOD §1.9, §2.2).
+//!
+//! Each output of a design gets the ridge that predicts blocks of samples best when they are left out.
 
 use super::arithmetic::U;
-use super::certainty::Certainty;
-use super::design::{BlockRows, Design, Hyperparameters};
+use super::confidence::MapConfidence;
+use super::design::{Design, Hyperparameters};
 use super::map::KernelMap;
-use super::outputs::{Block, Outputs, gentle_mean};
+use super::outputs::{Block, Outputs, power_mean};
 use faer::Mat;
 use sinew_runtime::format::CORRECTION_MAX;
 
-/// Roundings of a term of the sum in f32, each at random; `kernel::map` has the bound for the worst.
+/// Roundings of a term of the sum in f32, each random; [`KernelMap::error`] bounds the worst case.
 const TERM: f64 = 5.0;
 /// Candidate ridges, relative to the largest squared singular value, ascending.
 const RIDGES: [f64; 5] = [1e-11, 1e-9, 1e-7, 1e-5, 1e-3];
 
-/// Largest squared norm of a function, over the one that the prior gives for outputs of its size. A larger one hangs on
-/// directions that the samples hardly take, and explodes wherever a pose takes them.
+/// Largest squared norm of a function, over the norm that the prior expects for outputs of that magnitude.
+///
+/// A larger norm comes from directions that the samples hardly cover. The function would explode wherever a pose covers
+/// them.
 const PLAUSIBLE: f64 = 1e6;
-/// Most of a map's squared error against that of the base, per unit of variance.
+/// Largest squared error of a map over the squared error of the base, per unit of variance.
 const NOISE: f64 = 4.0;
-/// Most that an error per unit of variance counts.
-const MOST: f64 = CORRECTION_MAX as f64;
+/// Largest error per unit of variance that a file holds.
+const LARGEST_ERROR: f64 = CORRECTION_MAX as f64;
 
-/// Hyperparameters, their ridges and how well they predict.
+/// Parameters of a design with the ridges of its outputs, and their scores.
 #[derive(Clone, Debug)]
 pub struct Scored {
-    /// What the design is made with.
+    /// Parameters of the design.
     pub hyperparameters: Hyperparameters,
     /// Ridge of each output, over the largest squared singular value.
     pub ridges: Vec<f64>,
-    /// Score of each output, the lower the better: squared error of the samples of a block,
-    /// predicted without it, in a mean over the blocks.
+    /// Score of each output, lower is better: squared errors of the samples of a block, predicted without the block, in
+    /// a power mean over the blocks.
     pub scores: Vec<f64>,
 }
 
-/// A map that was fitted.
+/// Fitted map.
 pub struct KernelFit {
-    /// The map, of scaled inputs.
+    /// Map of scaled inputs.
     pub map: KernelMap,
-    /// What the inputs are to be multiplied by.
+    /// Factor that scales the inputs.
     pub scale: f64,
-    /// What each sample's outputs are predicted to be without its part of a block, n x r.
+    /// Prediction of each sample's outputs without the sample's part of a block, n x r.
     pub predicted: Mat<f64>,
 }
 
 impl Scored {
-    /// Score of all outputs.
+    /// Returns the score of all outputs.
     pub fn score(&self) -> f64 {
         self.scores.iter().sum()
     }
 }
 
-/// Chooses the ridge of each output, of those that make a plausible function of it; none where rounding makes every fit indefinite.
+/// Chooses the ridge of each output among the ridges with a plausible function; `None` if rounding makes every fit
+/// indefinite.
 pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
     let rounding = Rounding::new(design, outputs.blocks.len());
     let plausible = PLAUSIBLE / design.variance();
-    let of_ridge = |ridge: f64| {
+    let scores_of = |ridge: f64| {
         let left = projected.left_out(design, outputs, ridge)?;
         let dual = design.dual(&projected.all, |_| ridge);
         let squared_norms = design.squared_norms(&dual);
-        let rounding = rounding.of(&dual);
+        let rounding = rounding.added(&dual);
         let score = |(output, rounding): (usize, f64)| {
             if squared_norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
                 return f64::INFINITY;
             }
-            gentle_mean(left.iter().map(|left| left.col(output).squared_norm_l2() + rounding))
+            power_mean(left.iter().map(|left| left.col(output).squared_norm_l2() + rounding))
         };
-        Some(OfRidge { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
+        Some(RidgeScores { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
     };
-    let mut tried = Vec::<OfRidge>::new();
+    let mut tried = Vec::<RidgeScores>::new();
     let mut best = None;
-    for at in RIDGES.into_iter().rev().filter_map(of_ridge) {
+    for at in RIDGES.into_iter().rev().filter_map(scores_of) {
         let ridge = at.ridge;
         tried.push(at);
-        let found: Vec<(f64, f64)> =
-            (0..outputs.all.ncols()).map(|output| least(&tried, output)).collect::<Option<_>>()?;
+        let found: Vec<(f64, f64)> = (0..outputs.all.ncols())
+            .map(|output| best_ridge(&tried, output))
+            .collect::<Option<_>>()?;
         let is_past = found.iter().all(|found| found.0 > ridge);
         best = Some(found);
         if is_past {
@@ -87,8 +92,7 @@ pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     Some(scored).filter(|scored| scored.score().is_finite())
 }
 
-/// Fits the first outputs with a ridge each; none where rounding makes a fit without a block
-/// indefinite.
+/// Fits the first outputs with a ridge each; `None` if rounding makes a fit without a block indefinite.
 pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<KernelFit> {
     let projected = Projected::new(design, outputs);
     let mut predicted = Mat::zeros(design.sample_len(), ridges.len());
@@ -97,7 +101,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
     let part = |block: &Block| (design.rows(block), block.rows(&outputs.all));
-    let parts: Vec<(BlockRows, Mat<f64>)> = outputs.parts.iter().map(part).collect();
+    let parts: Vec<(Mat<f64>, Mat<f64>)> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
         for (sum, left) in squared.iter_mut().zip(projected.left_out(design, outputs, ridge)?) {
@@ -105,7 +109,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
         }
         for (block, (rows, truth)) in outputs.parts.iter().zip(&parts) {
             let out = design.block_out(rows, ridge)?;
-            let left = out.errors(&out.residuals(truth, &projected.all));
+            let left = out.errors(block, &out.residuals(truth, &projected.all));
             for (i, &sample) in block.own.iter().enumerate() {
                 own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
@@ -113,23 +117,24 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     }
     let solution = design.solve(&projected.all, ridges);
     let ridge = ridges.first().copied().unwrap_or_default();
-    let rows = design.certainty(ridge, outputs.certainty);
+    let rows = design.variance_roots(ridge, outputs.root_limit);
     let signal = outputs.signal / design.variance();
     let noise = noise(design, outputs, (&projected, &squared), ridge)?.min(NOISE * signal);
-    let certainty = Certainty {
+    let confidence = MapConfidence {
         len: rows.ncols(),
-        signal: (signal / outputs.negligible).min(MOST),
-        noise: (noise / outputs.negligible).min(MOST),
-        ..design.certain()
+        signal: (signal / outputs.negligible).min(LARGEST_ERROR),
+        noise: (noise / outputs.negligible).min(LARGEST_ERROR),
+        ..design.confidence()
     };
-    let map = design.map(&faer::concat![[&solution, &rows]], certainty);
+    let map = design.map(&faer::concat![[&solution, &rows]], confidence);
     Some(KernelFit { map, scale: design.scale(), predicted })
 }
 
-/// The squared error of samples beyond the others for their variance, both as fits without them have them: a geometric
-/// mean over their blocks, or over all where there are none beyond.
+/// Returns the squared error of extrapolated samples over their variance, both from the fit without their block.
 ///
-/// - `squared`: the errors of each block's own samples.
+/// The result is a geometric mean over the extrapolated blocks, or over all blocks if there is no extrapolated block.
+///
+/// - `squared`: squared errors of each block's predicted samples.
 fn noise(
     design: &Design<'_>,
     outputs: &Outputs,
@@ -137,7 +142,7 @@ fn noise(
     ridge: f64,
 ) -> Option<f64> {
     let count = outputs.blocks.len();
-    let first = if outputs.beyond > 0 { count - outputs.beyond } else { 0 };
+    let first = if outputs.extrapolated_len > 0 { count - outputs.extrapolated_len } else { 0 };
     let of_block = |b: usize| {
         let out = design.block_out(&projected.blocks[b], ridge)?;
         let variance = out.variance(design, &outputs.blocks[b]).max(f64::MIN_POSITIVE);
@@ -147,10 +152,10 @@ fn noise(
     Some((sum / (count - first).max(1) as f64).exp())
 }
 
-/// Outputs on a design's directions.
+/// Outputs projected onto a design's directions.
 struct Projected {
     all: Mat<f64>,
-    blocks: Vec<BlockRows>,
+    blocks: Vec<Mat<f64>>,
 }
 
 impl Projected {
@@ -159,7 +164,7 @@ impl Projected {
         Self { all: design.project(&outputs.all), blocks }
     }
 
-    /// Errors of the samples of each block, predicted by the rest.
+    /// Returns the errors of the samples of each block, predicted by the rest.
     fn left_out(
         &self,
         design: &Design<'_>,
@@ -167,16 +172,16 @@ impl Projected {
         ridge: f64,
     ) -> Option<Vec<Mat<f64>>> {
         let all = design.residuals(&outputs.all, &self.all, ridge);
-        let errors = |(block, rows): (&Block, &BlockRows)| {
-            Some(design.block_out(rows, ridge)?.errors(&block.rows(&all)))
+        let errors = |(block, rows): (&Block, &Mat<f64>)| {
+            Some(design.block_out(rows, ridge)?.errors(block, &block.rows(&all)))
         };
         outputs.blocks.iter().zip(&self.blocks).map(errors).collect()
     }
 }
 
-/// What rounding to f32 adds to outputs' scores.
+/// Error that rounding to f32 adds to the scores of outputs.
 struct Rounding {
-    /// For each of a design's directions the size of what is rounded in each centre's term, centres + 1 x k.
+    /// Rounding error of each centre's term for each of a design's directions, centres + 1 x k.
     terms: Mat<f64>,
 }
 
@@ -190,20 +195,20 @@ impl Rounding {
         Self { terms }
     }
 
-    /// What it adds to each output's, given their duals.
-    fn of(&self, dual: &Mat<f64>) -> Vec<f64> {
+    /// Returns the added error of each output, from the coefficients of its directions.
+    fn added(&self, dual: &Mat<f64>) -> Vec<f64> {
         (&self.terms * dual).col_iter().map(|output| output.squared_norm_l2()).collect()
     }
 }
 
 /// Scores of the outputs at one ridge.
-struct OfRidge {
+struct RidgeScores {
     ridge: f64,
     scores: Vec<f64>,
 }
 
-/// The ridge that scores best for an output, the largest tried first, and its score.
-fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
+/// Returns the ridge with the best score of an output, and that score. The largest ridge was tried first.
+fn best_ridge(tried: &[RidgeScores], output: usize) -> Option<(f64, f64)> {
     let of = tried.iter().map(|at| (at.ridge, at.scores[output]));
     of.min_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -219,23 +224,23 @@ mod tests {
         [x * y + x, (2.0 * x).cos() - 1.0 - y]
     }
 
-    /// Two outputs of 120 samples in eight blocks.
+    /// Returns two outputs of 120 samples in eight blocks.
     fn outputs(of: impl Fn(usize, usize) -> f64) -> Outputs {
         let blocks: Vec<_> = (0..8).map(|b| Block::row(15 * b..15 * b + 15)).collect();
         Outputs {
             all: Mat::from_fn(120, 2, of),
             parts: blocks.clone(),
             blocks,
-            beyond: 0,
+            extrapolated_len: 0,
             signal: 1.0,
             negligible: 1e-6,
-            certainty: 16,
+            root_limit: 16,
         }
     }
 
     #[test]
-    fn nothing_hangs_on_a_direction_that_samples_hardly_take() {
-        // Each input spreads less than the one before, and is as much of the second output.
+    fn directions_that_samples_hardly_cover_get_small_coefficients() {
+        // The spread falls from input to input, but each input contributes as much to the second output.
         let swing = |r: usize, i: usize| ((1 + r) as f64 * 0.37 * (i * i) as f64).sin();
         let values = Mat::from_fn(6, 120, |r, i| 0.1f64.powi(r as i32) * swing(r, i));
         let outputs = outputs(|i, o| (0..[1, 6][o]).map(|r| swing(r, i)).sum());
@@ -250,7 +255,7 @@ mod tests {
             map.evaluate(&input).outputs
         };
         assert!((along(0)[0] - 0.5).abs() < 0.01);
-        // By the ridge that predicts left-out blocks best it would be some thousands.
+        // The ridge that predicts left-out blocks best would give some thousands.
         assert!(along(5)[1].abs() < 50.0, "{:?}", along(5));
     }
 
@@ -272,7 +277,7 @@ mod tests {
             assert_eq!(at(0.0, 0.0).outputs, [0.0, 0.0]);
             let most = if kernel == GroupKernel::Matern12 { 0.1 } else { 0.02 };
             for (x, y) in [(0.3, -0.2), (-0.5, 0.4), (0.1, 0.8)] {
-                assert!(at(x, y).evidence.share() > 0.99);
+                assert!(at(x, y).expected_error.map_weight() > 0.99);
                 for (a, b) in at(x, y).outputs.iter().zip(truth(x, y)) {
                     assert!((a - b).abs() < most, "{kernel:?} {a} {b}");
                 }
@@ -280,7 +285,7 @@ mod tests {
             let left = predicted - &outputs.all;
             let of = |o: usize| {
                 let own = |b: &Block| b.own.iter().map(|&i| left[(i, o)].powi(2)).sum::<f64>();
-                gentle_mean(blocks.iter().map(own))
+                power_mean(blocks.iter().map(own))
             };
             assert!(of(0) + of(1) <= scored.score() && scored.score() < 1e-2);
         }

@@ -1,43 +1,43 @@
 //! Rotations as inputs and as outputs of a function (METHOD §2.3).
 //!
-//! Quaternions are x, y, z, w, of any length but 0: features are quadratic forms over the square of it, so
-//! that q and -q give the same bits. A feature is what the runtime makes of the same input.
+//! Quaternions are x, y, z, w, of any length but 0. Features are quadratic forms, divided by the squared length, so q
+//! and -q give the same bits. The runtime computes the same features.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use sinew_runtime::kernel::EulerOrder;
 
-/// A rotation: x, y, z, w.
+/// Quaternion: x, y, z, w.
 pub type Xyzw = [f64; 4];
 
-/// What a function is given of a rotation.
+/// Feature of a rotation: the numbers that a function takes as inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Feature {
-    /// The rotation's matrix, row by row: 9.
+    /// Matrix of the rotation, row by row: 9 numbers.
     Matrix,
-    /// Its first two rows: 6.
+    /// First two rows of the matrix: 6 numbers.
     TwoRows,
-    /// Where it turns an axis of length 1: 3.
+    /// Direction of a rotated axis of length 1: 3 numbers.
     Swing([f64; 3]),
-    /// The cosine and the sine of the twist about an axis, times the squared cosine of half the swing: 2.
+    /// Cosine and sine of the twist about an axis, times the squared cosine of half the swing: 2 numbers.
     Twist([f64; 3]),
-    /// The angle of the twist about an axis, within half a turn, with its seam there: 1. It is for imports
-    /// of other tools' rigs.
+    /// Angle of the twist about an axis, within half a turn, with its seam there: 1 number. For imports of other tools'
+    /// rigs.
     TwistAngle([f64; 3]),
 }
 
-/// A rotation that is none.
+/// Reasons why a quaternion is no rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RotationError {
-    /// It is 0.
+    /// The quaternion is 0.
     #[error("the quaternion is zero")]
     Zero,
-    /// A number of it is infinite or not a number.
+    /// A number of the quaternion is infinite or not a number.
     #[error("the quaternion is not finite")]
     NotFinite,
 }
 
 impl Feature {
-    /// Returns how many numbers it is.
+    /// Returns the number of values of the feature.
     pub fn number_len(self) -> usize {
         match self {
             Self::Matrix => 9,
@@ -48,7 +48,7 @@ impl Feature {
         }
     }
 
-    /// Computes it.
+    /// Computes the feature of a rotation.
     ///
     /// # Errors
     /// If the quaternion is zero or not finite.
@@ -76,8 +76,9 @@ impl Feature {
     }
 }
 
-/// Returns the rotation by angles in degrees about x, y and z, in an order: about axes that stay where they
-/// are, the first of the order first, as the rotate order of Maya and Blender.
+/// Returns the rotation by angles in degrees about x, y and z, in an order.
+///
+/// The axes stay fixed, and the first axis of the order turns first, as in the rotate orders of Maya and Blender.
 pub fn from_euler(order: EulerOrder, degrees: [f64; 3]) -> Xyzw {
     let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
     let turn =
@@ -93,8 +94,8 @@ pub fn from_euler(order: EulerOrder, degrees: [f64; 3]) -> Xyzw {
     (turn(third) * turn(second) * turn(first)).coords.into()
 }
 
-/// Returns a rotation relative to a neutral one as `4 tan(angle / 4)` times its axis: near the rotation
-/// vector, and what a function of rotations has as values.
+/// Returns a rotation relative to a neutral rotation, as `4 tan(angle / 4)` times its axis. A function of rotations has
+/// these values, which are close to the rotation vector.
 ///
 /// # Errors
 /// If a quaternion is zero or not finite.
@@ -104,7 +105,7 @@ pub fn to_values(neutral: Xyzw, rotation: Xyzw) -> Result<[f64; 3], RotationErro
     Ok((relative.imag() * (4.0 / (1.0 + relative.w))).into())
 }
 
-/// Returns the rotation that values stand for, of length 1: of any values, beyond one turn too.
+/// Returns the rotation with given values, of length 1. Any values have a rotation, also beyond one turn.
 ///
 /// # Errors
 /// If the neutral quaternion is zero or not finite.
@@ -130,7 +131,7 @@ fn unit(rotation: Xyzw) -> Result<UnitQuaternion<f64>, RotationError> {
     Ok(UnitQuaternion::from_quaternion(Quaternion::from(rotation)))
 }
 
-/// Returns the matrix of a quaternion of a squared length.
+/// Returns the matrix of a quaternion with a given squared length.
 fn matrix([x, y, z, w]: Xyzw, square: f64) -> Matrix3<f64> {
     let s = 2.0 / square;
     Matrix3::new(
@@ -168,7 +169,7 @@ mod tests {
         (EulerOrder::Zyx, [2, 1, 0]),
     ];
 
-    /// The matrix of a turn about one axis, by its text.
+    /// Returns the matrix of a turn about one axis, from the definition.
     fn about(axis: usize, degrees: f64) -> Matrix3<f64> {
         let (s, c) = degrees.to_radians().sin_cos();
         let (i, k) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,4 +1,4 @@
-//! A function as a part of a file: the sections of a kernel, as FORMAT.md has them.
+//! Kernel part of a file: the sections of a function, as in FORMAT.md.
 
 use super::model::{InputKind, KernelModel, Output, OutputKind};
 use super::sum::Term;
@@ -11,10 +11,10 @@ use sinew_runtime::kernel::{
     OutputKind as FileOutput, OutputRow,
 };
 
-/// Writes a function.
+/// Bakes a function into a part.
 ///
 /// # Errors
-/// [`BakeError::Size`] of a count that does not fit the file.
+/// [`BakeError::Size`] if a count does not fit the file.
 pub fn part(model: &KernelModel) -> Result<Part, BakeError> {
     let sum = &model.sum;
     let variance = model.variance.as_ref();

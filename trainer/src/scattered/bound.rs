@@ -1,5 +1,4 @@
-//! How far f32 arithmetic may be from a function: the bound E of METHOD §2.7, for the order of sums that
-//! the runtime documents.
+//! Bound of the f32 rounding error of a function: E of METHOD §2.7, for the order of sums that the runtime documents.
 
 use super::sum::{KernelSum, Term};
 use crate::numeric::columns;
@@ -11,12 +10,12 @@ use sinew_runtime::kernel::Kernel;
 
 /// ULPs of the runtime's exponential and logarithm.
 const ULPS: f64 = 1.0;
-/// Above where the runtime's exponential stops falling, and its least normal number.
+/// Error of the runtime's exponential far out: above its least value and above its least normal number.
 const FLOOR: f64 = 2e-38;
-/// Points of the samples' box at which a bound is taken, beside the samples.
+/// Points of the samples' box at which a bound is computed, besides the samples.
 const BOX_POINTS: usize = 1000;
 
-/// Rounds a function to what a file holds: every number to the nearest f32.
+/// Rounds a function to the numbers of a file: every number to the nearest f32.
 pub fn rounded(sum: &KernelSum) -> KernelSum {
     let round = |x: &f64| f64::from(*x as f32);
     let matrix = |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |r, c| round(&m[(r, c)]));
@@ -31,10 +30,12 @@ pub fn rounded(sum: &KernelSum) -> KernelSum {
     }
 }
 
-/// Bounds the error of each value, m, of a rounded function at inputs x (d) that an f32 evaluation
-/// takes off by up to `input_error` (d) each: 0 of numbers that are f32.
+/// Bounds the f32 error of each value, m, of a rounded function.
+///
+/// - `x`: inputs, d.
+/// - `input_error`: bound of the error of each input, d; 0 for f32 numbers.
 pub fn bound(sum: &KernelSum, x: &[f64], input_error: &[f64], arithmetic: Arithmetic) -> Vec<f64> {
-    let Point { u, u_error, z, moved } = Point::new(sum, x, input_error);
+    let Point { u, u_error, z, z_error_norm } = Point::new(sum, x, input_error);
     let products = (sum.centres.ncols() + sum.terms.len() + 1) as f64;
     let mut out = vec![0.0; sum.value_len()];
     let mut add = |column: usize, value: f64, error: f64| {
@@ -43,7 +44,7 @@ pub fn bound(sum: &KernelSum, x: &[f64], input_error: &[f64], arithmetic: Arithm
         out.iter_mut().zip(column.iter()).for_each(|(out, c)| *out += c.abs() * error);
     };
     for (k, s) in sum.squared_distances(&z).enumerate() {
-        add(k, sum.kernel.exact(s), kernel_error(sum.kernel, s, z.len(), moved, arithmetic));
+        add(k, sum.kernel.exact(s), kernel_error(sum.kernel, s, z.len(), z_error_norm, arithmetic));
     }
     let mut powers: Vec<(f64, f64)> = Vec::with_capacity(sum.terms.len());
     for (t, term) in sum.terms.iter().enumerate() {
@@ -62,27 +63,28 @@ pub fn bound(sum: &KernelSum, x: &[f64], input_error: &[f64], arithmetic: Arithm
     out
 }
 
-/// Computes the squared distances of inputs from the centres, n, each with what an f32 evaluation may be off
-/// by: a term of the sum is behind e + 2 roundings of e coordinates.
+/// Computes the squared distances of inputs from the centres, n, each with a bound of its f32 error.
+///
+/// A term of the sum is behind e + 2 roundings, for e coordinates.
 pub fn distances(sum: &KernelSum, x: &[f64], input_error: &[f64]) -> Vec<(f64, f64)> {
-    let Point { z, moved, .. } = Point::new(sum, x, input_error);
+    let Point { z, z_error_norm, .. } = Point::new(sum, x, input_error);
     let from = |s: f64| {
-        let moved = (2.0 * s.sqrt() + moved) * moved;
-        (s, moved + gamma(z.len() + 2) * (s + moved))
+        let inherited = (2.0 * s.sqrt() + z_error_norm) * z_error_norm;
+        (s, inherited + gamma(z.len() + 2) * (s + inherited))
     };
     sum.squared_distances(&z).map(from).collect()
 }
 
-/// Inputs as the kernels see them, and how far an f32 evaluation may take them off.
+/// Coordinates of an input, with bounds of their f32 errors.
 struct Point {
-    /// d.
+    /// Shifted and scaled input, d.
     u: Vec<f64>,
-    /// d.
+    /// Error of each u, d.
     u_error: Vec<f64>,
-    /// e, or d.
+    /// Coordinates that distances are measured in: e, or d without a metric.
     z: Vec<f64>,
-    /// Length of z's errors.
-    moved: f64,
+    /// Length of the errors of z.
+    z_error_norm: f64,
 }
 
 impl Point {
@@ -90,7 +92,7 @@ impl Point {
         let u = sum.scaled(x);
         let error = |i: usize| {
             let scale = sum.scale[i].abs();
-            // What is 0 is not rounded when it is taken off, nor is a power of 2 as a factor.
+            // Subtracting 0 does not round, nor does multiplying by a power of 2.
             let roundings = [sum.shift[i] != 0.0, scale.to_bits() << 12 != 0];
             let roundings = f64::from(roundings.map(u8::from).iter().sum::<u8>());
             scale * input_error[i] + U * roundings * (u[i].abs() + scale * input_error[i])
@@ -98,13 +100,14 @@ impl Point {
         let u_error: Vec<f64> = (0..u.len()).map(error).collect();
         let z = sum.measured(&u);
         let z_error = measured_error(sum, &u, &u_error);
-        let moved = z_error.iter().map(|e| e * e).sum::<f64>().sqrt();
-        Self { u, u_error, z, moved }
+        let z_error_norm = z_error.iter().map(|e| e * e).sum::<f64>().sqrt();
+        Self { u, u_error, z, z_error_norm }
     }
 }
 
-/// Returns the largest bound of each value, m, over sites (n x d) and over 1,000 points of their box, those
-/// of the Halton sequence in the first d primes.
+/// Returns the largest bound of each value, m, over sites (n x d) and over 1,000 points of their box.
+///
+/// The points are the Halton sequence of the first d primes.
 pub fn largest(sum: &KernelSum, sites: &Mat<f64>) -> Vec<f64> {
     columns::narrow_registers();
     let none = vec![0.0; sites.ncols()];
@@ -124,7 +127,7 @@ pub fn largest(sum: &KernelSum, sites: &Mat<f64>) -> Vec<f64> {
     out
 }
 
-/// Returns the error of each coordinate that distances are measured in.
+/// Returns the error of each coordinate z.
 fn measured_error(sum: &KernelSum, u: &[f64], u_error: &[f64]) -> Vec<f64> {
     let Some(w) = &sum.metric else { return u_error.to_vec() };
     let rounding = U * u.len() as f64;
@@ -135,24 +138,27 @@ fn measured_error(sum: &KernelSum, u: &[f64], u_error: &[f64]) -> Vec<f64> {
     (0..w.nrows()).map(row).collect()
 }
 
-/// Bounds the error of a kernel's value at a squared distance s of e coordinates, where the point has moved.
+/// Bounds the error of a kernel's value at a squared distance s.
 ///
-/// METHOD's `(e + 6) |s G'|` is the steepest slope by r times `r (e + 6) / 2`; taken over all of where the
-/// distance may be, it holds at cones and edges too.
+/// - `coordinates`: number of coordinates, e.
+/// - `point_error`: distance between the exact and the computed point.
 ///
-/// A root that counts for more than one rounding takes the distance off by those; a quotient, and the root of
-/// 1 + s, count in the value.
+/// METHOD's `(e + 6) |s G'|` is the steepest slope by r, times `r (e + 6) / 2`. The steepest slope over all possible
+/// distances also holds at cones and edges.
+///
+/// A root that counts for more than one rounding adds its roundings to the distance. A quotient, and the root of 1 + s,
+/// add their roundings to the value.
 fn kernel_error(
     kernel: Kernel,
     s: f64,
     coordinates: usize,
-    moved: f64,
+    point_error: f64,
     arithmetic: Arithmetic,
 ) -> f64 {
     let r = s.sqrt();
     let [root, division] =
         [arithmetic.root, arithmetic.division].map(|roundings| roundings as f64 - 1.0);
-    let error = moved + U * r * ((coordinates + 6) as f64 / 2.0 + root);
+    let error = point_error + U * r * ((coordinates + 6) as f64 / 2.0 + root);
     let steepness = |r: f64| 2.0 * kernel.steepness(r * r).abs();
     let steepest = steepness((r - error).max(0.0)).max(steepness(r + error));
     let more = match kernel {
@@ -165,7 +171,7 @@ fn kernel_error(
     own + steepest * error + FLOOR * (2.0 + 5.0 * s)
 }
 
-/// Returns how many roundings a value is behind, ρ of METHOD §2.7.
+/// Returns the number of roundings behind a value, ρ of METHOD §2.7.
 fn roundings(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Gaussian | Kernel::Matern12 => 2.0 * ULPS,
@@ -185,7 +191,7 @@ fn primes(count: usize) -> Vec<usize> {
     (2..).filter(is_prime).take(count).collect()
 }
 
-/// Returns element i of van der Corput's sequence: the digits of i behind the point, reversed.
+/// Returns element i of van der Corput's sequence: the digits of i after the point, reversed.
 fn halton(mut i: usize, base: usize) -> f64 {
     let (mut value, mut place) = (0.0, 1.0);
     while i > 0 {

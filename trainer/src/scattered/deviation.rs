@@ -1,5 +1,4 @@
-//! How far a baked function is from f64: measured by the runtime, at the samples and between them
-//! (METHOD §2.7).
+//! Difference between a baked function and f64, measured by the runtime at the samples and between them (METHOD §2.7).
 
 use super::bake::part;
 use super::model::{
@@ -9,7 +8,7 @@ use super::model::{
 use super::solver::error::{DeviationCause, KernelError};
 use super::sum::KernelSum;
 use crate::bake::bake;
-use crate::regression::fade::Fade;
+use crate::regression::confidence::Fade;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -20,13 +19,13 @@ use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
 pub const F32_ERROR: f64 = 1e-3;
-/// Share of the limit that a width must stay within to be preferred: the deviation is measured at some queries and
-/// must hold at all.
+/// Share of the limit within which a width is preferred. The deviation is measured at some queries and must hold at
+/// all.
 pub const ROOM: f64 = 0.1;
 /// Queries between the samples.
 const BETWEEN: usize = 1000;
 
-/// Queries of a function, for the runtime and for f64, and the deviation that is allowed there.
+/// Queries of a function for the runtime and for f64, and the largest allowed deviation.
 #[derive(Clone, Debug)]
 pub struct Probe {
     /// Inputs, rotations as quaternions.
@@ -37,23 +36,24 @@ pub struct Probe {
     queries: Vec<Query>,
     /// Range of each value, m.
     ranges: Vec<f64>,
-    /// Largest deviation that is allowed, over the range.
+    /// Largest allowed deviation, over the range.
     limit: f64,
 }
 
 #[derive(Clone, Debug)]
 struct Query {
-    /// Numbers as the runtime takes them.
+    /// Numbers that the runtime takes.
     numbers: Vec<f32>,
     /// Features in f64.
     features: Vec<f64>,
 }
 
 impl Probe {
-    /// Makes queries: the sites of the samples, as given, and 1,000 between random pairs of them.
+    /// Makes queries: the sites of the samples, and 1,000 points between random pairs of sites.
     ///
-    /// - `ranges`: the range of each value of the function, m, above 0.
-    /// - `limit`: the largest deviation that is allowed, over the range.
+    /// - `sites`: sites as given, n rows.
+    /// - `ranges`: range of each value of the function, m, above 0.
+    /// - `limit`: largest allowed deviation, over the range.
     ///
     /// # Errors
     /// [`EvaluationError`] of a site.
@@ -75,21 +75,22 @@ impl Probe {
         for _ in 0..BETWEEN {
             let [a, b] = [(); 2].map(|()| &sites[random.random_range(0..sites.len())]);
             let between = between(&inputs, a, b, random.random());
-            // A quaternion halfway between opposite ones may be none.
+            // The middle of opposite quaternions is no rotation.
             queries.extend(query(&between).ok());
         }
         Ok(Self { inputs, sites, queries, ranges, limit })
     }
 
-    /// Returns the largest deviation that is allowed, over the range.
+    /// Returns the largest allowed deviation, over the range.
     pub fn limit(&self) -> f64 {
         self.limit
     }
 
-    /// Measures how far a baked function is from f64: the largest deviation, over the value's range. Infinite if
-    /// the file holds a number that is not finite, or gives one.
+    /// Measures the largest deviation of a baked function from f64, over the value's range.
     ///
-    /// - `exact`: computes all values, m, of features, in f64.
+    /// The deviation is infinite if the file contains or returns a number that is not finite.
+    ///
+    /// - `exact`: computes all values, m, from features, in f64.
     pub fn deviation(&self, sum: &KernelSum, exact: impl Fn(&[f64]) -> Vec<f64> + Sync) -> f64 {
         // The runtime refuses a file with numbers that are not finite in f32.
         let bytes = part(&self.model(sum)).and_then(|part| bake(Space::default(), &[part]));
@@ -104,15 +105,15 @@ impl Probe {
                 return f64::INFINITY;
             }
             let found: Vec<f64> = found.into_iter().map(f64::from).collect();
-            self.apart(&found, &exact(&query.features))
+            self.largest_difference(&found, &exact(&query.features))
         };
         self.queries.par_iter().map(of).reduce(|| 0.0, f64::max)
     }
 
-    /// Refuses a function whose deviation is above the limit; returns the deviation.
+    /// Checks that a function's deviation is within the limit; returns the deviation.
     ///
     /// # Errors
-    /// [`KernelError::Deviation`].
+    /// [`KernelError::Deviation`] above the limit.
     pub fn check(
         &self,
         sum: &KernelSum,
@@ -124,10 +125,11 @@ impl Probe {
         }
     }
 
-    /// Refuses a function of a kernel whose deviation is above the limit, and finds the cause. An input or a value is
-    /// the cause if its rounding to f32 alone changes the exact function by more than the limit.
+    /// Returns the error of a deviation above the limit, with its cause.
     ///
-    /// - `exact`: computes all values, m, of features, in f64.
+    /// An input or a value is the cause if rounding it to f32 alone changes the exact function by more than the limit.
+    ///
+    /// - `exact`: computes all values, m, from features, in f64.
     pub fn refusal(
         &self,
         deviation: f64,
@@ -138,9 +140,10 @@ impl Probe {
         let own = self.inputs.iter().map(|input| {
             let own = first..first + input.kind.number_len();
             first = own.end;
-            let moved = self.sites.iter().map(|site| self.moved(site, own.clone(), &exact));
+            let effects =
+                self.sites.iter().map(|site| self.rounding_effect(site, own.clone(), &exact));
             let numbers = self.sites.iter().flat_map(|site| &site[own.clone()]);
-            (input, moved.fold(0.0, f64::max), largest(numbers))
+            (input, effects.fold(0.0, f64::max), largest_magnitude(numbers))
         });
         let most = own.max_by(|a, b| a.1.total_cmp(&b.1));
         let values: Vec<Vec<f64>> =
@@ -148,7 +151,7 @@ impl Probe {
         let of_value = |o: usize| {
             let rounded = values.iter().map(|all| (f64::from(all[o] as f32) - all[o]).abs());
             let share = rounded.fold(0.0, f64::max) / self.ranges[o];
-            (share, largest(values.iter().map(|all| &all[o])), self.ranges[o])
+            (share, largest_magnitude(values.iter().map(|all| &all[o])), self.ranges[o])
         };
         let value = (0..self.ranges.len()).map(of_value).max_by(|a, b| a.0.total_cmp(&b.0));
         let cause = match (most, value) {
@@ -163,8 +166,8 @@ impl Probe {
         KernelError::Deviation { deviation, limit: self.limit, cause }
     }
 
-    /// Measures by how much the exact function changes where f32 rounds some numbers of a site.
-    fn moved(
+    /// Measures the change of the exact function if some numbers of a site are rounded to f32.
+    fn rounding_effect(
         &self,
         site: &[f64],
         numbers: Range<usize>,
@@ -174,20 +177,20 @@ impl Probe {
         rounded[numbers].iter_mut().for_each(|x| *x = f64::from(*x as f32));
         let at = |numbers: &[f64]| Some(exact(&features(&self.inputs, numbers).ok()?));
         let both = at(site).zip(at(&rounded));
-        both.map_or(f64::INFINITY, |(exact, moved)| self.apart(&moved, &exact))
+        both.map_or(f64::INFINITY, |(exact, rounded)| self.largest_difference(&rounded, &exact))
     }
 
-    /// Returns the largest difference of values, over the range; infinite where one is not a number.
-    fn apart(&self, found: &[f64], exact: &[f64]) -> f64 {
+    /// Returns the largest difference of values, over the range; infinite if a difference is not a number.
+    fn largest_difference(&self, found: &[f64], exact: &[f64]) -> f64 {
         let share = |((found, exact), range): ((&f64, &f64), &f64)| {
             let share = (found - exact).abs() / range;
-            // `max` would pass over it.
+            // `max` would ignore a NaN.
             if share.is_nan() { f64::INFINITY } else { share }
         };
         found.iter().zip(exact).zip(&self.ranges).map(share).fold(0.0, f64::max)
     }
 
-    /// Makes a function whose outputs are the values themselves, without bounds or a fade.
+    /// Makes a model whose outputs are the function's values, without bounds or a fade.
     fn model(&self, sum: &KernelSum) -> KernelModel {
         let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
         let kind = OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 };
@@ -207,12 +210,12 @@ impl Probe {
     }
 }
 
-/// Returns the largest magnitude of numbers.
-fn largest<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
+/// Returns the largest magnitude of the numbers.
+fn largest_magnitude<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
     numbers.fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Returns an input that is given as the runtime takes it.
+/// Returns an input with the numbers that the runtime takes: a rotation is a quaternion.
 fn of_quaternions(input: &Input) -> Input {
     let kind = match input.kind {
         InputKind::Rotation { feature, .. } => InputKind::Rotation { feature, order: None },
@@ -221,7 +224,7 @@ fn of_quaternions(input: &Input) -> Input {
     Input { name: input.name.clone(), kind, weight: input.weight }
 }
 
-/// Returns numbers a share of the way from a to b, each a number of f32; rotations turn the shorter way.
+/// Interpolates between a and b by a share, and rounds each number to f32. Rotations turn the shorter way.
 fn between(inputs: &[Input], a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
     let (mut a, mut b, mut out) = (a, b, Vec::with_capacity(a.len()));
     for Input { kind, .. } in inputs {

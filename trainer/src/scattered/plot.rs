@@ -1,49 +1,56 @@
-//! Functions of one or two numbers as pictures, side by side.
+//! Pictures of functions of one or two numbers, side by side.
 
+use super::solver::fit::Fit;
+use super::solver::options::Options;
+use super::solver::samples::{Conflicts, Samples};
+use super::solver::scaling::Block;
 use crate::numeric::columns::ends;
 use crate::page::colour::{Colour, heat};
 use crate::page::drawing::{Anchor, Drawing};
 use crate::page::picture::Picture;
+use crate::regression::function::order;
+use faer::Mat;
+use sinew_runtime::kernel::Kernel;
 
-/// Side of a panel's field, pixels, and steps along a curve.
+/// Side of a panel's field in pixels, and number of steps along a curve.
 const SIDE: usize = 240;
-/// Around a panel: left, right, above, below.
+/// Margins of a panel: left, right, above, below.
 const MARGIN: [usize; 4] = [64, 16, 28, 44];
 /// Panels in a row.
 const COLUMNS: usize = 4;
 /// Width and height of the key to a field's colours.
 const KEY: [usize; 2] = [SIDE, 14];
-/// Lines of equal value over the range of a field.
+/// Number of contours over the range of a field.
 const CONTOURS: f64 = 10.0;
 const CURVE: Colour = [0xbd, 0x2b, 0x44];
 const LINE: Colour = [0x22, 0x22, 0x22];
-/// How dark a contour is.
+/// Opacity of a contour.
 const CONTOUR: f64 = 0.35;
 
-/// Functions over one domain, and samples of them.
+/// Panels of functions over one domain, with samples.
 pub struct Plot {
     /// Names of the one or two inputs.
     pub inputs: Vec<String>,
-    /// Least and greatest of each.
+    /// Least and greatest value of each input.
     pub domain: Vec<[f64; 2]>,
     /// Sites of samples.
     pub sites: Vec<Vec<f64>>,
-    /// What is drawn.
+    /// Functions to draw.
     pub panels: Vec<Panel>,
 }
 
-/// A function.
+/// Panel of one function.
 pub struct Panel {
-    /// What it is called.
+    /// Title of the panel.
     pub title: String,
-    /// Its values: along the domain, or from the upper left, row by row; [`Plot::points`] has the places.
+    /// Values of the function at [`Plot::points`]: along the domain, or row by row from the upper left.
     pub values: Vec<f64>,
     /// Values of the samples.
     pub samples: Vec<f64>,
 }
 
 impl Plot {
-    /// Lists the places at which panels have values.
+    /// Lists the points where panels have values.
     pub fn points(domain: &[[f64; 2]]) -> Vec<Vec<f64>> {
         let at = |[low, high]: [f64; 2], step: usize| {
             low + (high - low) * (step as f64 + 0.5) / SIDE as f64
@@ -88,7 +95,7 @@ impl Plot {
         out
     }
 
-    /// Returns the least and the greatest that samples have, widened; what lies beyond is cut off.
+    /// Returns the least and the greatest value of the samples, widened. Values outside this range are cut off.
     fn range(&self) -> [f64; 2] {
         let [low, high] = ends(self.panels.iter().flat_map(|panel| &panel.samples));
         let room = if high > low { 0.25 * (high - low) } else { 1.0 };
@@ -100,7 +107,7 @@ impl Plot {
         let height = |y: f64| corner[1] + side * (1.0 - share(y, range));
         let is_inside = |y: &f64| (range[0]..=range[1]).contains(y);
         let steps: Vec<(usize, f64)> = panel.values.iter().copied().enumerate().collect();
-        // What leaves the panel ends at its edge.
+        // A curve that leaves the panel ends at the panel's edge.
         for run in steps.chunk_by(|(_, a), (_, b)| is_inside(a) || is_inside(b)) {
             let points = run.iter().map(|(step, y)| [corner[0] + *step as f64 + 0.5, height(*y)]);
             out.line(points.collect(), 1.8, CURVE);
@@ -135,7 +142,7 @@ impl Plot {
         self.numbers(out, corner, self.domain[1]);
     }
 
-    /// Writes the ends of both sides.
+    /// Writes the range of both sides.
     fn numbers(&self, out: &mut Drawing, [x, y]: [f64; 2], side: [f64; 2]) {
         let (length, [low, high]) = (SIDE as f64, self.domain[0]);
         let foot = y + length + 16.0;
@@ -150,7 +157,7 @@ impl Plot {
     }
 }
 
-/// Draws what the colours mean.
+/// Draws the key to the colours.
 fn key(out: &mut Drawing, corner: [f64; 2], [low, high]: [f64; 2]) {
     let [width, height] = KEY;
     let mut picture = Picture::filled(width, height, [0xff; 3]);
@@ -165,15 +172,40 @@ fn key(out: &mut Drawing, corner: [f64; 2], [low, high]: [f64; 2]) {
     out.text([corner[0] + width as f64, foot], Anchor::End, &short(high));
 }
 
-/// Returns where a value lies in a range, in [0, 1].
+/// Returns the position of a value in a range, in [0, 1].
 fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((value - low) / (high - low)).clamp(0.0, 1.0)
 }
 
-/// Writes a number in a few letters.
+/// Formats a number in a few letters.
 fn short(value: f64) -> String {
     let text = format!("{value:.2}");
     if text.len() <= 7 { text } else { format!("{value:.0e}") }
+}
+
+/// Fits every kernel to samples of one value, with a width of the samples' mean distance, and evaluates the fits at
+/// points.
+///
+/// A kernel that needs more samples is omitted.
+pub fn all_kernels(
+    sites: &[Vec<f64>],
+    values: &[f64],
+    points: &[Vec<f64>],
+) -> Vec<(String, Vec<f64>)> {
+    let d = sites.first().map_or(0, Vec::len);
+    let places = Mat::from_fn(sites.len(), d, |i, c| sites[i][c]);
+    let values = Mat::from_fn(values.len(), 1, |i, _| values[i]);
+    let blocks = vec![Block { len: 1, weight: 1.0 }; d];
+    let Ok(samples) = Samples::new(&places, &values, &blocks, Conflicts::Average) else {
+        return Vec::new();
+    };
+    let solvable = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
+    let fitted = solvable.filter_map(|kernel| {
+        let fit = Fit::new(&samples, &Options::new(kernel)).ok()?;
+        let at = |point: &Vec<f64>| fit.sum.evaluate(point)[0];
+        Some((kernel.name().to_owned(), points.iter().map(at).collect()))
+    });
+    fitted.collect()
 }
 
 #[cfg(test)]

@@ -1,40 +1,40 @@
-//! A function made of kernels: `f(x) = Σ_k c_k G(|z - t_k|²) + p(u)` (METHOD §2).
+//! Sum of kernels and a polynomial: `f(x) = Σ_k c_k G(|z - t_k|²) + p(u)` (METHOD §2).
 
 use crate::regression::function::Exact;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// A function of d inputs with m values: a sum of kernels and of a polynomial.
+/// Function of d inputs with m values: a sum of kernels and of a polynomial.
 ///
-/// Inputs x are shifted and scaled to u; z is u, or its product with a metric W.
+/// Inputs x are shifted and scaled to u. Distances are measured in z, which is u or the product of u with a metric W.
 #[derive(Clone, Debug)]
 pub struct KernelSum {
-    /// G.
+    /// Kernel G.
     pub kernel: Kernel,
-    /// What is taken off each input, d.
+    /// Shift of each input, d: subtracted first.
     pub shift: Vec<f64>,
-    /// What each is multiplied by then, d.
+    /// Scale of each shifted input, d.
     pub scale: Vec<f64>,
-    /// W, e x d, if distances are not those of u.
+    /// Metric W, e x d; `None` if z is u.
     pub metric: Option<Mat<f64>>,
     /// Centres t, a column each: d x n, or e x n.
     pub centres: Mat<f64>,
-    /// The monomials of p, ascending: 1 first.
+    /// Monomials of p, ascending: 1 first.
     pub terms: Vec<Term>,
-    /// `[c b]`, m x (n + terms).
+    /// Coefficients `[c b]`, m x (n + terms).
     pub coefficients: Mat<f64>,
 }
 
-/// A monomial of u.
+/// Monomial of u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// 1.
+    /// The constant 1.
     One,
-    /// An earlier monomial times an input.
+    /// Product of an earlier monomial and an input.
     Product {
-        /// Place of the earlier one.
+        /// Index of the earlier monomial.
         earlier: usize,
-        /// The input.
+        /// Index of the input.
         input: usize,
     },
 }
@@ -42,7 +42,7 @@ pub enum Term {
 /// Lists the monomials of d inputs up to a degree, by ascending degree.
 pub fn monomials(inputs: usize, degree: usize) -> Vec<Term> {
     let mut terms = vec![Term::One];
-    // The last input of each of the monomials of the degree before.
+    // Last input of each monomial of the previous degree.
     let mut last = vec![(0, 0)];
     for _ in 0..degree {
         let mut next = Vec::new();
@@ -91,7 +91,7 @@ impl KernelSum {
         }
     }
 
-    /// Evaluates what the coefficients are of at d inputs: the kernels, n, and the monomials, T.
+    /// Evaluates the basis functions of the coefficients at d inputs: the kernels, n, and the monomials, T.
     pub fn basis(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let u = self.scaled(x);
         let z = self.measured(&u);
@@ -114,8 +114,7 @@ impl KernelSum {
         out
     }
 
-    /// Computes the derivatives of the values by the inputs, m x d (METHOD §3: (x - t) G' is 0 on a
-    /// centre).
+    /// Computes the derivatives of the values by the inputs, m x d (METHOD §3: (x - t) G' is 0 on a centre).
     pub fn jacobian(&self, x: &[f64]) -> Mat<f64> {
         let u = self.scaled(x);
         let z = self.measured(&u);
@@ -153,7 +152,7 @@ impl KernelSum {
 }
 
 /// Returns |a - b|².
-fn squared<'a>(a: &[f64], b: impl Iterator<Item = &'a f64>) -> f64 {
+pub(super) fn squared<'a>(a: &[f64], b: impl Iterator<Item = &'a f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
@@ -186,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_jacobian_is_that_of_the_values() {
+    fn the_jacobian_is_the_differences_of_the_values() {
         let metric = Mat::from_fn(2, 3, |r, c| [[0.8, -0.3, 0.2], [0.1, 0.5, -0.6]][r][c]);
         for kernel in Kernel::ALL {
             for metric in [None, Some(metric.clone())] {

@@ -1,7 +1,7 @@
 //! Solves the linear systems of kriging: a matrix of covariances and a basis of the mean (METHOD §4).
 //!
 //! METHOD computes m = 1ᵀK⁻¹f₀/1ᵀK⁻¹1, and the variance as a difference of large numbers. To avoid the cancellation,
-//! this module uses weights B that reproduce the mean's basis, as `kernel::scattered::variance` does.
+//! this module uses weights B that reproduce the mean's basis, as `scattered::solver::leave_one_out::Variance` does.
 
 use super::error::SignalError;
 use crate::scattered::solver::fit::{MISSED, RCOND};

@@ -4,12 +4,11 @@ use crate::kernel::common::{franke_at, halton, random, samples};
 use crate::kernel::reproduction::fitted;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::scattered::solver::fewer::{Centres, FewerFit};
-use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::fit::{Centres, FewerFit, Fit};
 use sinew_trainer::scattered::solver::leave_one_out::LeaveOneOut;
 use sinew_trainer::scattered::solver::options::Options;
 use sinew_trainer::scattered::solver::polynomial::{RANK_F64, Space};
-use sinew_trainer::scattered::solver::solve::solve;
+use sinew_trainer::scattered::solver::system::solve;
 
 const TOLERANCE: f64 = 1e-10;
 

@@ -5,8 +5,9 @@ use crate::kernel::common::{apart, evaluate, json, matrix, random, rows};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::regression::function::Exact;
-use sinew_trainer::scattered::compat::canonical::Falloff;
-use sinew_trainer::scattered::compat::published::{Published, PublishedKernel, PublishedOptions};
+use sinew_trainer::scattered::compat::published::{
+    Falloff, Published, PublishedKernel, PublishedOptions,
+};
 
 fn kernel(name: &str) -> PublishedKernel {
     match name {

@@ -3,19 +3,17 @@
 
 use crate::kernel::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
 use faer::Mat;
-use sinew_runtime::kernel::EulerOrder;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::kernel::{EulerOrder, Kernel};
 use sinew_trainer::regression::function::Exact;
 use sinew_trainer::regression::rotations::{Feature, from_euler};
 use sinew_trainer::scattered::solver::choose::{Choice, Freedom};
 use sinew_trainer::scattered::solver::error::KernelError;
-use sinew_trainer::scattered::solver::fewer::{Centres, FewerFit};
-use sinew_trainer::scattered::solver::fit::Fit;
+use sinew_trainer::scattered::solver::fit::{Centres, FewerFit, Fit};
+use sinew_trainer::scattered::solver::leave_one_out::Variance;
 use sinew_trainer::scattered::solver::options::{Options, wendland};
 use sinew_trainer::scattered::solver::report::FitReport;
 use sinew_trainer::scattered::solver::samples::{Conflicts, Samples};
 use sinew_trainer::scattered::solver::scaling::Block;
-use sinew_trainer::scattered::solver::variance::Variance;
 use sinew_trainer::scattered::sum::{monomials, powers};
 
 /// Lists the kernels for fits in d inputs.
@@ -271,7 +269,7 @@ fn variances_are_those_of_the_conditioned_process() {
             let values = franke_at(&sites);
             let options = Options { degree, smoothing, epsilon: 3.0, ..Options::new(kernel) };
             let fit = Fit::new(&samples(&sites, &values), &options).unwrap();
-            let variance = Variance::new(&fit, &values).unwrap();
+            let variance = Variance::new(&fit.solved, &values).unwrap();
             let unit = variance.deviations[0].powi(2);
             for query in rows(&queries) {
                 let found = variance.at(&fit.sum, &query)[0] / unit;
@@ -313,7 +311,9 @@ fn deviations_are_those_of_the_likeliest_process() {
     let values = Mat::from_fn(20, 3, |i, o| [y[(i, 0)], 2.0 * y[(i, 0)], 5.0][o]);
     let options = Options { epsilon: 4.0, ..Options::new(Kernel::Matern32) };
     let fit = Fit::new(&samples(&sites, &values), &options).unwrap();
-    let [one, two, none] = Variance::new(&fit, &values).unwrap().deviations[..] else { panic!() };
+    let [one, two, none] = Variance::new(&fit.solved, &values).unwrap().deviations[..] else {
+        panic!()
+    };
     // 20 samples and a constant term: 19 degrees of freedom.
     let energy: f64 = (0..20).map(|k| fit.sum.coefficients[(0, k)] * y[(k, 0)]).sum();
     assert!((one * one / (energy / 19.0) - 1.0).abs() < 1e-9);

@@ -4,7 +4,7 @@ use super::inexact::Inexact;
 use nalgebra::Vector3;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::regression::fade::STEP_ERROR;
+use sinew_trainer::regression::confidence::STEP_ERROR;
 
 /// Bounds the confidence of a rotational model.
 ///

@@ -1,12 +1,11 @@
 //! The tolerance of stage correction, and of its confidence, which combines the kernel maps'
-//! evidence with the joints' ranges.
+//! expected with the joints' ranges.
 
 use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::regression::certainty::Between;
-use sinew_trainer::regression::fade::STEP_ERROR;
+use sinew_trainer::regression::confidence::{ExpectedErrorBounds, STEP_ERROR};
 use sinew_trainer::regression::map::{Value, ValueError};
 
 /// Bounds the corrected palettes and the confidence.
@@ -24,11 +23,11 @@ pub fn correction(
     let first = oracle.first_proxy();
     let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
     let mut error = base.error;
-    let mut evidence = Between::NOTHING;
+    let mut expected = ExpectedErrorBounds::ZERO;
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
         let (k, k_error, known) = added(group, features, arithmetic);
-        evidence = evidence.and(known);
-        if known.shares(arithmetic).1 == 0.0 {
+        expected = expected.plus(known);
+        if known.map_weights(arithmetic).1 == 0.0 {
             continue;
         }
         let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
@@ -38,7 +37,7 @@ pub fn correction(
             error[at] = inherited + (value[at].abs() + inherited) * U;
         }
     }
-    let (least, most) = evidence.confidence(oracle.groups.len(), arithmetic);
+    let (least, most) = expected.confidence(oracle.groups.len(), arithmetic);
     let (least_known, most_known) = joint_confidence(oracle, features, arithmetic);
     let (least, most) = (least.min(least_known), most.min(most_known));
     let confidence = Inexact {
@@ -82,12 +81,12 @@ fn joint_confidence(
     (rounded(shifted(1.0), -1.0).max(0.0), rounded(shifted(-1.0), 1.0).min(1.0))
 }
 
-/// Returns K of a group's proxies, its errors, and bounds of the group's evidence.
+/// Returns K of a group's proxies, its errors, and bounds of the group's expected error.
 fn added(
     group: &Group,
     features: &Inexact<Transform>,
     arithmetic: Arithmetic,
-) -> (Vec<Transform>, Vec<Transform>, Between) {
+) -> (Vec<Transform>, Vec<Transform>, ExpectedErrorBounds) {
     let input = group.input(&features.value);
     let inherited = group.input(&features.error);
     let input_error: Vec<_> = input
@@ -95,10 +94,10 @@ fn added(
         .zip(inherited)
         .map(|(x, error)| error.abs() + (x.abs() + error.abs()) * U)
         .collect();
-    let Value { outputs, evidence } = group.map.evaluate(&input);
-    let ValueError { outputs: error, evidence: between } =
+    let Value { outputs, expected_error } = group.map.evaluate(&input);
+    let ValueError { outputs: error, expected_error: bounds } =
         group.map.error_from(&input, &input_error, arithmetic);
-    let (w, (least, most)) = (evidence.share(), between.shares(arithmetic));
+    let (w, (least, most)) = (expected_error.map_weight(), bounds.map_weights(arithmetic));
     let w_error = (w - least).max(most - w);
     // Errors are propagated by the magnitudes of the outputs.
     let mut magnitudes = group.clone();
@@ -113,5 +112,5 @@ fn added(
         ((y * w).abs() + error) * U + error
     };
     let k_error = y.iter().zip(y_error).map(faded).collect();
-    (y.iter().map(|y| y * w).collect(), k_error, between)
+    (y.iter().map(|y| y * w).collect(), k_error, bounds)
 }

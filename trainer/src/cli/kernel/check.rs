@@ -3,7 +3,7 @@
 use crate::cli::column::{longest, padded};
 use crate::cli::{Output, printable};
 use anyhow::{Context, bail};
-use sinew_trainer::scattered::check::{Cases, DEVIATION, RCOND};
+use sinew_trainer::scattered::compat::{Cases, DEVIATION, RCOND};
 use std::path::PathBuf;
 
 /// Columns of the longest name of a case.

@@ -6,8 +6,7 @@ use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::kernel::{InputKind, KernelMap, OutputKind};
-use sinew_trainer::scattered::compare::all_kernels;
-use sinew_trainer::scattered::plot::{Panel, Plot};
+use sinew_trainer::scattered::plot::{Panel, Plot, all_kernels};
 use std::path::PathBuf;
 
 /// Draws a function of one or two numbers, with its samples

@@ -157,21 +157,21 @@ impl Group {
     ///
     /// - `offset`: of its words in the section `corrections`.
     fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
-        let certainty = self.map.certainty;
+        let confidence = self.map.confidence;
         Ok(GroupRow {
             joint: narrow("joint of a group", self.joint)?,
             kernel: self.map.kernel.number(),
-            certainty_len: narrow("certainty values of a group", certainty.len)?,
+            certainty_len: narrow("certainty values of a group", confidence.len)?,
             input_len: narrow("inputs of a group", self.inputs.len())?,
             centre_len: narrow("centres of a group", self.map.centres.ncols())?,
             rank: narrow("rank of a group", self.outputs.ncols())?,
             proxy_len: narrow("proxies of a group", self.proxies.len())?,
             offset: narrow("correction words", offset)?,
             confidence: GroupConfidence {
-                reach: certainty.reach as f32,
-                linear: certainty.linear as f32,
-                signal: certainty.signal as f32,
-                noise: certainty.noise as f32,
+                reach: confidence.reach as f32,
+                linear: confidence.linear as f32,
+                signal: confidence.signal as f32,
+                noise: confidence.noise as f32,
             },
         })
     }
@@ -181,7 +181,7 @@ impl Group {
         let (d, n, r) = (self.inputs.len(), self.map.centres.ncols(), self.outputs.ncols());
         check_len("coordinates of a group's centres", d, self.map.centres.nrows())?;
         let coefficients = ["rows of a group's coefficients", "columns of a group's coefficients"];
-        check_shape(coefficients, [r + self.map.certainty.len, n + d], &self.map.coefficients)?;
+        check_shape(coefficients, [r + self.map.confidence.len, n + d], &self.map.coefficients)?;
         check_len("rows of a group's outputs", 12 * self.proxies.len(), self.outputs.nrows())
     }
 

@@ -202,7 +202,7 @@ impl Compared {
     fn errors(&self, inliers: &[usize]) -> Option<Vec<(f64, f64)>> {
         let mut sums = vec![(0.0, 0.0); self.lbs_errors.len()];
         for region in &self.regions {
-            for (sum, own) in sums.iter_mut().zip(region.regression.surprises(inliers)?) {
+            for (sum, own) in sums.iter_mut().zip(region.regression.standardised_errors(inliers)?) {
                 *sum = (sum.0 + own.0, sum.1 + own.1);
             }
         }

@@ -168,7 +168,7 @@ fn map_sizes(
                     inputs.input_len(),
                     centres,
                     rank,
-                    design.certainty_len(outputs.certainty),
+                    design.root_len(outputs.root_limit),
                     helpers,
                 ),
                 score: scored.scores[..rank].iter().sum::<f64>() + left,

@@ -62,10 +62,10 @@ fn latents(group: &Group, training: &Training) -> Vec<Latents> {
     columns::narrow_registers();
     let samples = Features::of(training).evaluate(&training.poses, &group.inputs);
     let at = |input: Vec<f64>| {
-        let Value { outputs, evidence } = group.map.evaluate(&input);
+        let Value { outputs, expected_error } = group.map.evaluate(&input);
         let error = group.map.error(&input);
-        let share = evidence.share();
-        let (least, most) = error.evidence.shares(Arithmetic::IEEE);
+        let share = expected_error.map_weight();
+        let (least, most) = error.expected_error.map_weights(Arithmetic::IEEE);
         let of_share = (share - least).max(most - share);
         // The roundings are a sum of r products, the share, and the product with the joint's rotation.
         let term = (outputs.len() as f64 + 6.0) * U * most;

@@ -85,12 +85,12 @@ impl GroupOutputs {
         let signal: f64 = target.lbs_errors[helpers.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
-            beyond: range_ends.len(),
+            extrapolated_len: range_ends.len(),
             blocks: [blocks, range_ends].concat(),
             parts: folds.parts().to_vec(),
             signal,
             negligible: NOTHING.powi(2) * target.vertices as f64,
-            certainty: target.certainty,
+            root_limit: target.certainty,
         };
         Self { joint, helpers, metric, directions, outputs }
     }

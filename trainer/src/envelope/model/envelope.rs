@@ -4,7 +4,7 @@ use super::key::Key;
 use super::wide;
 use crate::examples::Skeleton;
 use crate::numeric::affine;
-use crate::regression::certainty::Certainty;
+use crate::regression::confidence::MapConfidence;
 use crate::regression::map::KernelMap;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix6};
@@ -324,7 +324,7 @@ fn group(group: &sinew_runtime::envelope::Group<'_>) -> Group {
             kernel: group.kernel,
             centres: Mat::from_fn(d, n, |i, k| wide(group.centre(k, i))),
             coefficients: Mat::from_fn(r + m, n + d, |r, c| wide(group.coefficient(r, c))),
-            certainty: Certainty {
+            confidence: MapConfidence {
                 len: m,
                 reach: group.confidence.reach.into(),
                 linear: group.confidence.linear.into(),

@@ -4,7 +4,7 @@ use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
 use crate::numeric::affine::{linear, seen_from};
 use crate::numeric::so3;
-use crate::regression::certainty::Evidence;
+use crate::regression::confidence::ExpectedError;
 use crate::regression::map::Value;
 use nalgebra::{Matrix3x4, Vector3};
 
@@ -41,18 +41,18 @@ impl EnvelopeModel {
         mut palette: Vec<Matrix3x4<f64>>,
     ) -> (Vec<Matrix3x4<f64>>, f64) {
         let first = self.first_proxy();
-        let mut evidence_of_all = Evidence::default();
+        let mut total = ExpectedError::default();
         for group in self.groups.iter().filter(|group| group.has_centres()) {
-            let Value { outputs, evidence } = group.map.evaluate(&group.input(features));
+            let Value { outputs, expected_error } = group.map.evaluate(&group.input(features));
             let proxies = &mut palette[first..][group.proxies.clone()];
-            let share = evidence.share();
+            let share = expected_error.map_weight();
             for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
                 *out += linear(&pose[group.joint]) * map * share;
             }
-            evidence_of_all = evidence_of_all.and(evidence);
+            total = total.plus(expected_error);
         }
         let of_joints = self.joint_confidences(features).into_iter();
-        (palette, of_joints.fold(evidence_of_all.confidence(), f64::min))
+        (palette, of_joints.fold(total.confidence(), f64::min))
     }
 
     /// Returns the confidence of each joint, J: 1 up to 1.5 times its trained range, then falling to 0. Empty for an

@@ -3,7 +3,7 @@
 use crate::envelope::model::{EnvelopeModel, Factors, Key};
 use crate::numeric::affine::{after, linear, seen_from};
 use crate::numeric::so3;
-use crate::regression::fade::step;
+use crate::regression::confidence::step;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
 

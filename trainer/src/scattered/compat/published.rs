@@ -1,20 +1,21 @@
-//! S2's solver as its post publishes it, with what it gets wrong: `θ = (MᵀM + λI)⁺ MᵀB` over a matrix M of
-//! distances, or of a function of them.
+//! S2's solver as its post publishes it, mistakes included, and other tools' functions of a distance.
+//!
+//! The solver computes `θ = (MᵀM + λI)⁺ MᵀB` for a matrix M of distances, or of a function of distances. A function of
+//! a distance is converted to one of our kernels: `φ(d) = factor G((epsilon d)²)`.
 
-use super::canonical::Canonical;
 use crate::scattered::sum::KernelSum;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// The gaussian's falloff.
+/// Factor of the gaussian's radius.
 const FALLOFF: f64 = 0.707;
-/// What a radius that is not positive is taken for, where the post guards it.
+/// Radius that replaces a radius of 0 or less, where the post has this guard.
 const GUARD: f64 = 0.001;
 
-/// S2's functions of a distance.
+/// Functions of a distance in S2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PublishedKernel {
-    /// The distance.
+    /// The distance itself.
     Linear,
     /// `e^(-d² / (2 (0.707 r)²))`.
     Gaussian,
@@ -24,45 +25,45 @@ pub enum PublishedKernel {
     MultiQuadraticBiharmonic,
     /// `1 / √(d² + r²)`.
     InverseMultiQuadraticBiharmonic,
-    /// `(1 - v)⁴ (4 v + 1)` where v = d / r < 1, else 0.
+    /// `(1 - v)⁴ (4 v + 1)` if v = d / r < 1, else 0.
     BeckertWendlandC2,
 }
 
-/// What S2's solver is given.
+/// Options of S2's solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PublishedOptions {
-    /// The function.
+    /// Function of a distance.
     pub kernel: PublishedKernel,
-    /// r.
+    /// Radius r.
     pub radius: f64,
-    /// λ.
+    /// Regularisation λ.
     pub regularization: f64,
-    /// Columns of the features are divided by their length.
+    /// Divides columns of the features by their length.
     pub normalise_features: bool,
-    /// Distances are divided by their matrix's Frobenius norm: the post does so of all functions but the
-    /// linear one.
+    /// Divides distances by the Frobenius norm of their matrix. The post does so for all functions except the linear
+    /// one.
     pub normalise_distances: bool,
 }
 
-/// A function as S2 solves for it.
+/// Function that S2's solver finds.
 #[derive(Clone, Debug)]
 pub struct Published {
-    /// θ, m x n.
+    /// Solution θ, m x n.
     pub theta: Mat<f64>,
-    /// Lengths of the features' columns, d; 1 where they are not divided by it.
+    /// Lengths of the features' columns, d; 1 if the columns are not divided.
     pub feature_norms: Vec<f64>,
-    /// The distances' norm; 1 where they are not divided by it.
+    /// Frobenius norm of the distances; 1 if the distances are not divided.
     pub distance_norm: f64,
-    /// Condition of M: the largest singular value over the least.
+    /// Condition of M: the largest singular value over the smallest.
     pub condition: f64,
-    /// The same function as a sum of a kernel of ours.
+    /// The function as a sum of one of our kernels.
     pub sum: KernelSum,
 }
 
-/// Where S2's solver has no result.
+/// Reasons why S2's solver has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PublishedError {
-    /// Features and outputs are none, or not as many.
+    /// No samples, or features and outputs of different numbers of samples.
     #[error("expected features and outputs of the same samples, found {features} and {outputs}")]
     Rows {
         /// Rows of the features.
@@ -70,15 +71,15 @@ pub enum PublishedError {
         /// Rows of the outputs.
         outputs: usize,
     },
-    /// Features, or the function of their distances, are not finite.
+    /// A feature, or the function of a distance, is not finite.
     #[error("the distance or its function between samples {row} and {column} is not finite")]
     NotFinite {
-        /// A sample.
+        /// Index of a sample.
         row: usize,
-        /// Another, or the same.
+        /// Index of another sample, or the same sample.
         column: usize,
     },
-    /// The singular values are not found.
+    /// The singular value decomposition does not converge.
     #[error("the singular values do not converge")]
     Singular,
 }
@@ -87,8 +88,9 @@ impl Published {
     /// Solves for outputs B (n x m) at features (n x d).
     ///
     /// # Errors
-    /// If features and outputs are none or not as many; if a distance or its function is not finite, as
-    /// that of a single sample over its norm of 0; if no singular values are found.
+    /// - If there are no samples, or features and outputs have different numbers of rows.
+    /// - If a distance or its function is not finite: for example the distance of a single sample over its norm of 0.
+    /// - If the singular value decomposition does not converge.
     pub fn new(
         features: &Mat<f64>,
         outputs: &Mat<f64>,
@@ -163,7 +165,7 @@ impl PublishedKernel {
         }
     }
 
-    /// Returns the function as a kernel of ours.
+    /// Converts the function to one of our kernels.
     pub fn canonical(self, radius: f64) -> Canonical {
         let (kernel, epsilon, factor) = match self {
             Self::Linear => (Kernel::Linear, 1.0, -1.0),
@@ -172,7 +174,7 @@ impl PublishedKernel {
                 (Kernel::Gaussian, 1.0 / (r * std::f64::consts::SQRT_2), 1.0)
             }
             Self::ThinPlate => (Kernel::ThinPlate, 1.0 / guarded(radius), 1.0),
-            // Without a radius it is the distance.
+            // With a radius of 0 this is the distance.
             Self::MultiQuadraticBiharmonic if radius == 0.0 => (Kernel::Linear, 1.0, -1.0),
             Self::MultiQuadraticBiharmonic => {
                 (Kernel::Multiquadric, 1.0 / radius.abs(), -radius.abs())
@@ -190,7 +192,7 @@ fn guarded(radius: f64) -> f64 {
     if radius > 0.0 { radius } else { GUARD }
 }
 
-/// Returns the pseudo-inverse, with singular values below ε n σ₁ taken for 0.
+/// Returns the pseudo-inverse. Singular values below ε n σ₁ count as 0.
 fn pseudo_inverse(square: &Mat<f64>) -> Result<Mat<f64>, PublishedError> {
     let decomposed = square.svd().map_err(|_| PublishedError::Singular)?;
     let s = decomposed.S().column_vector();
@@ -199,4 +201,46 @@ fn pseudo_inverse(square: &Mat<f64>) -> Result<Mat<f64>, PublishedError> {
         if s[k] > least { decomposed.U()[(i, k)] / s[k] } else { 0.0 }
     });
     Ok(decomposed.V() * inverse)
+}
+
+/// Function of a distance, as a kernel of the scaled distance and a factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Canonical {
+    /// Kernel G.
+    pub kernel: Kernel,
+    /// Factor of the distance.
+    pub epsilon: f64,
+    /// Factor of the kernel.
+    pub factor: f64,
+}
+
+/// Falloffs of pose drivers, with a radius σ, for imports only.
+///
+/// No fit of ours can solve with the hats. Over angles of rotations, no falloff is positive definite for every σ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Falloff {
+    /// `e^(-d / σ²)`: Unreal's and RigLogic's gaussian, weightDriver's "gaussian 1"; d is not squared.
+    Gaussian,
+    /// `e^(-2 d / σ)`.
+    Exponential,
+    /// `1 - d / σ`, at least 0.
+    Linear,
+    /// `1 - (d / σ)³`, at least 0.
+    Cubic,
+    /// `1 - (d / σ)⁵`, at least 0.
+    Quintic,
+}
+
+impl Falloff {
+    /// Converts the falloff with a radius above 0 to one of our kernels.
+    pub fn canonical(self, radius: f64) -> Canonical {
+        let (kernel, epsilon) = match self {
+            Self::Gaussian => (Kernel::Matern12, 1.0 / (radius * radius)),
+            Self::Exponential => (Kernel::Matern12, 2.0 / radius),
+            Self::Linear => (Kernel::Hat { power: 1 }, 1.0 / radius),
+            Self::Cubic => (Kernel::Hat { power: 3 }, 1.0 / radius),
+            Self::Quintic => (Kernel::Hat { power: 5 }, 1.0 / radius),
+        };
+        Canonical { kernel, epsilon, factor: 1.0 }
+    }
 }

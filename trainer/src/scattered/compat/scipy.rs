@@ -1,18 +1,16 @@
-//! SciPy's `RBFInterpolator` (1.17) by its own names and rules: a named mode, which warns where a fit of
-//! ours would be refused.
+//! SciPy's `RBFInterpolator` (1.17) by its own names and rules: a named mode, which warns where our fit would be
+//! refused.
 //!
-//! Epsilon multiplies distances as they are, λ has the kernel's units, every monomial of a degree is
-//! taken, and nothing is merged, dropped or lowered. SciPy scales polynomials by the box of the sites;
-//! here they are scaled by epsilon, which makes the same function.
+//! Epsilon multiplies unscaled distances, λ has the kernel's units, and a polynomial has every monomial of its degree.
+//! Nothing is merged, dropped or lowered. SciPy scales polynomials by the box of the sites. This mode scales them by
+//! epsilon, which gives the same function.
 
-use super::neighbours::nearest;
 use crate::numeric::columns::ends;
-use crate::regression::function::order;
+use crate::regression::function::{is_scale_invariant, order};
 use crate::scattered::solver::error::KernelError;
-use crate::scattered::solver::invariance::is_scale_invariant;
 use crate::scattered::solver::polynomial::Space;
 use crate::scattered::solver::samples::check;
-use crate::scattered::solver::solve::solve;
+use crate::scattered::solver::system::solve;
 use crate::scattered::sum::{KernelSum, monomials};
 use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
@@ -20,7 +18,7 @@ use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
 use std::cmp::Ordering;
 
-/// The kernels by SciPy's names.
+/// Kernels by SciPy's names.
 const KERNELS: [(&str, Kernel); 8] = [
     ("linear", Kernel::Linear),
     ("thin_plate_spline", Kernel::ThinPlate),
@@ -31,32 +29,32 @@ const KERNELS: [(&str, Kernel); 8] = [
     ("inverse_quadratic", Kernel::InverseQuadratic),
     ("gaussian", Kernel::Gaussian),
 ];
-/// Reciprocal condition below which a fit is warned of: METHOD §2.7 promises agreement above it.
+/// Reciprocal condition below which a fit has a warning: METHOD §2.7 promises agreement above it.
 const RCOND: f64 = 1e-10;
 
-/// SciPy's arguments; what is left out has its default.
+/// Arguments of SciPy's interpolator. An omitted argument has SciPy's default.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScipyOptions {
-    /// Name of the kernel, in any case.
+    /// Name of the kernel; upper and lower case are equal.
     pub kernel: String,
-    /// What distances are multiplied by; must be given where it matters.
+    /// Factor of distances; required for kernels with a width.
     pub epsilon: Option<f64>,
-    /// λ.
+    /// Smoothing λ.
     pub smoothing: Smoothing,
-    /// Degree of the polynomial, -1 without one; by default the kernel's least, at least 0.
+    /// Degree of the polynomial, -1 for none; by default the kernel's least degree, at least 0.
     pub degree: Option<i32>,
-    /// How many samples make the function at a query, the nearest ones; by default all.
+    /// Number of nearest samples that determine the function at a query; by default all.
     pub neighbors: Option<usize>,
 }
 
-/// λ of all samples, or of each.
+/// Smoothing λ of all samples, or of each sample.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Value")]
 pub enum Smoothing {
-    /// Of all.
+    /// One λ for all samples.
     All(f64),
-    /// Of each, n.
+    /// λ of each sample, n.
     Each(Vec<f64>),
 }
 
@@ -78,95 +76,95 @@ impl TryFrom<Value> for Smoothing {
     }
 }
 
-/// What SciPy raises as an error.
+/// Errors that SciPy raises.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScipyError {
-    /// The samples are no samples.
+    /// The samples are unusable.
     #[error(transparent)]
     Samples(#[from] KernelError),
-    /// The kernel is none of SciPy's.
+    /// SciPy has no kernel of this name.
     #[error(
         "\"{}\" is no kernel of SciPy's: expected one of {}",
         .0,
         KERNELS.map(|(name, _)| name).join(", ")
     )]
     Kernel(String),
-    /// Epsilon is needed.
+    /// The kernel needs an epsilon.
     #[error("the kernel \"{}\" needs an epsilon", .0.name())]
     Epsilon(Kernel),
-    /// A number that was given is out of its range.
+    /// A number is outside its range.
     #[error("{what} is {found}, expected {expected}")]
     Option {
-        /// Which one.
+        /// Name of the number.
         what: &'static str,
-        /// What it is.
+        /// Value of the number.
         found: f64,
-        /// What it may be.
+        /// Allowed values.
         expected: &'static str,
     },
-    /// λ are not as many as samples.
+    /// The number of smoothings is neither 1 nor the number of samples.
     #[error("expected one smoothing or {samples}, found {found}")]
     SmoothingLen {
-        /// Samples.
+        /// Number of samples.
         samples: usize,
-        /// λ found.
+        /// Number of smoothings.
         found: usize,
     },
     /// There are fewer samples than monomials.
     #[error("degree {degree} in {inputs} inputs needs {needed} samples, found {found}")]
     TooFew {
-        /// Degree.
+        /// Degree of the polynomial.
         degree: usize,
-        /// Inputs.
+        /// Number of inputs.
         inputs: usize,
-        /// Monomials.
+        /// Number of monomials.
         needed: usize,
-        /// Samples, or neighbours.
+        /// Number of samples, or of neighbours.
         found: usize,
     },
-    /// Samples do not determine the polynomial.
-    #[error("the system is singular: the samples tell {rank} of {terms} monomials apart")]
+    /// The samples do not determine the polynomial.
+    #[error("the system is singular: the samples determine {rank} of {terms} monomials")]
     Rank {
-        /// Monomials that samples tell apart.
+        /// Number of independent monomials at the samples.
         rank: usize,
-        /// Monomials.
+        /// Number of monomials.
         terms: usize,
     },
-    /// Two samples are at one place and neither is smoothed.
+    /// Two samples have the same site and neither is smoothed.
     #[error("the system is singular: rows {first} and {second} have the same site")]
     Repeated {
-        /// A row.
+        /// Row of the first sample.
         first: usize,
-        /// Another.
+        /// Row of the second sample.
         second: usize,
     },
-    /// Elimination meets a zero.
+    /// Elimination finds a pivot of 0.
     #[error("the system is singular")]
     Singular,
-    /// A query has another dimension than the sites.
+    /// A query and the sites have different dimensions.
     #[error("expected a query of {expected} numbers, found {found}")]
     Query {
-        /// Inputs.
+        /// Number of inputs.
         expected: usize,
-        /// Numbers of the query.
+        /// Number of values in the query.
         found: usize,
     },
 }
 
-/// What SciPy, or METHOD, warns of.
+/// Warnings of SciPy, or of METHOD.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 pub enum ScipyWarning {
-    /// The degree is below the kernel's least: the function may not be unique.
+    /// The degree is below the kernel's least degree: the function may not be unique.
     #[error(
         "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
     )]
     Degree {
-        /// The degree.
+        /// Degree of the polynomial.
         degree: usize,
-        /// The least one.
+        /// Least degree of the kernel.
         least: usize,
     },
-    /// Rounding may decide much.
+    /// Rounding may change the function.
     #[error("the fit is ill-conditioned (reciprocal condition {rcond:.1e})")]
     IllConditioned {
         /// Reciprocal condition.
@@ -174,16 +172,15 @@ pub enum ScipyWarning {
     },
 }
 
-/// A function as SciPy makes it.
+/// Function that SciPy finds.
 #[derive(Clone, Debug)]
 pub struct RbfInterpolator {
     problem: Problem,
-    /// The function of all samples and the reciprocal condition of its system; without one each query
-    /// has its own.
+    /// Function of all samples, and the reciprocal condition of its system; `None` if each query has its own system.
     whole: Option<(KernelSum, f64)>,
-    /// How many neighbours make that.
+    /// Number of neighbours that determine the function at a query.
     neighbours: usize,
-    /// What was warned of.
+    /// Warnings of the fit.
     pub warnings: Vec<ScipyWarning>,
 }
 
@@ -203,9 +200,11 @@ impl RbfInterpolator {
     /// Fits values (n x m) at sites (n x d).
     ///
     /// # Errors
-    /// If samples are none, not finite or not as many; the kernel has another name; epsilon, degree,
-    /// smoothing or neighbours are out of range; samples or neighbours are fewer than monomials or do
-    /// not tell them apart; the system is singular.
+    /// - If there are no samples, sites and values have different numbers of rows, or a number is not finite.
+    /// - If SciPy has no such kernel.
+    /// - If epsilon, degree, smoothing or neighbours are out of range.
+    /// - If there are fewer samples or neighbours than monomials, or they do not determine the polynomial.
+    /// - If the system is singular.
     pub fn new(
         sites: &Mat<f64>,
         values: &Mat<f64>,
@@ -252,16 +251,16 @@ impl RbfInterpolator {
     /// Evaluates the function at d inputs: m values.
     ///
     /// # Errors
-    /// If the query has another length; if the system of its neighbours is singular.
+    /// - If the query has another length.
+    /// - If the system of the query's neighbours is singular.
     pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, ScipyError> {
         Ok(self.conditioned(x)?.0)
     }
 
-    /// Evaluates the function at d inputs: m values, and the reciprocal condition of what was solved for
-    /// them.
+    /// Evaluates the function at d inputs: m values, and the reciprocal condition of the solved system.
     ///
     /// # Errors
-    /// Those of [`Self::evaluate`].
+    /// Errors of [`Self::evaluate`].
     pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), ScipyError> {
         let expected = self.problem.sites.ncols();
         if x.len() != expected {
@@ -274,14 +273,14 @@ impl RbfInterpolator {
         Ok((sum.evaluate(x), rcond))
     }
 
-    /// Returns the function of all samples and the reciprocal condition of its system; none where each
-    /// query has one of its neighbours.
+    /// Returns the function of all samples and the reciprocal condition of its system; `None` if each query has its own
+    /// system.
     pub fn whole(&self) -> Option<&(KernelSum, f64)> {
         self.whole.as_ref()
     }
 }
 
-/// Samples, and what they are fitted with.
+/// Samples and the parameters of their fit.
 #[derive(Clone, Debug)]
 struct Problem {
     sites: Mat<f64>,
@@ -293,7 +292,7 @@ struct Problem {
 }
 
 impl Problem {
-    /// Makes the function of some samples, and returns the reciprocal condition.
+    /// Fits some samples; returns the function and the reciprocal condition.
     fn solve(&self, some: &[usize]) -> Result<(KernelSum, f64), ScipyError> {
         let rows = |m: &Mat<f64>| Mat::from_fn(some.len(), m.ncols(), |i, c| m[(some[i], c)]);
         self.check_repeated(some)?;
@@ -303,7 +302,7 @@ impl Problem {
         let shift: Vec<f64> = sites.col_iter().map(middle).collect();
         let points = Mat::from_fn(some.len(), d, |i, c| (sites[(i, c)] - shift[c]) * self.epsilon);
         let inputs: Vec<usize> = (0..d).collect();
-        // As numpy's matrix_rank.
+        // Tolerance of numpy's matrix_rank.
         let tolerance = f64::EPSILON * some.len().max(d + 1) as f64;
         let space = Space { points: &points, inputs: &inputs, tolerance };
         let polynomial = space.polynomial(self.degree);
@@ -328,7 +327,7 @@ impl Problem {
         Ok((sum, rcond))
     }
 
-    /// Refuses samples of one site that are not smoothed: their equations are the same.
+    /// Checks that samples of one site are smoothed. Without smoothing their equations are equal.
     fn check_repeated(&self, some: &[usize]) -> Result<(), ScipyError> {
         let exact = some.iter().copied().filter(|&i| self.smoothing[i] == 0.0);
         let mut order: Vec<usize> = exact.collect();
@@ -384,4 +383,34 @@ fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, Sci
 fn middle(column: ColRef<'_, f64>) -> f64 {
     let [least, most] = ends(column.iter());
     0.5 * least + 0.5 * most
+}
+
+/// Lists the k sites (n x d) nearest to x, in ascending order of their index. The first of equally distant sites comes
+/// first.
+fn nearest(sites: &Mat<f64>, x: &[f64], k: usize) -> Vec<usize> {
+    let mut squared = vec![0.0; sites.nrows()];
+    for (column, x) in x.iter().enumerate() {
+        let coordinates = sites.col_as_slice(column);
+        squared.iter_mut().zip(coordinates).for_each(|(s, site)| *s += (site - x) * (site - x));
+    }
+    let mut order: Vec<usize> = (0..sites.nrows()).collect();
+    order.sort_by(|&a, &b| squared[a].total_cmp(&squared[b]));
+    order.truncate(k);
+    order.sort_unstable();
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_are_found_in_order() {
+        let sites = Mat::from_fn(5, 2, |i, c| {
+            [[4.0, 0.0], [1.0, 0.0], [0.0, 1.0], [9.0, 9.0], [0.5, 0.0]][i][c]
+        });
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 1), [4]);
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 2), [1, 4], "of two equally far the first");
+        assert_eq!(nearest(&sites, &[0.0, 0.0], 9), [0, 1, 2, 3, 4]);
+    }
 }

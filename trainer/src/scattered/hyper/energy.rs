@@ -1,15 +1,14 @@
-//! The energy of a sum of kernels and its gradient, by all that can be learned (METHOD §3).
+//! Energy of a sum of kernels, and its gradient by all parameters (METHOD §3).
 
-use super::error::HyperError;
 use super::least_squares::solve;
-use super::options::{Entries, Options};
+use super::options::{Entries, HyperError, Options};
 use crate::numeric::columns::dot;
 use crate::regression::function::Exact;
-use crate::scattered::sum::{monomials, powers};
+use crate::scattered::sum::{monomials, powers, squared};
 use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 
-/// The energy `Σ|y_i - f(x_i)|² + λN (|c|² + |b|²)` of N samples.
+/// Energy `Σ|y_i - f(x_i)|² + λN (|c|² + |b|²)` of N samples.
 pub struct Energy {
     kernel: Kernel,
     /// λN.
@@ -17,53 +16,56 @@ pub struct Energy {
     learned: Entries,
     sample_len: usize,
     input_len: usize,
-    /// u, d a sample.
+    /// Inputs u, d per sample.
     inputs: Vec<f64>,
-    /// y, N a value.
+    /// Values y, N per value.
     values: Vec<f64>,
-    /// The monomials' values, N a term.
+    /// Values of the monomials, N per term.
     monomials: Vec<f64>,
 }
 
-/// What can be learned, or a gradient by it.
+/// Parameters of a sum, or a gradient by them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
-    /// t, d a centre.
+    /// Centres t, d each.
     pub centres: Vec<f64>,
-    /// W by rows, d each.
+    /// Metric W by rows, d each.
     pub metric: Vec<f64>,
-    /// `[c b]`, n + terms a value.
+    /// Coefficients `[c b]`, n + terms per value.
     pub coefficients: Vec<f64>,
 }
 
 /// Parameters and their energy.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Where.
+    /// Parameters of the sum.
     pub parameters: Parameters,
-    /// E.
+    /// Energy E.
     pub energy: f64,
     measured: Measured,
-    /// Values of kernels and monomials, N a column.
+    /// Values of kernels and monomials, N per column.
     basis: Vec<f64>,
-    /// Δ, N a value.
+    /// Residuals Δ, N per value.
     residuals: Vec<f64>,
 }
 
-/// Samples and centres, as the metric sees them.
+/// Products of samples and centres with the metric.
 #[derive(Clone, Debug)]
 struct Measured {
-    /// W u, e a sample.
+    /// W u, e per sample.
     samples: Vec<f64>,
-    /// W t, e a centre.
+    /// W t, e per centre.
     centres: Vec<f64>,
 }
 
 impl Energy {
-    /// Takes sites x (N x d) and values y (N x m), and what turns x to u: a shift and a scale, d each.
+    /// Takes sites x (N x d) and values y (N x m).
+    ///
+    /// - `shift`, `scale`: d each, turn x into u.
     ///
     /// # Errors
-    /// [`HyperError`] where there is nothing, where a length does not fit, and where the ridge is no ridge.
+    /// [`HyperError`]: if there are no samples, inputs or values; if a length does not match; if the ridge is negative
+    /// or not finite.
     pub fn new(
         sites: MatRef<'_, f64>,
         values: MatRef<'_, f64>,
@@ -119,8 +121,7 @@ impl Energy {
         self.point(parameters, measured, basis)
     }
 
-    /// Evaluates the least energy that these centres and this metric can have, and puts in the
-    /// coefficients that give it.
+    /// Computes the least energy with these centres and this metric, and stores the coefficients of that energy.
     pub fn solved(&self, mut parameters: Parameters) -> Point {
         let (measured, basis) = self.basis(&parameters);
         parameters.coefficients = if self.ridge > 0.0 {
@@ -142,11 +143,10 @@ impl Energy {
         self.point(parameters, measured, basis)
     }
 
-    /// Computes the gradient; 0 by what of W is not learned.
+    /// Computes the gradient; 0 for entries of W that are not learned.
     ///
-    /// By z = W u and τ = W t, with q_ia = (c_a·Δ_i) G'_ia: ∂E/∂z_i = -4 Σ_a q_ia (z_i - τ_a) and
-    /// ∂E/∂τ_a = 4 Σ_i q_ia (z_i - τ_a). METHOD's ∂E/∂t is Wᵀ ∂E/∂τ, its ∂E/∂W the sum of
-    /// ∂E/∂z_i u_iᵀ and ∂E/∂τ_a t_aᵀ.
+    /// Let z = W u, τ = W t, and q_ia = (c_a·Δ_i) G'_ia. Then ∂E/∂z_i = -4 Σ_a q_ia (z_i - τ_a) and ∂E/∂τ_a = 4 Σ_i
+    /// q_ia (z_i - τ_a). METHOD's ∂E/∂t is Wᵀ ∂E/∂τ. METHOD's ∂E/∂W is the sum of ∂E/∂z_i u_iᵀ and ∂E/∂τ_a t_aᵀ.
     pub fn gradient(&self, point: &Point) -> Parameters {
         let Point { parameters, measured, basis, residuals, .. } = point;
         let (n, e) = (parameters.centre_len(self), parameters.row_len(self));
@@ -162,7 +162,7 @@ impl Energy {
                 let coefficients = parameters.coefficients[a..].iter().step_by(count);
                 let of_sample = residuals[i..].iter().step_by(self.sample_len);
                 let product: f64 = coefficients.zip(of_sample).map(|(c, left)| c * left).sum();
-                let share = 4.0 * product * self.kernel.slope(squared(z, centre));
+                let share = 4.0 * product * self.kernel.slope(squared(z, centre.iter()));
                 for (r, (z, t)) in z.iter().zip(centre).enumerate() {
                     by_sample[r] -= share * (z - t);
                     by_centre[a * e + r] += share * (z - t);
@@ -188,7 +188,7 @@ impl Energy {
     }
 }
 
-/// What the methods read.
+/// Views of the samples for the methods.
 impl Energy {
     /// Returns N.
     pub(super) fn sample_len(&self) -> usize {
@@ -205,7 +205,7 @@ impl Energy {
         self.values.len() / self.sample_len
     }
 
-    /// Returns u of a sample, d.
+    /// Returns the inputs u of a sample, d.
     pub(super) fn input(&self, sample: usize) -> &[f64] {
         &self.inputs[sample * self.input_len..][..self.input_len]
     }
@@ -215,7 +215,7 @@ impl Energy {
         self.monomials.len() / self.sample_len
     }
 
-    /// Returns whether an entry of W, counted by rows, is learned.
+    /// Returns true if an entry of W is learned; entries count by rows.
     pub(super) fn learns(&self, entry: usize) -> bool {
         match self.learned {
             Entries::None => false,
@@ -224,7 +224,7 @@ impl Energy {
         }
     }
 
-    /// Returns W times each of a list of points, d each.
+    /// Returns the product of W with each point of a list, d numbers per point.
     pub(super) fn measured(&self, metric: &[f64], points: &[f64]) -> Vec<f64> {
         let rows = || metric.chunks_exact(self.input_len);
         let points = points.chunks_exact(self.input_len);
@@ -237,7 +237,7 @@ impl Energy {
     }
 
     /// Returns the norms of the residuals, N.
-    pub(super) fn misfits(&self, point: &Point) -> Vec<f64> {
+    pub(super) fn residual_norms(&self, point: &Point) -> Vec<f64> {
         let of = |i: usize| point.residuals[i..].iter().step_by(self.sample_len);
         (0..self.sample_len).map(|i| of(i).map(|left| left * left).sum::<f64>().sqrt()).collect()
     }
@@ -248,7 +248,7 @@ impl Energy {
         let centres = self.measured(&parameters.metric, &parameters.centres);
         let mut basis = Vec::with_capacity(self.monomials.len() + self.sample_len);
         for centre in centres.chunks_exact(e) {
-            let squared = samples.chunks_exact(e).map(|z| squared(z, centre));
+            let squared = samples.chunks_exact(e).map(|z| squared(z, centre.iter()));
             basis.extend(squared.map(|s| self.kernel.exact(s)));
         }
         basis.extend(&self.monomials);
@@ -269,7 +269,7 @@ impl Energy {
         Point { parameters, energy, measured, basis, residuals }
     }
 
-    /// Adds `left rightᵀ` to what of a matrix like W is learned.
+    /// Adds `left rightᵀ` to the learned entries of a matrix like W.
     fn add_outer(&self, matrix: &mut [f64], left: &[f64], right: &[f64]) {
         for (r, (row, left)) in matrix.chunks_exact_mut(self.input_len).zip(left).enumerate() {
             match self.learned {
@@ -297,11 +297,6 @@ impl Parameters {
     }
 }
 
-/// Returns |a - b|².
-pub(super) fn squared(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::options::{Method, Metric, Start};
@@ -314,7 +309,7 @@ mod tests {
         (0.37 * (k * k + k) as f64 + 0.1).sin()
     }
 
-    /// 15 samples of 3 inputs and 2 values.
+    /// Returns the energy of 15 samples with 3 inputs and 2 values.
     fn energy(kernel: Kernel, learned: Entries) -> Energy {
         let options = Options {
             kernel,
@@ -342,7 +337,7 @@ mod tests {
         }
     }
 
-    /// All numbers of a kind in turn.
+    /// Lists all parameters in turn.
     fn entries(parameters: &mut Parameters) -> impl Iterator<Item = &mut f64> {
         let Parameters { centres, metric, coefficients } = parameters;
         centres.iter_mut().chain(metric).chain(coefficients)
@@ -383,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_sample_where_slopes_are_infinite_the_gradient_is_the_middle() {
+    fn at_an_infinite_slope_the_gradient_is_the_middle() {
         for kernel in [Kernel::Linear, Kernel::Matern12, Kernel::ThinPlate] {
             let energy = energy(kernel, Entries::All);
             let mut at = parameters();
@@ -394,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn where_coefficients_are_solved_the_rest_is_the_gradient_of_the_least_energy() {
+    fn the_gradient_at_solved_coefficients_is_that_of_the_least_energy() {
         for kernel in Kernel::ALL {
             let energy = energy(kernel, Entries::All);
             let solved = energy.solved(parameters());
@@ -407,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_learned_has_no_gradient() {
+    fn entries_that_are_not_learned_have_no_gradient() {
         let of = |learned| {
             let energy = energy(Kernel::Gaussian, learned);
             energy.gradient(&energy.at(parameters()))

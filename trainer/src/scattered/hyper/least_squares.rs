@@ -1,22 +1,25 @@
-//! Least squares by Householder reflections, in scalar loops of one order.
+//! Least squares by Householder reflections, in scalar loops with a fixed order.
 
 use crate::numeric::columns::dot;
 
-/// A column is a sum of earlier ones where no more than this share of its length is its own.
+/// Share of a column's length below which the column depends on earlier columns.
 const DEPENDENT: f64 = 1e-13;
 
-/// Solves `min |A x - y|²` for every y: A and the ys column by column, `rows` each; returns the xs.
+/// Solves `min |A x - y|²` for every y; returns the vectors x.
 ///
-/// A column of A that depends on those before it gets 0.
+/// A column of A that depends on earlier columns gets the coefficient 0.
+///
+/// - `design`: A, column by column, `rows` numbers each.
+/// - `right`: vectors y, `rows` numbers each.
 pub(super) fn solve(mut design: Vec<f64>, mut right: Vec<f64>, rows: usize) -> Vec<f64> {
     let columns = design.len() / rows;
-    // The columns of the triangle, and its diagonal.
+    // Columns of the triangular factor, and its diagonal.
     let (mut kept, mut diagonal) = (Vec::new(), Vec::new());
     for k in 0..columns {
         let (column, later) = design[k * rows..].split_at_mut(rows);
         let row = kept.len();
         let own = dot(&column[row..], &column[row..]).sqrt();
-        // Written so that a column which is not a number is left out.
+        // In this form a column with a NaN is left out.
         let independent = own > DEPENDENT * dot(column, column).sqrt();
         if !independent {
             continue;
@@ -71,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_that_depends_on_earlier_ones_gets_nothing() {
+    fn dependent_columns_get_no_coefficient() {
         let columns = [[1.0, 2.0, 0.0, 1.0], [2.0, 4.0, 0.0, 2.0], [0.0; 4], [1.0, 0.0, 1.0, 0.0]];
         let found = solve(columns.concat(), vec![2.0, 2.0, 1.0, 1.0], 4);
         assert_eq!([found[1], found[2]], [0.0, 0.0]);

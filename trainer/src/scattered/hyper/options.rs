@@ -1,44 +1,47 @@
-//! What is asked of a learning.
+//! Options, errors and traces of learning.
 
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// What to learn, how, and for how long.
+/// Options of learning.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// G.
+    /// Kernel G.
     pub kernel: Kernel,
-    /// How many centres, n.
+    /// Number of centres, n.
     pub centres: usize,
-    /// Degree of the polynomial, if there is one.
+    /// Degree of the polynomial; `None` for no polynomial.
     pub degree: Option<usize>,
-    /// λ: `λ N (|c|² + |b|²)` is part of the energy (METHOD §2.2). Without it kernels that come to lie
-    /// on each other, or flat, have coefficients without bound; 1e-9 is enough against that.
+    /// Ridge λ: `λ N (|c|² + |b|²)` is part of the energy (METHOD §2.2).
+    ///
+    /// Without a ridge, kernels that coincide or become flat have unbounded coefficients. A ridge of 1e-9 prevents
+    /// this.
     pub ridge: f64,
-    /// W.
+    /// Metric W.
     pub metric: Metric,
-    /// Where centres start.
+    /// Choice of the samples where centres start.
     pub start: Start,
-    /// How they move.
+    /// Method that moves the centres.
     pub method: Method,
-    /// A start each; the one of the least energy is kept, the first of equals.
+    /// A seed for each start. The first start with the least energy is kept.
     pub seeds: Vec<u64>,
-    /// How often the energy may be evaluated from each start, itself included.
+    /// Largest number of energy evaluations per start, including the start.
     pub evaluations: usize,
 }
 
-/// The metric W; distances are |W (u - t)|.
+/// Metric W; distances are |W (u - t)|.
 #[derive(Clone, Debug)]
 pub struct Metric {
-    /// Where it starts, e x d: of low rank where e < d.
+    /// Initial metric, e x d: of low rank if e < d.
     pub start: Mat<f64>,
-    /// What of it is learned.
+    /// Learned entries.
     pub learned: Entries,
 }
 
 impl Metric {
-    /// Starts as a multiple of I, d x d, or of its rows added up to fewer, e x d. Kernels about as wide
-    /// as centres are apart end better than wider ones.
+    /// Starts with a multiple of I, d x d, or with the rows of I added up to e rows, e x d.
+    ///
+    /// Kernels about as wide as the spacing of the centres end better than wider kernels.
     pub fn scaled(rows: usize, inputs: usize, by: f64, learned: Entries) -> Self {
         let start = Mat::from_fn(rows, inputs, |r, c| if r == c % rows { by } else { 0.0 });
         Self { start, learned }
@@ -48,42 +51,145 @@ impl Metric {
 /// Entries of a metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entries {
-    /// None: the metric is fixed.
+    /// No entry: the metric is fixed.
     None,
-    /// Those on the diagonal: a weight an input.
+    /// Entries on the diagonal: a weight per input.
     Diagonal,
-    /// All.
+    /// All entries.
     All,
 }
 
-/// The samples on which centres start.
+/// Choice of the samples where centres start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// Any, each as likely.
+    /// Samples with equal probability.
     Random,
-    /// Each next one as likely as its squared distance from those before (Arthur and Vassilvitskii
-    /// 2007).
+    /// Samples with a probability proportional to their squared distance from the earlier ones (Arthur and
+    /// Vassilvitskii 2007).
     KMeansPlusPlus,
-    /// Each next one where those before leave the largest residual; no seed changes it.
+    /// Samples with the largest residual of the earlier ones. The seed has no effect.
     Greedy,
 }
 
-/// How centres and metric move.
+/// Method that moves centres and metric.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Method {
-    /// Coefficients solved exactly at every step, the rest by L-BFGS.
+    /// Solves for the coefficients exactly at every step, and for the rest by L-BFGS.
     #[default]
     VariableProjection,
-    /// S1's dynamical system: everything down the gradient, times ω.
+    /// Follows S1's dynamical system: all parameters move down the gradient, times ω.
     GradientFlow {
-        /// ω at first; it is halved for good where the energy would rise.
+        /// Initial ω. It is halved for good whenever the energy would rise.
         step: f64,
     },
-    /// S1's random changes, taken with probability `min(1, e^(-ΔE/T))`; coefficients solved exactly.
+    /// Makes S1's random changes, accepted with probability `min(1, e^(-ΔE/T))`, and solves for the coefficients
+    /// exactly.
     Metropolis {
-        /// How far a change goes at most, in units of u and of W.
+        /// Largest change, in units of u and of W.
         reach: f64,
-        /// T at first and at last: linear between, by evaluations.
+        /// T at the start and at the end; linear in the number of evaluations.
         temperatures: [f64; 2],
     },
+}
+
+/// Reasons why learning cannot begin.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HyperError {
+    /// The kernel is a hat.
+    #[error("nothing can be learned with a hat: it is for evaluation alone")]
+    Hat,
+    /// There are no samples, inputs or values.
+    #[error("nothing to learn from: {samples} samples of {inputs} inputs and {values} values")]
+    Empty {
+        /// Number of samples, N.
+        samples: usize,
+        /// Number of inputs, d.
+        inputs: usize,
+        /// Number of values, m.
+        values: usize,
+    },
+    /// The length of an argument does not match the samples.
+    #[error("{name}: expected {expected}, found {found}")]
+    Length {
+        /// Name of the counted elements.
+        name: &'static str,
+        /// Number of elements that the samples need.
+        expected: usize,
+        /// Number of elements given.
+        found: usize,
+    },
+    /// A number is out of its range.
+    #[error("{name} must be finite and not negative, found {found}")]
+    Number {
+        /// Name of the number.
+        name: &'static str,
+        /// Value of the number.
+        found: f64,
+    },
+    /// The number of centres is 0.
+    #[error("the number of centres is 0")]
+    NoCentres,
+    /// There are no seeds.
+    #[error("there is no seed")]
+    NoSeeds,
+    /// There are more coefficients than samples.
+    #[error(
+        "{centres} centres and a polynomial of {terms} terms need as many samples, found {samples}"
+    )]
+    TooFewSamples {
+        /// Number of centres, n.
+        centres: usize,
+        /// Number of monomials.
+        terms: usize,
+        /// Number of samples, N.
+        samples: usize,
+    },
+    /// A sample is not finite, or the energy of a start.
+    #[error("the energy is not finite where seed {seed} starts: a sample or the metric is not")]
+    NotFinite {
+        /// First seed with that error.
+        seed: u64,
+    },
+}
+
+/// Steps of learning from one seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Seed of the start.
+    pub seed: u64,
+    /// Energy E of the start, with solved coefficients.
+    pub start: f64,
+    /// Steps in order.
+    pub steps: Vec<Step>,
+    /// Number of evaluations of E, including the start.
+    pub evaluations: usize,
+    /// Reason for the end.
+    pub stop: Stop,
+}
+
+/// Step of a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Energy E after the step.
+    pub energy: f64,
+    /// Whether the step was accepted. A refused step of a gradient flow halves ω.
+    pub accepted: bool,
+}
+
+/// Reason why learning stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// All evaluations are used.
+    Budget,
+    /// The last steps hardly lowered the energy.
+    Settled,
+    /// No step along the gradient lowers the energy.
+    NoDescent,
+}
+
+impl Trace {
+    /// Returns the number of accepted steps.
+    pub fn accepted(&self) -> usize {
+        self.steps.iter().filter(|step| step.accepted).count()
+    }
 }

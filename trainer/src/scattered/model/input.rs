@@ -1,66 +1,66 @@
-//! Inputs of a function: numbers as they are given, and the features that distances are measured in.
+//! Inputs of a function: the numbers that a user gives, and the features in which distances are measured.
 
 use crate::regression::rotations::{Feature, RotationError, Xyzw, from_euler};
 use sinew_runtime::kernel::EulerOrder;
 
-/// A named input.
+/// Named input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// Its name.
+    /// Name of the input.
     pub name: String,
-    /// What it is.
+    /// Kind of the input.
     pub kind: InputKind,
-    /// How much it counts in distances.
+    /// Factor of the input's distances.
     pub weight: f64,
 }
 
-/// What an input is.
+/// Kind of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InputKind {
-    /// A number.
+    /// One number.
     Scalar,
     /// Three numbers of one unit.
     Vector3,
-    /// A rotation.
+    /// Rotation.
     Rotation {
-        /// What the function is given of it.
+        /// Feature that the function uses.
         feature: Feature,
-        /// The order of its angles in degrees, where it is given so; else it is a quaternion, x, y, z, w.
+        /// Order of its Euler angles, in degrees; `None` for a quaternion x, y, z, w.
         order: Option<EulerOrder>,
     },
 }
 
-/// Numbers that a function cannot be evaluated at.
+/// Errors of a query's numbers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EvaluationError {
-    /// There are too few or too many.
+    /// The number of values is wrong.
     #[error("expected {expected} numbers, found {found}")]
     Length {
-        /// As many as all inputs have.
+        /// Number of values of all inputs.
         expected: usize,
-        /// As many as there are.
+        /// Number of values given.
         found: usize,
     },
     /// A number is not finite.
     #[error("number {number} (input \"{input}\") is not finite")]
     NotFinite {
-        /// Its place.
+        /// Index of the number.
         number: usize,
-        /// The input's name.
+        /// Name of the input.
         input: String,
     },
-    /// A rotation is none.
+    /// A quaternion is no rotation.
     #[error("input \"{input}\": {error}")]
     Rotation {
-        /// The input's name.
+        /// Name of the input.
         input: String,
-        /// Why.
+        /// Reason.
         error: RotationError,
     },
 }
 
 impl InputKind {
-    /// Returns how many numbers it is given as.
+    /// Returns the number of values that a user gives.
     pub const fn given_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -69,7 +69,7 @@ impl InputKind {
         }
     }
 
-    /// Returns how many numbers a file's function takes for it: a rotation is a quaternion there.
+    /// Returns the number of values in a file's function: a rotation is a quaternion there.
     pub const fn number_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -78,7 +78,7 @@ impl InputKind {
         }
     }
 
-    /// Returns how many features it has.
+    /// Returns the number of features.
     pub fn feature_len(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -87,7 +87,7 @@ impl InputKind {
         }
     }
 
-    /// Turns what is given to what a file's function takes.
+    /// Converts the given values into the values of a file's function.
     fn numbers(self, given: &[f64]) -> Vec<f64> {
         match (self, given) {
             (Self::Rotation { order: Some(order), .. }, &[x, y, z]) => {
@@ -97,7 +97,7 @@ impl InputKind {
         }
     }
 
-    /// Computes its features.
+    /// Computes the features.
     fn features(self, numbers: &[f64]) -> Result<Vec<f64>, RotationError> {
         match (self, numbers) {
             (Self::Rotation { feature, .. }, &[x, y, z, w]) => {
@@ -109,7 +109,7 @@ impl InputKind {
     }
 }
 
-/// Turns what is given of all inputs to the numbers that a file's function takes.
+/// Converts the given values of all inputs into the values of a file's function.
 ///
 /// # Errors
 /// [`EvaluationError::Length`] and [`EvaluationError::NotFinite`].
@@ -132,7 +132,7 @@ pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Evalua
     Ok(out)
 }
 
-/// Computes the features of all inputs from what is given of them.
+/// Computes the features of all inputs from the given values.
 ///
 /// # Errors
 /// [`EvaluationError`].

@@ -1,48 +1,48 @@
-//! Outputs of a function: what its values are made to.
+//! Outputs of a function, and their conversion from the values of a sum.
 
 use crate::regression::rotations::{RotationError, Xyzw, from_values, to_values};
 use sinew_runtime::kernel::Normalise;
 
-/// Least sum that outputs are divided by.
-pub(super) const LEAST_SUM: f64 = 1e-12;
+/// Least sum by which outputs are divided.
+const LEAST_SUM: f64 = 1e-12;
 
-/// A named output.
+/// Named output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// What it is.
+    /// Kind of the output.
     pub kind: OutputKind,
 }
 
-/// What an output is.
+/// Kind of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutputKind {
-    /// A number.
+    /// One number.
     Scalar {
-        /// The least that it is.
+        /// Least value.
         low: f64,
-        /// The most that it is.
+        /// Greatest value.
         high: f64,
-        /// Whether it is one of those whose sum is made 1.
+        /// Whether the output belongs to those that are divided by their sum.
         normalised: bool,
-        /// What it is where the function has faded.
+        /// Value where the function has faded.
         neutral: f64,
     },
     /// Three numbers of one unit.
     Vector3 {
-        /// What it is where the function has faded.
+        /// Value where the function has faded.
         neutral: [f64; 3],
     },
-    /// A quaternion, x, y, z, w.
+    /// Quaternion x, y, z, w.
     Rotation {
-        /// What it is where the function has faded, and about which it blends; of length 1.
+        /// Rotation where the function has faded, of length 1. Rotations blend about it.
         neutral: Xyzw,
     },
 }
 
 impl OutputKind {
-    /// Returns how many values of the function it takes.
+    /// Returns the number of the function's values that the output uses.
     pub const fn value_len(self) -> usize {
         match self {
             Self::Scalar { .. } => 1,
@@ -50,7 +50,7 @@ impl OutputKind {
         }
     }
 
-    /// Returns how many numbers it is.
+    /// Returns the number of values of the output.
     pub const fn number_len(self) -> usize {
         match self {
             Self::Scalar { .. } => 1,
@@ -59,10 +59,10 @@ impl OutputKind {
         }
     }
 
-    /// Turns a sample's numbers to values of the function.
+    /// Converts a sample's numbers into values of the function.
     ///
     /// # Errors
-    /// If a rotation is none.
+    /// If a quaternion is no rotation.
     pub fn to_values(self, numbers: &[f64]) -> Result<Vec<f64>, RotationError> {
         match (self, numbers) {
             (Self::Rotation { neutral }, &[x, y, z, w]) => {
@@ -81,7 +81,7 @@ impl OutputKind {
         }
     }
 
-    /// Turns values to numbers.
+    /// Converts values of the function into numbers of the output.
     fn numbers(self, values: &[f64]) -> Result<Vec<f64>, RotationError> {
         match (self, values) {
             (Self::Scalar { low, high, .. }, &[value]) => Ok(vec![value.max(low).min(high)]),
@@ -93,11 +93,11 @@ impl OutputKind {
     }
 }
 
-/// Makes the numbers of all outputs of a function's values.
+/// Computes the numbers of all outputs from a function's values.
 ///
 /// # Errors
-/// If a neutral rotation is none.
-pub(super) fn finish(
+/// If a neutral quaternion is no rotation.
+pub(super) fn output_numbers(
     outputs: &[Output],
     normalise: Normalise,
     values: &[f64],

@@ -1,41 +1,40 @@
-//! A problem as CSV: a line of names, then a sample a line.
+//! Problems as CSV: a line of names, then a line per sample.
 //!
-//! Columns `a.x, a.y, a.z` are one vector, `a.x, a.y, a.z, a.w` one quaternion, and `a.rx, a.ry, a.rz` one
+//! Columns `a.x, a.y, a.z` are one vector, and `a.x, a.y, a.z, a.w` one quaternion. Columns `a.rx, a.ry, a.rz` are one
 //! rotation by angles in degrees about x, then y, then z.
 
-use super::definition::Problem;
+use super::definition::{Problem, ProblemOptions};
 use super::error::ProblemError;
-use super::kinds::free_scalar;
-use super::options::ProblemOptions;
+use super::json::free_scalar;
 use crate::formats::csv;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{Input, InputKind, Output, OutputKind};
 use sinew_runtime::kernel::EulerOrder;
 
-/// A table of numbers with named columns.
+/// Table of numbers with named columns.
 pub(super) struct Table {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
-    /// Line of each row.
+    /// Line number of each row.
     lines: Vec<u64>,
 }
 
-/// Columns that are one input or output.
+/// Columns that form one input or output.
 struct Group {
     name: String,
     parts: &'static [&'static str],
     columns: Vec<usize>,
 }
 
-/// The endings of columns that belong together, the longest first.
+/// Name endings of columns that belong together, the longest list first.
 const PARTS: [&[&str]; 3] =
     [&[".x", ".y", ".z", ".w"], &[".x", ".y", ".z"], &[".rx", ".ry", ".rz"]];
 
 impl Table {
-    /// Reads a table; columns without a name and without a cell are left out.
+    /// Reads a table. Columns without a name and without cells are ignored.
     ///
     /// # Errors
-    /// [`ProblemError::Format`] of a CSV, by line, and [`ProblemError::Unnamed`].
+    /// [`ProblemError::Format`] of a CSV, with its line, and [`ProblemError::Unnamed`].
     pub(super) fn parse(text: &[u8]) -> Result<Self, ProblemError> {
         let table = csv::Table::parse(text)?;
         let name = |column: usize| table.names[column].as_str();
@@ -58,7 +57,7 @@ impl Table {
     /// Returns the columns of inputs, in their order.
     ///
     /// # Errors
-    /// [`ProblemError::Column`] where one is not there.
+    /// [`ProblemError::Column`] if a column does not exist.
     pub(super) fn columns(&self, names: &[String]) -> Result<Vec<Vec<f64>>, ProblemError> {
         let place = |name: &String| {
             let found =
@@ -88,10 +87,12 @@ impl Table {
         groups
     }
 
-    /// Makes a problem of it: the outputs are those named, by default the last one, the inputs all others.
+    /// Makes a problem of the table.
+    ///
+    /// - `outputs`: names of the outputs; empty for the last column. All other columns are inputs.
     ///
     /// # Errors
-    /// [`ProblemError::Column`], and those of rows.
+    /// [`ProblemError::Column`], and the errors of [`Problem::check`].
     pub(super) fn problem(&self, name: &str, outputs: &[String]) -> Result<Problem, ProblemError> {
         let groups = self.groups();
         if let Some(name) = outputs.iter().find(|name| groups.iter().all(|g| g.name != **name)) {
@@ -152,7 +153,7 @@ impl Group {
     }
 }
 
-/// Names the columns in which an input is given.
+/// Lists the names of an input's columns.
 pub(super) fn column_names(input: &Input) -> Vec<String> {
     let parts: &[&str] = match input.kind {
         InputKind::Scalar => &[""],

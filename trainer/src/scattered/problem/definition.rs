@@ -1,31 +1,35 @@
-//! Samples of a function, and what they are fitted with.
+//! Samples of a function, and the options of their fit as a person writes them.
 
 use super::error::ProblemError;
-use super::options::ProblemOptions;
+use crate::scattered::deviation::F32_ERROR;
+use crate::scattered::hyper;
 use crate::scattered::model::{Input, InputKind, Output};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
+use serde_json::Value;
+use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// Samples of a function from named inputs to named outputs.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The function's name.
+    /// Name of the function.
     pub name: String,
-    /// Its inputs.
+    /// Inputs of the function.
     pub inputs: Vec<Input>,
-    /// Its outputs.
+    /// Outputs of the function.
     pub outputs: Vec<Output>,
-    /// What is given of all inputs, a row a sample.
+    /// Given numbers of all inputs, a row a sample.
     pub sites: Vec<Vec<f64>>,
-    /// Numbers of all outputs, likewise.
+    /// Numbers of all outputs, a row a sample.
     pub values: Vec<Vec<f64>>,
-    /// Lines of a CSV that the samples are in; none of other files.
+    /// CSV lines of the samples; empty for other files.
     pub lines: Vec<u64>,
-    /// What they are fitted with.
+    /// Options of the fit.
     pub options: ProblemOptions,
 }
 
 impl Problem {
-    /// Checks that rows are there, as many of values as of sites, and each as long as inputs and outputs
-    /// are.
+    /// Checks the rows: there are as many values as sites, and each row has as many numbers as its inputs or outputs.
     ///
     /// # Errors
     /// [`ProblemError::Empty`], [`ProblemError::Rows`], [`ProblemError::Row`] and [`ProblemError::Twice`], in this
@@ -58,12 +62,12 @@ impl Problem {
         Ok(self)
     }
 
-    /// Names the row of a sample: a line of a CSV, else the row, from 0.
+    /// Names the row of a sample: a line of a CSV, otherwise the row, from 0.
     pub fn row(&self, row: usize) -> String {
         self.lines.get(row).map_or_else(|| format!("row {row}"), |line| format!("line {line}"))
     }
 
-    /// Names two of them.
+    /// Names the rows of two samples.
     pub fn rows(&self, first: usize, second: usize) -> String {
         match (self.lines.get(first), self.lines.get(second)) {
             (Some(first), Some(second)) => format!("lines {first} and {second}"),
@@ -77,10 +81,208 @@ impl Problem {
         if self.lines.is_empty() { format!("{row} of {of}") } else { row }
     }
 
-    /// Lists the inputs that are given as Euler angles.
+    /// Lists the inputs that are Euler angles.
     pub fn euler_inputs(&self) -> Vec<&str> {
         let is_euler =
             |input: &&Input| matches!(input.kind, InputKind::Rotation { order: Some(_), .. });
         self.inputs.iter().filter(is_euler).map(|input| input.name.as_str()).collect()
     }
+}
+
+/// Options of a fit. Omitted options are chosen by leaving samples out, or have the default named here.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "options by name")]
+pub struct ProblemOptions {
+    /// Rules of the fit.
+    pub mode: Mode,
+    /// Name of the kernel; default: gaussian.
+    pub kernel: Option<String>,
+    /// Reciprocal of the width, in mean distances of the samples; unscaled in the other modes. A learned metric starts
+    /// from it.
+    pub epsilon: Option<f64>,
+    /// Smoothing λ; default: 0, which interpolates.
+    pub smoothing: Option<Smoothing>,
+    /// Largest deviation of the file, over a value's range; default: [`F32_ERROR`].
+    pub f32_error: f64,
+    /// Degree of the polynomial, -1 for none; default: the least degree that the kernel allows.
+    pub degree: Option<i32>,
+    /// For SciPy's mode: number of nearest samples that determine the function at a query.
+    pub neighbors: Option<usize>,
+    /// Number of centres; default: every sample is a centre.
+    pub centres: Option<usize>,
+    /// Options for learning centres and metric.
+    pub learn: Option<Learn>,
+    /// Replaces the values by weights of the samples: an output per sample, 1 at the sample and 0 at the others.
+    pub weights: bool,
+    /// Averages samples of one site with different values.
+    pub average: bool,
+    /// Group number of each sample. Samples of a group are left out together.
+    pub groups: Option<Vec<usize>>,
+    /// Row of the neutral sample; default: the first.
+    pub neutral: usize,
+    /// Rule for queries far from the samples.
+    #[serde(deserialize_with = "query_rule")]
+    pub outside: QueryRule,
+    /// Rule by which marked outputs are divided by their sum.
+    #[serde(deserialize_with = "normalise")]
+    pub normalise: Option<Normalise>,
+    /// For S2's mode: radius; default: 1.
+    pub radius: Option<f64>,
+    /// For S2's mode: divides columns of sites by their lengths.
+    pub normalise_features: bool,
+}
+
+/// Smoothing λ, as a person writes it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub enum Smoothing {
+    /// One λ for all samples.
+    Given(f64),
+    /// λ of each row.
+    Each(Vec<f64>),
+    /// The λ that predicts left-out samples best.
+    Chosen,
+}
+
+impl TryFrom<Value> for Smoothing {
+    type Error = String;
+
+    /// Reads a number, numbers or `auto`.
+    fn try_from(value: Value) -> Result<Self, String> {
+        let numbers = |all: &[Value]| all.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+        let read = match &value {
+            Value::Number(number) => number.as_f64().map(Self::Given),
+            Value::Array(all) => numbers(all).map(Self::Each),
+            Value::String(word) if word == "auto" => Some(Self::Chosen),
+            _ => None,
+        };
+        read.ok_or_else(|| {
+            format!("expected a number, a list of numbers (one a sample) or auto, found {value}")
+        })
+    }
+}
+
+/// Rules of a fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Rules of METHOD §2.
+    #[default]
+    Sinew,
+    /// Rules of SciPy's `RBFInterpolator`.
+    Scipy,
+    /// Rules of S2, as its post publishes them.
+    Published,
+}
+
+/// Options for learning centres and metric.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "options of `learn` by name")]
+pub struct Learn {
+    /// Method of learning.
+    pub method: LearnMethod,
+    /// Number of centres; default: 12, or fewer if there are fewer samples.
+    pub centres: Option<usize>,
+    /// Learned part of the metric.
+    pub metric: LearnMetric,
+    /// Number of rows of a low-rank metric.
+    pub rank: Option<usize>,
+    /// Number of starts.
+    pub seeds: u64,
+    /// Largest number of energy evaluations per start.
+    pub evaluations: usize,
+    /// Ridge λ of the coefficients.
+    pub ridge: f64,
+}
+
+/// Method of learning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LearnMethod {
+    /// Solves for the coefficients exactly, and for the rest by L-BFGS.
+    #[default]
+    Projection,
+    /// Follows S1's dynamical system.
+    Flow,
+    /// Makes S1's random changes, with a falling temperature.
+    Metropolis,
+}
+
+/// Learned part of a metric.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LearnMetric {
+    /// No entry.
+    Fixed,
+    /// A weight per input.
+    #[default]
+    Diagonal,
+    /// Every entry.
+    Full,
+}
+
+impl Default for ProblemOptions {
+    fn default() -> Self {
+        Self {
+            mode: Mode::default(),
+            kernel: None,
+            epsilon: None,
+            smoothing: None,
+            f32_error: F32_ERROR,
+            degree: None,
+            neighbors: None,
+            centres: None,
+            learn: None,
+            weights: false,
+            average: false,
+            groups: None,
+            neutral: 0,
+            outside: QueryRule::Free,
+            normalise: None,
+            radius: None,
+            normalise_features: false,
+        }
+    }
+}
+
+impl Default for Learn {
+    fn default() -> Self {
+        Self {
+            method: LearnMethod::default(),
+            centres: None,
+            metric: LearnMetric::default(),
+            rank: None,
+            seeds: 4,
+            evaluations: 1000,
+            ridge: 1e-9,
+        }
+    }
+}
+
+impl LearnMethod {
+    /// Returns the method with its parameters.
+    pub fn method(self) -> hyper::Method {
+        match self {
+            Self::Projection => hyper::Method::VariableProjection,
+            Self::Flow => hyper::Method::GradientFlow { step: 1e-2 },
+            Self::Metropolis => hyper::Method::Metropolis { reach: 0.1, temperatures: [1e-3, 0.0] },
+        }
+    }
+}
+
+fn query_rule<'de, D: Deserializer<'de>>(from: D) -> Result<QueryRule, D::Error> {
+    let name = String::deserialize(from)?;
+    let found = QueryRule::ALL.into_iter().find(|rule| rule.name() == name);
+    found.ok_or_else(|| D::Error::custom(expected(QueryRule::ALL.map(QueryRule::name), &name)))
+}
+
+fn normalise<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Normalise>, D::Error> {
+    let name = String::deserialize(from)?;
+    let found = Normalise::ALL.into_iter().find(|rule| rule.name() == name);
+    let unknown = || D::Error::custom(expected(Normalise::ALL.map(Normalise::name), &name));
+    found.map(Some).ok_or_else(unknown)
+}
+
+fn expected<const N: usize>(names: [&str; N], found: &str) -> String {
+    format!("expected one of {}, found \"{found}\"", names.join(", "))
 }

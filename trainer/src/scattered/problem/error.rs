@@ -1,44 +1,44 @@
-//! Why a problem cannot be read.
+//! Errors of reading a problem.
 
 use crate::formats::{CsvError, FormatError, JsonError};
 
-/// A problem that cannot be read; rows count from 0.
+/// Reasons why a problem cannot be read; rows count from 0.
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemError {
-    /// The file cannot be read, or is no such file.
+    /// The file cannot be read, or has another format.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// It is no JSON of this shape.
+    /// The text is not JSON of this form.
     #[error(transparent)]
     Json(#[from] JsonError),
-    /// A column of a CSV has cells and no name.
+    /// A column of a CSV has cells but no name.
     #[error("line 1: column {column} has no name: give it one, or take the column away")]
     Unnamed {
-        /// The column, from 1.
+        /// Number of the column, from 1.
         column: usize,
     },
-    /// `--outputs` was given with a file other than CSV.
+    /// `--outputs` was given for a file other than CSV.
     #[error(
         "--outputs names columns of a CSV: a .json has its own `outputs`, a .npz has its `values`"
     )]
     Outputs,
-    /// Two inputs, or two outputs, have one name.
+    /// Two inputs, or two outputs, have the same name.
     #[error("two {what} are named \"{name}\"")]
     Twice {
         /// Inputs or outputs.
         what: &'static str,
-        /// The name.
+        /// The common name.
         name: String,
     },
     /// There are no samples.
     #[error("there are no samples")]
     Empty,
-    /// Sites and values are not as many.
+    /// The numbers of sites and values differ.
     #[error("expected a row of values for each of {sites} sites, found {values}")]
     Rows {
-        /// Rows of the sites.
+        /// Number of sites.
         sites: usize,
-        /// Rows of the values.
+        /// Number of rows of values.
         values: usize,
     },
     /// There are no rows.
@@ -46,70 +46,70 @@ pub enum ProblemError {
     NoRows {
         /// Sites, values or queries.
         what: &'static str,
-        /// What there is.
+        /// Text that was found.
         found: String,
     },
-    /// A row is none of numbers, or unlike the first.
+    /// A row does not consist of numbers, or differs in form from the first row.
     #[error("row {row} of {what}: expected {expected}, found {found}")]
     Entry {
         /// Sites, values or queries.
         what: &'static str,
-        /// Which row.
+        /// Index of the row.
         row: usize,
-        /// What it should be.
+        /// Expected form.
         expected: &'static str,
-        /// What it is.
+        /// Text that was found.
         found: String,
     },
-    /// A row is too short or too long.
+    /// A row has too few or too many numbers.
     #[error("row {row} of {what}: expected {expected} numbers, found {found}")]
     Row {
         /// Sites or values.
         what: &'static str,
-        /// Which row.
+        /// Index of the row.
         row: usize,
-        /// As many as inputs or outputs have.
+        /// Number of values of all inputs or outputs.
         expected: usize,
-        /// As many as there are.
+        /// Number of values in the row.
         found: usize,
     },
-    /// A kind is unknown.
+    /// The kind is unknown.
     #[error("{what} \"{name}\": expected {expected}, found \"{found}\"")]
     Kind {
         /// Input or output.
         what: &'static str,
-        /// Its name.
+        /// Name of the input or output.
         name: String,
-        /// What there is.
+        /// Known kinds.
         expected: &'static str,
-        /// What was written.
+        /// Kind that was written.
         found: String,
     },
-    /// An input needs an axis that it has not, or has one that it does not need, or of no length.
+    /// An input has no axis and needs one, has an axis and needs none, or has an axis of length 0.
     #[error("input \"{name}\": {what}")]
     Axis {
-        /// Its name.
+        /// Name of the input.
         name: String,
-        /// What is wrong.
+        /// Description of the error.
         what: &'static str,
     },
-    /// An output's bounds are the wrong way round, or belong to no number.
+    /// An output's bounds are reversed, or the output is not a number.
     #[error("output \"{name}\": {what}")]
     Bounds {
-        /// Its name.
+        /// Name of the output.
         name: String,
-        /// What is wrong.
+        /// Description of the error.
         what: &'static str,
     },
-    /// A column that was asked for is not there.
+    /// The named column does not exist.
     #[error("there is no column \"{name}\"; there are {found}")]
     Column {
-        /// Its name.
+        /// Name of the column.
         name: String,
-        /// Those that there are.
+        /// Names of the existing columns.
         found: String,
     },
-    /// No fit can be made so.
+    /// The options allow no fit.
     #[error("{0}")]
     Options(String),
 }

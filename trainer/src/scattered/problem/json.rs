@@ -1,12 +1,13 @@
-//! A problem as JSON.
+//! Problems as JSON, with the kinds of inputs and outputs as a person writes them.
 
-use super::definition::Problem;
+use super::definition::{Problem, ProblemOptions};
 use super::error::ProblemError;
-use super::kinds::{WrittenInput, WrittenOutput, scalar_inputs, scalar_outputs};
-use super::options::ProblemOptions;
 use crate::formats::json;
+use crate::regression::rotations::Feature;
+use crate::scattered::model::{Input, InputKind, Output, OutputKind};
 use serde::Deserialize;
 use serde_json::Value;
+use sinew_runtime::kernel::EulerOrder;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with `sites` and `values`")]
@@ -20,12 +21,12 @@ struct Written {
     options: ProblemOptions,
 }
 
-/// Most characters of a wrong value that an error shows.
+/// Largest number of characters of a wrong value that an error shows.
 const SHOWN: usize = 40;
 
-/// Reads rows of numbers, or a column of them; all rows of one kind.
+/// Reads rows of numbers, or a column of numbers. All rows have the form of the first.
 ///
-/// - `what`: the name of the rows, for errors.
+/// - `what`: name of the rows, for errors.
 ///
 /// # Errors
 /// [`ProblemError::NoRows`] and [`ProblemError::Entry`].
@@ -49,7 +50,7 @@ pub(in crate::scattered) fn rows(
     all.iter().enumerate().map(row).collect()
 }
 
-/// Writes a wrong value, its beginning if it is long.
+/// Formats a wrong value, shortened if it is long.
 fn shown(found: &Value) -> String {
     let text = found.to_string();
     match text.char_indices().nth(SHOWN) {
@@ -83,7 +84,7 @@ pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> 
     Problem { name, inputs, outputs, sites, values, lines: Vec::new(), options }.check()
 }
 
-/// Makes values of n samples that are 1 at their own and 0 at the others.
+/// Makes the values of n weights: 1 at the sample of the weight and 0 at the others.
 fn weights(n: usize) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|k| f64::from(u8::from(i == k))).collect()).collect()
 }
@@ -91,8 +92,166 @@ fn weights(n: usize) -> Vec<Vec<f64>> {
 /// Reads queries: `{"queries": [[...]]}`, or the rows alone.
 ///
 /// # Errors
-/// [`ProblemError::Json`], and those of [`rows`].
+/// [`ProblemError::Json`], and the errors of [`rows`].
 pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, ProblemError> {
     let all: Value = json::read(text)?;
     rows("queries", all.get("queries").unwrap_or(&all))
+}
+
+/// Orders of Euler angles, by name.
+const ORDERS: [(&str, EulerOrder); 6] = [
+    ("XYZ", EulerOrder::Xyz),
+    ("XZY", EulerOrder::Xzy),
+    ("YXZ", EulerOrder::Yxz),
+    ("YZX", EulerOrder::Yzx),
+    ("ZXY", EulerOrder::Zxy),
+    ("ZYX", EulerOrder::Zyx),
+];
+/// Kinds of inputs.
+const INPUTS: &str = "scalar, vector3, quaternion, rows, swing, twist, angle or euler XYZ (any order), \
+                      and \"swing euler XYZ\" likewise";
+/// Kinds of outputs.
+const OUTPUTS: &str = "scalar, vector3 or quaternion";
+
+/// Input, as a person writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an input, as {\"name\": \"x\"}")]
+pub(super) struct WrittenInput {
+    name: String,
+    #[serde(default = "scalar")]
+    kind: String,
+    #[serde(default = "one")]
+    weight: f64,
+    axis: Option<[f64; 3]>,
+}
+
+/// Output, as a person writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an output, as {\"name\": \"y\"}")]
+pub(super) struct WrittenOutput {
+    name: String,
+    #[serde(default = "scalar")]
+    kind: String,
+    clamp: Option<[Option<f64>; 2]>,
+    #[serde(default)]
+    normalise: bool,
+}
+
+fn scalar() -> String {
+    "scalar".to_owned()
+}
+
+const fn one() -> f64 {
+    1.0
+}
+
+impl WrittenInput {
+    /// Reads the kind of the input.
+    ///
+    /// # Errors
+    /// [`ProblemError::Kind`] and [`ProblemError::Axis`].
+    pub(super) fn input(&self) -> Result<Input, ProblemError> {
+        let Self { name, kind: written, weight, axis } = self;
+        let words: Vec<&str> = written.split_whitespace().collect();
+        let order = |word: &str| {
+            ORDERS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, order)| *order)
+        };
+        let (feature, order) = match words[..] {
+            ["scalar"] | ["vector3"] => (None, None),
+            ["euler", word] => (Some("quaternion"), order(word)),
+            [feature, "euler", word] => (Some(feature), order(word)),
+            [feature] => (Some(feature), None),
+            _ => (Some(""), None),
+        };
+        let unknown = || ProblemError::Kind {
+            what: "input",
+            name: name.clone(),
+            expected: INPUTS,
+            found: written.clone(),
+        };
+        if words.contains(&"euler") && order.is_none() {
+            return Err(unknown());
+        }
+        let about = || {
+            let axis = axis.ok_or("its axis is missing")?;
+            let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let axis = axis.map(|x| x / length);
+            if axis.iter().all(|x| x.is_finite()) {
+                Ok(axis)
+            } else {
+                Err("its axis has no length")
+            }
+        };
+        let about = || about().map_err(|what| ProblemError::Axis { name: name.clone(), what });
+        let feature = match feature {
+            None => None,
+            Some("quaternion") => Some(Feature::Matrix),
+            Some("rows") => Some(Feature::TwoRows),
+            Some("swing") => Some(Feature::Swing(about()?)),
+            Some("twist") => Some(Feature::Twist(about()?)),
+            Some("angle") => Some(Feature::TwistAngle(about()?)),
+            Some(_) => return Err(unknown()),
+        };
+        let has_axis = !matches!(feature, None | Some(Feature::Matrix | Feature::TwoRows));
+        if axis.is_some() && !has_axis {
+            let what = "it has an axis, which only swing, twist and angle have";
+            return Err(ProblemError::Axis { name: name.clone(), what });
+        }
+        let kind = match feature {
+            Some(feature) => InputKind::Rotation { feature, order },
+            None if written.trim() == "vector3" => InputKind::Vector3,
+            None => InputKind::Scalar,
+        };
+        Ok(Input { name: name.clone(), kind, weight: *weight })
+    }
+}
+
+impl WrittenOutput {
+    /// Reads the kind of the output. Its neutral value is 0, or the identity, until the neutral sample sets it.
+    ///
+    /// # Errors
+    /// [`ProblemError::Kind`] and [`ProblemError::Bounds`].
+    pub(super) fn output(&self) -> Result<Output, ProblemError> {
+        let Self { name, kind, clamp, normalise } = self;
+        let [low, high] = clamp.unwrap_or_default();
+        let [low, high] = [low.unwrap_or(f64::from(f32::MIN)), high.unwrap_or(f64::from(f32::MAX))];
+        let wrong = |what| Err(ProblemError::Bounds { name: name.clone(), what });
+        let kind = match kind.as_str() {
+            "scalar" if low <= high => {
+                OutputKind::Scalar { low, high, normalised: *normalise, neutral: 0.0 }
+            }
+            "scalar" => return wrong("its bounds are the wrong way round"),
+            "vector3" => OutputKind::Vector3 { neutral: [0.0; 3] },
+            "quaternion" => OutputKind::Rotation { neutral: [0.0, 0.0, 0.0, 1.0] },
+            found => {
+                return Err(ProblemError::Kind {
+                    what: "output",
+                    name: name.clone(),
+                    expected: OUTPUTS,
+                    found: found.to_owned(),
+                });
+            }
+        };
+        if kind.value_len() > 1 && (clamp.is_some() || *normalise) {
+            return wrong("only a scalar has bounds or a share of a sum");
+        }
+        Ok(Output { name: name.clone(), kind })
+    }
+}
+
+/// Makes scalar inputs with default names.
+pub(super) fn scalar_inputs(len: usize) -> Vec<Input> {
+    let input = |i| Input { name: format!("x{i}"), kind: InputKind::Scalar, weight: 1.0 };
+    (0..len).map(input).collect()
+}
+
+/// Makes scalar outputs with default names.
+pub(super) fn scalar_outputs(len: usize) -> Vec<Output> {
+    (0..len).map(|i| Output { name: format!("y{i}"), kind: free_scalar() }).collect()
+}
+
+/// Returns the kind of a scalar without bounds.
+pub(super) fn free_scalar() -> OutputKind {
+    let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
+    OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 }
 }

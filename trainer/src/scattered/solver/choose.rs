@@ -1,13 +1,11 @@
-//! Width and smoothing, chosen by leaving samples out (METHOD §2.2).
+//! Choice of width and smoothing, by leaving samples out (METHOD §2.2).
 
-use super::any::AnyFit;
 use super::error::KernelError;
-use super::invariance::is_scale_invariant;
-use super::matrix::gram;
+use super::fit::AnyFit;
+use super::matrix::{distances, gram};
 use super::options::Options;
-use super::samples::Samples;
-use super::spacing::Spacing;
-use crate::regression::function::Exact;
+use super::samples::{ONE_SITE, Samples};
+use crate::regression::function::{Exact, is_scale_invariant};
 use crate::scattered::deviation::{Probe, ROOM};
 use crate::scattered::sum::KernelSum;
 use rayon::prelude::*;
@@ -15,67 +13,72 @@ use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 use std::cell::OnceCell;
 
-/// The widest candidate of epsilon, the mean distance being 1; each next one is twice as large.
+/// Least candidate of epsilon, the widest kernel, in distances whose mean is 1. Each next candidate is twice as large.
 const WIDEST: f64 = 0.125;
-/// The narrowest that is tried of samples whose nearest neighbours are far apart.
+/// Largest candidate of epsilon, the narrowest kernel, unless neighbours are closer than its width.
 const NARROW: f64 = 8.0;
-/// How far apart samples may be on average, in widths, where no width that joins them can be evaluated.
+/// Largest mean distance of neighbours in widths, if no width that joins them can be evaluated.
 const APART: f64 = 8.0;
-/// Factor of epsilon from one of those widths to the next, 2^(1/4).
+/// Factor between these narrower candidates of epsilon, 2^(1/4).
 const STEP: f64 = 1.189_207_115_002_721;
 /// Candidates of the smoothing, in units of the kernel matrix's RMS entry.
 const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
-/// Halvings of the grid's steps, in logarithms, about the best candidate.
+/// Number of times that the grid's steps are halved, in logarithms, around the best candidate.
 const HALVINGS: usize = 4;
 
-/// What of the options is to be chosen; the rest stays what it is.
+/// Options to choose. All other options stay unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Freedom {
-    /// Epsilon, where it changes anything.
+    /// Chooses epsilon, if the kernel has a width.
     pub epsilon: bool,
-    /// The smoothing.
+    /// Chooses the smoothing.
     pub smoothing: bool,
 }
 
 impl Freedom {
-    /// Both are chosen.
+    /// Chooses both.
     pub const ALL: Self = Self { epsilon: true, smoothing: true };
 }
 
 /// Options that predict left-out samples best.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// The options.
+    /// Chosen options.
     pub options: Options,
-    /// Whether kernels do not reach the next sample, as no wider ones can be evaluated.
+    /// Whether the kernels do not reach the next sample, because no wider kernel can be evaluated.
     pub is_narrow: bool,
-    /// Every candidate, in the order in which they were tried.
+    /// All candidates, in the order of their trial.
     pub tried: Vec<Tried>,
 }
 
-/// A candidate.
+/// Candidate of the options.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tried {
-    /// What distances are multiplied by.
+    /// Factor of distances.
     pub epsilon: f64,
-    /// λ.
+    /// Smoothing λ.
     pub smoothing: f64,
-    /// RMS error of samples that are left out, of each value over its spread; none where the fit is
-    /// refused or samples cannot be left out.
+    /// RMS error of left-out samples, of each value over its spread; `None` if the fit is refused or samples cannot be
+    /// left out.
     pub error: Option<f64>,
 }
 
 impl Choice {
-    /// Tries epsilon and smoothing on a grid, then about the best at half the steps, four times; each
-    /// by the errors of groups of samples that are left out. Epsilon stays what it is where it changes
-    /// nothing, and stays as near as it can where no group can be left out. Kernels that do not reach the next
-    /// sample are left alone: where samples say little of each other their error is the least, and each sample
-    /// becomes a spike. With a `probe`, kernels whose file deviates too far are left alone too. Where none is left the
-    /// widest of the narrower kernels is taken, as long as samples are up to eight widths apart.
+    /// Tries epsilon and smoothing on a grid, then four times around the best candidate, with half the steps each time.
+    ///
+    /// A candidate's error comes from groups of samples that are left out. If epsilon changes nothing, it stays as
+    /// given. If no group can be left out, epsilon stays as near to the given value as possible.
+    ///
+    /// Kernels that do not reach the next sample are excluded. If samples say little about each other, these kernels
+    /// would have the least error, and each sample would become a spike. With a `probe`, kernels whose file deviates
+    /// too far are excluded too. If no kernel is left, the widest of the narrower kernels is chosen, as long as
+    /// neighbours are at most eight widths apart.
     ///
     /// # Errors
-    /// Those of [`Options::check`]; if no candidate can be fitted; if none has a file that is near enough; if
-    /// the smoothing is free and no candidate's fit can leave the groups out.
+    /// - Errors of [`Options::check`].
+    /// - If no candidate can be fitted.
+    /// - If every candidate's file deviates too far.
+    /// - If the smoothing is free and no candidate can leave the groups out.
     pub fn new(
         samples: &Samples,
         options: &Options,
@@ -90,13 +93,13 @@ impl Choice {
         let epsilons = if fixed { vec![options.epsilon] } else { epsilons(apart, joins) };
         let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
         let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples), probe };
-        let grid: Vec<Place> =
-            epsilons.iter().flat_map(|&epsilon| places(epsilon, &shares)).collect();
+        let grid: Vec<GridPoint> =
+            epsilons.iter().flat_map(|&epsilon| grid_points(epsilon, &shares)).collect();
         let mut all = judge.all(&grid);
         if !fixed
             && apart > 0.0
             && let Err(error) = judge.best(&all)
-            && error.is_of_width()
+            && error.is_caused_by_kernel()
         {
             let widest = epsilons.last().copied().unwrap_or(WIDEST);
             let found = judge.narrower(&mut all, &shares, [widest, APART / apart]);
@@ -107,14 +110,15 @@ impl Choice {
         }
         for halving in 1..=HALVINGS {
             let step = 0.5f64.powi(halving as i32);
-            // The grid's steps are a factor of 2 and of 100.
+            // The grid's steps are factors of 2 and of 100.
             let (wider, smoother) = (2f64.powf(step), 100f64.powf(step));
-            let Place { epsilon, share } = judge.best(&all)?.place;
+            let GridPoint { epsilon, share } = judge.best(&all)?.point;
             let epsilons = [epsilon / wider, epsilon * wider].into_iter().filter(joins);
-            let shares = [share / smoother, share * smoother].map(|share| Place { epsilon, share });
+            let shares =
+                [share / smoother, share * smoother].map(|share| GridPoint { epsilon, share });
             let mut near = Vec::new();
-            near.extend(epsilons.filter(|_| !fixed).map(|epsilon| Place { epsilon, share }));
-            near.extend(shares.into_iter().filter(|place| place.share > 0.0));
+            near.extend(epsilons.filter(|_| !fixed).map(|epsilon| GridPoint { epsilon, share }));
+            near.extend(shares.into_iter().filter(|point| point.share > 0.0));
             all.extend(judge.all(&near));
         }
         let Tried { epsilon, smoothing, .. } = judge.best(&all)?.tried;
@@ -127,54 +131,57 @@ impl Choice {
     }
 }
 
-/// Lists the epsilons that are tried first: by factors of 2 up to the spacing of samples, `apart`.
+/// Lists the first candidates of epsilon: by factors of 2, up to the spacing of the samples.
+///
+/// - `apart`: mean distance between neighbours.
+/// - `joins`: whether the kernels of an epsilon reach the next sample.
 fn epsilons(apart: f64, joins: impl Fn(&f64) -> bool) -> Vec<f64> {
     let widest = std::iter::successors(Some(WIDEST), |epsilon| Some(0.5 * epsilon)).find(&joins);
     let all = std::iter::successors(widest, |epsilon| Some(2.0 * epsilon));
     all.take_while(|epsilon| *epsilon <= NARROW || epsilon * apart <= 1.0).filter(joins).collect()
 }
 
-/// Where a candidate is, its smoothing in units of the kernel matrix's RMS entry.
+/// Candidate's epsilon, and its smoothing in units of the kernel matrix's RMS entry.
 #[derive(Clone, Copy)]
-struct Place {
+struct GridPoint {
     epsilon: f64,
     share: f64,
 }
 
 struct Candidate {
-    place: Place,
+    point: GridPoint,
     tried: Tried,
-    /// The function, or why there is none.
+    /// Fitted function, or the reason why there is none.
     sum: Result<KernelSum, KernelError>,
-    /// Deviation of its file, over the limit.
+    /// Deviation of the function's file, over the limit.
     deviation: OnceCell<f64>,
 }
 
-/// What candidates are judged by.
+/// Samples and rules that give each candidate its error.
 struct Judge<'a> {
     samples: &'a Samples,
     options: &'a Options,
     freedom: Freedom,
     groups: &'a [Vec<usize>],
-    /// Of each value, m.
+    /// Spread of each value, m.
     spreads: Vec<f64>,
     probe: Option<&'a Probe>,
 }
 
 impl Judge<'_> {
-    fn all(&self, places: &[Place]) -> Vec<Candidate> {
-        places.par_iter().map(|&place| self.one(place)).collect()
+    fn all(&self, points: &[GridPoint]) -> Vec<Candidate> {
+        points.par_iter().map(|&point| self.one(point)).collect()
     }
 
-    fn one(&self, place: Place) -> Candidate {
-        let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(place.epsilon);
-        let unit = match place.share {
+    fn one(&self, point: GridPoint) -> Candidate {
+        let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(point.epsilon);
+        let unit = match point.share {
             0.0 => 0.0,
             _ => gram(self.options.kernel, &points).norm_l2() / points.nrows() as f64,
         };
-        // Where it is not chosen it is the one asked for; the share of it is then 0.
+        // A fixed smoothing is the given one, and its share is then 0.
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
-        let (epsilon, smoothing) = (place.epsilon, given + place.share * unit);
+        let (epsilon, smoothing) = (point.epsilon, given + point.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
         let fit = AnyFit::new(self.samples, &options);
         let squares =
@@ -185,31 +192,35 @@ impl Judge<'_> {
         });
         let tried = Tried { epsilon, smoothing, error };
         let sum = fit.map(|fit| fit.sum().clone());
-        Candidate { place, tried, sum, deviation: OnceCell::new() }
+        Candidate { point, tried, sum, deviation: OnceCell::new() }
     }
 
-    /// Finds the widest kernels that are sound, narrower than an epsilon that is not; none up to the `most`.
+    /// Finds the widest kernels with an acceptable fit.
+    ///
+    /// - `widest`: epsilon that is too wide.
+    /// - `most`: largest epsilon to try.
     fn narrower(
         &self,
         all: &mut Vec<Candidate>,
         shares: &[f64],
         [widest, most]: [f64; 2],
     ) -> Option<Tried> {
-        // By rounding, deviations do not fall evenly.
+        // Deviations do not fall evenly, because of rounding.
         let steps = std::iter::successors(Some(widest), |epsilon| Some(STEP * epsilon)).skip(1);
         steps.take_while(|epsilon| *epsilon <= most).find_map(|epsilon| {
-            let own = self.all(&places(epsilon, shares).collect::<Vec<_>>());
+            let own = self.all(&grid_points(epsilon, shares).collect::<Vec<_>>());
             let found = self.best(&own).ok().map(|best| best.tried);
             all.extend(own);
             found
         })
     }
 
-    /// Returns the candidate of least error whose file deviates little, the first of equals; where no error
-    /// is known, the one whose epsilon is nearest to the one asked for.
+    /// Returns the candidate with the least error whose file is within the limit; the first if errors are equal.
+    ///
+    /// If no error is known, this returns the candidate whose epsilon is nearest to the given one.
     ///
     /// # Errors
-    /// Those of [`Choice::new`].
+    /// Errors of [`Choice::new`].
     fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, KernelError> {
         let known = all.iter().any(|candidate| candidate.tried.error.is_some());
         let fitted = all.iter().any(|candidate| candidate.sum.is_ok());
@@ -250,12 +261,12 @@ impl Judge<'_> {
     }
 }
 
-/// Lists the places of an epsilon.
-fn places(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = Place> {
-    shares.iter().map(move |&share| Place { epsilon, share })
+/// Lists the candidates of an epsilon.
+fn grid_points(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = GridPoint> {
+    shares.iter().map(move |&share| GridPoint { epsilon, share })
 }
 
-/// Returns why no candidate was fitted: the error of the one whose system is conditioned best.
+/// Returns the error of the best-conditioned candidate, if no candidate was fitted.
 fn best_conditioned(all: &[Candidate]) -> KernelError {
     let rcond = |error: &&KernelError| match error {
         KernelError::IllConditioned { rcond, .. } => *rcond,
@@ -266,13 +277,13 @@ fn best_conditioned(all: &[Candidate]) -> KernelError {
     best.cloned().unwrap_or(KernelError::NoChoice)
 }
 
-/// Tells whether a kernel has not fallen below 1/e of its peak at a distance.
+/// Returns true if a kernel's value at a distance is at least 1/e of its peak.
 fn reaches(kernel: Kernel, distance: f64) -> bool {
     kernel.exact(distance * distance) >= kernel.exact(0.0) * (-1f64).exp()
         || kernel.exact(0.0) <= 0.0
 }
 
-/// Returns the standard deviation of each value, 1 of one that is constant.
+/// Returns the standard deviation of each value; 1 for a constant value.
 fn spreads(samples: &Samples) -> Vec<f64> {
     let spread = |o: usize| {
         let values: Vec<f64> = samples.values.col(o).iter().copied().collect();
@@ -282,4 +293,38 @@ fn spreads(samples: &Samples) -> Vec<f64> {
         if spread > 0.0 { spread } else { 1.0 }
     };
     (0..samples.values.ncols()).map(spread).collect()
+}
+
+/// Distances between nearest samples, over the mean distance of all.
+pub struct Spacing {
+    /// Mean distance from a sample to the nearest other site; 0 for a single site.
+    pub mean: f64,
+    /// Distance of the two nearest samples; infinite for a single sample.
+    pub least: f64,
+    /// Indices of the two nearest samples.
+    pub nearest: [usize; 2],
+}
+
+impl Spacing {
+    /// Measures the spacing of samples.
+    pub fn new(samples: &Samples) -> Self {
+        let points = samples.scaling.apply(&samples.sites);
+        let n = points.nrows();
+        let mut others = vec![f64::INFINITY; n];
+        let (mut least, mut nearest) = (f64::INFINITY, [0; 2]);
+        for from in 0..n {
+            for (at, distance) in (from..n).zip(distances(&points, from)).skip(1) {
+                if distance < least {
+                    (least, nearest) = (distance, [from, at]);
+                }
+                if distance >= ONE_SITE {
+                    others[from] = others[from].min(distance);
+                    others[at] = others[at].min(distance);
+                }
+            }
+        }
+        let known = others.iter().filter(|distance| distance.is_finite());
+        let mean = known.clone().sum::<f64>() / known.count().max(1) as f64;
+        Self { mean, least, nearest }
+    }
 }

@@ -1,60 +1,60 @@
-//! Why scattered data gave no function.
+//! Errors of a fit to scattered data.
 
-use super::condition::described;
-use super::invariance::is_scale_invariant;
+use super::system::described;
+use crate::regression::function::is_scale_invariant;
 use sinew_runtime::kernel::Kernel;
 
-/// Scattered data that no function was fitted to; rows and columns count from 0.
+/// Reasons why there is no fit; rows and columns count from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum KernelError {
     /// There are no samples, no inputs, or no values.
     #[error("there are no {what}")]
     Empty {
-        /// What there is none of.
+        /// Samples, inputs or values.
         what: &'static str,
     },
-    /// Sites and values are not as many.
+    /// The numbers of sites and values differ.
     #[error("expected a row of values for each of {sites} sites, found {values}")]
     Rows {
-        /// Rows of the sites.
+        /// Number of sites.
         sites: usize,
-        /// Rows of the values.
+        /// Number of rows of values.
         values: usize,
     },
     /// A number is infinite or not a number.
     #[error("{what} of row {row}, column {column} is not finite")]
     NotFinite {
-        /// A site or a value.
+        /// Site or value.
         what: &'static str,
-        /// Its row.
+        /// Row of the number.
         row: usize,
-        /// Its column.
+        /// Column of the number.
         column: usize,
     },
-    /// Blocks of inputs do not make up a site.
+    /// The blocks have more or fewer columns than the sites.
     #[error("blocks of inputs have {blocks} columns, sites {columns}")]
     Blocks {
-        /// Columns of all blocks.
+        /// Number of columns of all blocks.
         blocks: usize,
-        /// Columns of the sites.
+        /// Number of columns of the sites.
         columns: usize,
     },
-    /// A number that was asked for is out of its range.
+    /// An option is out of its range.
     #[error("{what} is {found}, expected {expected}")]
     Option {
-        /// Which one.
+        /// Name of the option.
         what: &'static str,
-        /// What it is.
+        /// Value of the option.
         found: f64,
-        /// What it may be.
+        /// Allowed values.
         expected: &'static str,
     },
-    /// Two samples at one place have different values.
+    /// Two samples of one site have different values.
     #[error("rows {first} and {second} have {} and different values", same_site(*distance))]
     Conflict {
-        /// The earlier row.
+        /// Row of the earlier sample.
         first: usize,
-        /// The later row.
+        /// Row of the later sample.
         second: usize,
         /// Distance of their sites, over the mean distance.
         distance: f64,
@@ -62,29 +62,29 @@ pub enum KernelError {
     /// No fit solves with the kernel.
     #[error("no fit solves with the kernel \"{}\": it is for imports", .0.name())]
     ImportOnly(Kernel),
-    /// The polynomials fall short of the kernel's order.
+    /// The degree of the polynomials is below the kernel's order.
     #[error(
         "the kernel \"{}\" needs polynomials of degree {least} or more{}",
         kernel.name(),
         asked.map_or(", found none".into(), |asked| format!(", found degree {asked}"))
     )]
     Degree {
-        /// The kernel.
+        /// Kernel of the fit.
         kernel: Kernel,
-        /// The degree asked for.
+        /// Degree in the options.
         asked: Option<usize>,
-        /// The least one.
+        /// Least degree of the kernel.
         least: usize,
     },
-    /// A centre is not a sample.
-    #[error("centre {centre} is not one of {samples} samples, or is there twice")]
+    /// A centre is not a sample, or occurs twice.
+    #[error("centre {centre} is not one of {samples} samples, or is given twice")]
     Centre {
-        /// The centre.
+        /// Index of the centre.
         centre: usize,
-        /// Samples after merging.
+        /// Number of samples after merging.
         samples: usize,
     },
-    /// Rounding decides what the function is.
+    /// Rounding errors would determine the function.
     #[error(
         "the fit is ill-conditioned ({}{}): smooth more, take a narrower kernel or fewer centres",
         described(*rcond),
@@ -97,23 +97,23 @@ pub enum KernelError {
     IllConditioned {
         /// Reciprocal condition of the system.
         rcond: f64,
-        /// By how much its equations are missed, over the range of the values; 0 of least squares.
+        /// Largest residual of the equations, over the range of the values; 0 for least squares.
         missed: f64,
     },
-    /// A file's numbers are too far from the function.
+    /// The deviation of a file from the function is too large.
     #[error(
         "in single precision the function is off by {deviation:.1e} of its values' range, more than \
          {limit:.1e}: {cause}, or allow it by --f32-error"
     )]
     Deviation {
-        /// The largest deviation that was measured, over the range.
+        /// Largest measured deviation, over the range.
         deviation: f64,
-        /// What is allowed.
+        /// Largest allowed deviation.
         limit: f64,
-        /// What it comes from.
+        /// Cause of the deviation.
         cause: DeviationCause,
     },
-    /// A smoothing is to be chosen, and no candidate can predict samples that it has not seen.
+    /// The smoothing is free, and no candidate can predict samples that it has not seen.
     #[error(
         "no smoothing can be chosen: it takes samples that the others predict, and there are too few (or too few \
          groups); give `smoothing` a number"
@@ -121,7 +121,7 @@ pub enum KernelError {
     NoChoice,
 }
 
-/// Says how near two sites are that count as one.
+/// Describes the distance of two sites that count as the same site.
 pub fn same_site(distance: f64) -> String {
     match distance > 0.0 {
         true => format!("sites that are {distance:.1e} of the mean distance apart"),
@@ -131,35 +131,35 @@ pub fn same_site(distance: f64) -> String {
 
 impl KernelError {
     /// Returns true if another width or another kernel may fit.
-    pub fn is_of_width(&self) -> bool {
+    pub fn is_caused_by_kernel(&self) -> bool {
         let of_kernel =
             matches!(self, Self::Deviation { cause: DeviationCause::Kernel { .. }, .. });
         of_kernel || matches!(self, Self::IllConditioned { .. })
     }
 }
 
-/// Cause of a file's deviation; written as its remedy.
+/// Cause of a file's deviation; its text is the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DeviationCause {
-    /// f32 rounds an input by more than the limit allows.
+    /// Rounding an input to f32 exceeds the limit.
     #[error(
         "take the offset off the input \"{name}\" (numbers up to {largest:.3e} do not fit single precision)"
     )]
     Input {
-        /// The input.
+        /// Name of the input.
         name: String,
-        /// Its largest number.
+        /// Largest number of the input.
         largest: f64,
     },
-    /// f32 rounds a value by more than the limit allows.
+    /// Rounding a value to f32 exceeds the limit.
     #[error(
         "take the offset off the values (numbers up to {largest:.3e} with a range of {range:.3e} do not fit \
          single precision)"
     )]
     Values {
-        /// The largest value.
+        /// Largest value.
         largest: f64,
-        /// Its range.
+        /// Range of the value.
         range: f64,
     },
     /// The kernels are too wide or too smooth.
@@ -172,9 +172,9 @@ pub enum DeviationCause {
         }
     )]
     Kernel {
-        /// The kernel.
+        /// Kernel of the fit.
         kernel: Kernel,
-        /// Options that do fit, where they are known.
+        /// Options that fit, if they are known.
         other: Option<String>,
     },
 }

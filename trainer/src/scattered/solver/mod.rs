@@ -1,35 +1,24 @@
-//! Scattered data into functions (METHOD §2): from samples anywhere to a [`KernelSum`](crate::scattered::sum::KernelSum).
+//! Solver of scattered data (METHOD §2): fits a [`KernelSum`](crate::scattered::sum::KernelSum) to samples anywhere.
 //!
-//! | file | what it does |
+//! | file | content |
 //! |---|---|
-//! | [`samples`], [`scaling`] | sites and values, checked and merged; how distances are measured |
-//! | [`options`] | what a fit is asked for |
-//! | [`matrix`], [`polynomial`] | kernels between points; a basis of polynomials at samples |
-//! | [`system`], [`condition`] | the saddle system, in a form that is definite; its condition |
-//! | [`solve`], [`fit`] | every sample a centre |
-//! | [`power`], [`fewer`] | fewer centres, by least squares |
-//! | [`any`] | either, as options ask |
-//! | [`leave_one_out`], [`choose`] | samples left out in closed form; width and smoothing by that |
-//! | [`variance`] | how unsure a function is between its samples |
-//! | [`report`] | what a fit says of itself |
+//! | [`samples`], [`scaling`] | sites and values, checked and merged; scales of distances |
+//! | [`options`], [`error`] | options of a fit; reasons why there is none |
+//! | [`matrix`], [`polynomial`] | kernels between points, greedy centres; a basis of polynomials at samples |
+//! | [`system`] | the saddle system in a definite form, its solution and its condition |
+//! | [`fit`] | every sample a centre, or fewer centres by least squares |
+//! | [`leave_one_out`] | samples left out in closed form; the variance between samples |
+//! | [`choose`] | width and smoothing with the least left-out error |
+//! | [`report`] | quality of a fit |
 
-pub mod any;
 pub mod choose;
-pub mod condition;
 pub mod error;
-pub mod fewer;
 pub mod fit;
-pub mod invariance;
 pub mod leave_one_out;
 pub mod matrix;
 pub mod options;
 pub mod polynomial;
-pub mod power;
-mod prepared;
 pub mod report;
 pub mod samples;
 pub mod scaling;
-pub mod solve;
-pub mod spacing;
 pub mod system;
-pub mod variance;

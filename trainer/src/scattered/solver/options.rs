@@ -1,41 +1,42 @@
-//! What scattered data is fitted with.
+//! Options of a fit.
 
 use super::error::KernelError;
 use super::polynomial::RANK_F64;
 use crate::regression::function::order;
 use sinew_runtime::kernel::Kernel;
 
-/// What samples are fitted with.
+/// Options of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// G.
+    /// Kernel G.
     pub kernel: Kernel,
-    /// What distances are multiplied by, of which the mean one is 1: one over the width.
+    /// Reciprocal of the width, in distances whose mean is 1.
     pub epsilon: f64,
-    /// λ, on the kernel matrix's diagonal; 0 interpolates.
+    /// Smoothing λ, on the kernel matrix's diagonal; 0 interpolates.
     pub smoothing: f64,
-    /// Degree of the polynomial; none without one.
+    /// Degree of the polynomial; `None` for no polynomial.
     pub degree: Option<usize>,
-    /// Most centres, by least squares; none, or as many as samples, makes every sample a centre.
+    /// Largest number of centres, for least squares. `None`, or the number of samples or more, makes every sample a
+    /// centre.
     pub centres: Option<usize>,
-    /// Share of a column below which a polynomial is rounding: [`RANK_F64`], or
-    /// [`super::polynomial::RANK_F32`] of sites that were f32.
+    /// Share of a column below which a polynomial is rounding: [`RANK_F64`], or [`super::polynomial::RANK_F32`] for
+    /// sites that were f32.
     pub rank: f64,
 }
 
 impl Options {
-    /// Interpolates: a width of the mean distance, the least polynomial that the kernel allows, a
-    /// constant at least.
+    /// Makes options that interpolate: a width of the mean distance, and the least polynomial that the kernel allows,
+    /// but at least a constant.
     pub fn new(kernel: Kernel) -> Self {
         let degree = Some(order(kernel).unwrap_or(0).saturating_sub(1));
         Self { kernel, epsilon: 1.0, smoothing: 0.0, degree, centres: None, rank: RANK_F64 }
     }
 
-    /// Refuses options that no fit can be made with.
+    /// Checks that a fit with these options is possible.
     ///
     /// # Errors
-    /// If no fit solves with the kernel, epsilon is not positive, the smoothing is negative, or the
-    /// polynomials fall short of the kernel's order.
+    /// If no fit solves with the kernel, epsilon is not positive, the smoothing is negative, or the degree is below the
+    /// kernel's order.
     pub fn check(&self) -> Result<(), KernelError> {
         let Self { kernel, epsilon, smoothing, degree, .. } = *self;
         let order = order(kernel).ok_or(KernelError::ImportOnly(kernel))?;
@@ -54,7 +55,7 @@ impl Options {
     }
 }
 
-/// Returns the Wendland kernel that is positive definite in so many inputs; none of too many.
+/// Returns the Wendland kernel that is positive definite in `inputs` dimensions; `None` if there are too many.
 pub fn wendland(inputs: usize) -> Option<Kernel> {
     Kernel::from_number(12, u8::try_from(inputs / 2 + 2).ok()?)
 }
@@ -64,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kernel_but_hats_has_options_that_serve() {
+    fn every_kernel_except_hats_has_valid_options() {
         for kernel in Kernel::ALL {
             let found = Options::new(kernel).check();
             let import_only = matches!(kernel, Kernel::Hat { .. });

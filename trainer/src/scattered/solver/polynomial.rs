@@ -1,43 +1,42 @@
-//! The polynomials of a fit: a basis of what monomials span at the samples (METHOD §2.2).
+//! Polynomials of a fit: a basis of the monomials' span at the samples (METHOD §2.2).
 
 use crate::scattered::sum::{Term, monomials, powers};
 use faer::Mat;
 
-/// Share of a column of unit length below which a pivot is rounding, where sites are f64.
+/// Share of a column of unit length below which a pivot is rounding, for f64 sites.
 pub const RANK_F64: f64 = 1e-10;
-/// The same where sites were f32 once.
+/// Share of a column of unit length below which a pivot is rounding, for sites that were f32.
 pub const RANK_F32: f64 = 1e-6;
 
-/// Polynomials of inputs u, as a basis of r of them.
+/// Polynomials of inputs u, as a basis of rank r.
 #[derive(Clone, Debug)]
 pub struct Polynomial {
-    /// The degree; none without polynomials.
+    /// Degree of the polynomials; `None` for no polynomials.
     pub degree: Option<usize>,
-    /// The monomials, T, ascending.
+    /// Monomials, T, ascending.
     pub terms: Vec<Term>,
     /// Coefficients of the basis on the monomials, T x r, orthonormal.
     pub basis: Mat<f64>,
-    /// The basis at the samples, n x r, of rank r.
+    /// Values of the basis at the samples, n x r, of rank r.
     pub values: Mat<f64>,
 }
 
-/// What polynomials are made of.
+/// Samples and inputs of polynomials.
 #[derive(Clone, Debug)]
 pub struct Space<'a> {
     /// Samples u, n x d.
     pub points: &'a Mat<f64>,
-    /// The inputs that monomials are made of, ascending.
+    /// Inputs of the monomials, ascending.
     pub inputs: &'a [usize],
     /// Share of a column below which a pivot is rounding: [`RANK_F64`] or [`RANK_F32`].
     pub tolerance: f64,
 }
 
 impl Space<'_> {
-    /// Makes the polynomials of a degree, or of the highest lower one whose basis the samples can
-    /// determine.
+    /// Makes the polynomials of a degree, or of the highest lower degree whose basis the samples can determine.
     ///
-    /// Samples on a plane or on a line keep their degree with a smaller basis; it is lowered only
-    /// where the space that they span has more polynomials than there are samples.
+    /// Samples on a plane or on a line keep their degree, with a smaller basis. The degree is lowered only if there are
+    /// fewer samples than polynomials on the span of the samples.
     pub fn determined(&self, degree: Option<usize>) -> Polynomial {
         let n = self.points.nrows();
         let affine = self.polynomial(Some(1)).rank();
@@ -86,11 +85,11 @@ impl Polynomial {
     }
 }
 
-/// Makes an orthonormal basis of the coefficients that values at samples (n x T) tell apart, T x r:
-/// the unit vectors where they tell all of them apart.
+/// Makes an orthonormal basis of the coefficients that values at samples (n x T) determine, T x r; the identity if they
+/// determine all coefficients.
 fn basis(at_samples: &Mat<f64>, tolerance: f64) -> Mat<f64> {
     let columns = at_samples.ncols();
-    // Units of inputs must not decide what is rounding.
+    // The inputs' units must not affect rounding.
     let unit = |norm: f64| if norm > 0.0 { 1.0 / norm } else { 0.0 };
     let units: Vec<f64> = at_samples.col_iter().map(|c| unit(c.norm_l2())).collect();
     let scaled = Mat::from_fn(at_samples.nrows(), columns, |i, t| at_samples[(i, t)] * units[t]);
@@ -123,8 +122,8 @@ mod tests {
         Mat::from_fn(n, d, |i, c| ((1 + i) as f64 * [0.618, 0.414, 0.732][c]).fract() - 0.5)
     }
 
-    /// How far values at the samples are from those of the basis.
-    fn missed(polynomial: &Polynomial, values: &Mat<f64>) -> f64 {
+    /// Returns the largest distance of values at the samples from the span of the basis.
+    fn largest_residual(polynomial: &Polynomial, values: &Mat<f64>) -> f64 {
         let q = polynomial.values.qr().compute_thin_Q();
         (values - &q * (q.transpose() * values)).norm_max()
     }
@@ -148,7 +147,7 @@ mod tests {
         assert_eq!((found.degree, found.terms.len(), found.rank()), (Some(1), 10, 3));
         let gram = found.basis.transpose() * &found.basis;
         assert!((gram - Mat::<f64>::identity(3, 3)).norm_max() < 1e-12);
-        assert!(missed(&found, &points) < 1e-12, "every entry is in its span");
+        assert!(largest_residual(&found, &points) < 1e-12, "every entry is in its span");
     }
 
     #[test]
@@ -157,7 +156,7 @@ mod tests {
         let found = of(&points, 2);
         assert_eq!((found.degree, found.rank()), (Some(2), 5));
         let square = Mat::from_fn(12, 1, |i, _| points[(i, 0)] * points[(i, 1)]);
-        assert!(missed(&found, &square) < 1e-12);
+        assert!(largest_residual(&found, &square) < 1e-12);
     }
 
     #[test]
@@ -175,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn single_precision_is_told_from_a_direction() {
+    fn f32_rounding_is_not_a_direction() {
         let points = Mat::from_fn(9, 2, |i, c| {
             i as f64 + if c == 1 { 1e-8 * (i as f64).sin() } else { 0.0 }
         });

@@ -1,7 +1,6 @@
-//! What a fit reports of itself.
+//! Report of a fit.
 
-use super::fewer::FewerFit;
-use super::fit::Fit;
+use super::fit::{AnyFit, FewerFit, Fit};
 use super::leave_one_out::LeaveOneOut;
 use super::options::Options;
 use super::samples::{Merged, Samples};
@@ -12,53 +11,61 @@ use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 
-/// What a fit was made of, how well it holds, and what an f32 evaluation may add.
+/// Options, quality and f32 error of a fit.
 #[derive(Clone, Debug, Serialize)]
 pub struct FitReport {
-    /// Samples, after merging.
+    /// Number of samples, after merging.
     pub samples: usize,
-    /// Columns of the sites.
+    /// Number of columns of the sites.
     pub inputs: usize,
-    /// Columns of the values.
+    /// Number of columns of the values.
     pub values: usize,
-    /// Rows that became part of an earlier one.
+    /// Rows that were merged into earlier rows.
     pub merged: Vec<Merged>,
-    /// Columns of the sites that hardly change, or weigh nothing, and do not count.
+    /// Columns of the sites that do not count, because they hardly change or have no weight.
     pub dropped: Vec<usize>,
-    /// G.
+    /// Kernel G.
     #[serde(serialize_with = "by_name")]
     pub kernel: Kernel,
-    /// What distances were multiplied by, of which the mean one is 1.
+    /// Factor of distances whose mean is 1.
     pub epsilon: f64,
-    /// λ of all samples; the largest where each has its own.
+    /// Smoothing λ of all samples; the largest λ if each sample has its own.
     pub smoothing: f64,
-    /// Centres.
+    /// Number of centres.
     pub centres: usize,
-    /// The degree that was asked for.
+    /// Degree in the options.
     pub degree_asked: Option<usize>,
-    /// The degree that was taken: lower where samples are too few.
+    /// Degree of the fit: lower if there are too few samples.
     pub degree: Option<usize>,
-    /// Monomials of it.
+    /// Number of monomials.
     pub terms: usize,
-    /// Those that the samples tell apart.
+    /// Number of independent monomials at the samples.
     pub rank: usize,
-    /// Reciprocal condition of what was solved, in the 1-norm.
+    /// Reciprocal condition of the solved system, in the 1-norm.
     pub rcond: f64,
     /// Effective degrees of freedom.
     pub freedom: f64,
-    /// RMS of what is left of the values at the samples.
+    /// RMS residual of the values at the samples.
     pub residual_rms: f64,
-    /// The most that is left.
+    /// Largest residual.
     pub residual_max: f64,
-    /// RMS error of the samples that the others predict.
+    /// RMS error of samples that the others predict.
     pub left_out_rms: Option<f64>,
-    /// The same by sample, RMS over its values; none where the others determine no fit.
+    /// Error of each sample that the others predict, RMS over its values; `None` if the others determine no fit.
     pub left_out: Vec<Option<f64>>,
-    /// The most that f32 arithmetic may be off by, by value: E of METHOD §2.7 over samples and their box.
+    /// Bound of the f32 error of each value: E of METHOD §2.7 over the samples and their box.
     pub bounds: Vec<f64>,
 }
 
 impl FitReport {
+    /// Reports a fit of either kind.
+    pub fn of_any(samples: &Samples, options: &Options, fit: &AnyFit) -> Self {
+        match fit {
+            AnyFit::Every(fit) => Self::new(samples, options, fit),
+            AnyFit::Fewer(fit) => Self::of_fewer(samples, options, fit),
+        }
+    }
+
     /// Reports a fit with every sample a centre.
     pub fn new(samples: &Samples, options: &Options, fit: &Fit) -> Self {
         let solved = &fit.solved;
@@ -122,7 +129,7 @@ impl FitReport {
     }
 }
 
-/// What fits have in common.
+/// Common results of all fits.
 struct Parts<'a> {
     sum: &'a KernelSum,
     residuals: &'a Mat<f64>,

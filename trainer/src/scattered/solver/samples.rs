@@ -1,4 +1,4 @@
-//! Samples of a function: sites and values, checked, without repetitions (METHOD §2.5).
+//! Samples of a function: checked sites and values, without repetitions (METHOD §2.5).
 
 use super::error::KernelError;
 use super::matrix::distances;
@@ -7,65 +7,67 @@ use crate::numeric::columns::ends;
 use faer::{ColRef, Mat};
 use serde::Serialize;
 
-/// Distance, over the mean one, below which two sites are one.
+/// Distance below which two sites count as the same site, over the mean distance.
 pub const ONE_SITE: f64 = 1e-9;
-/// Difference, over the range of a value, up to which two samples of one site agree: a few units in
-/// the last place of f32.
+/// Largest difference of two samples that agree, over the range of the value: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
-/// Range of a constant, over its magnitude.
+/// Range that replaces the range of a constant, over its magnitude.
 pub const OFFSET: f64 = 1e-4;
-/// Share of a value's magnitude below which its range is the rounding of a constant in f64.
+/// Share of a value's magnitude below which its range is the f64 rounding of a constant.
 const CONSTANT: f64 = 1e-14;
 
-/// What becomes of samples that have one site and different values.
+/// Treatment of samples with the same site and different values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Conflicts {
-    /// They are an error.
+    /// Returns an error.
     #[default]
     Refuse,
-    /// Their mean is taken.
+    /// Averages the values.
     Average,
-    /// Each stays a sample: smoothing weighs them.
+    /// Keeps each sample: the smoothing weighs them.
     Keep,
 }
 
-/// Samples that a fit can take.
+/// Samples of a fit.
 #[derive(Clone, Debug)]
 pub struct Samples {
     /// Sites, n x d.
     pub sites: Mat<f64>,
     /// Values, n x m.
     pub values: Mat<f64>,
-    /// How distances between sites are measured.
+    /// Scaling for distances between sites.
     pub scaling: Scaling,
-    /// The given row of each sample, n.
+    /// Given row of each sample, n.
     pub rows: Vec<usize>,
-    /// λ of each sample beside the one of all, n; zeros unless they are set.
+    /// Additional smoothing λ of each sample, n; initially 0.
     pub smoothing: Vec<f64>,
-    /// What was merged.
+    /// Rows that were merged into samples.
     pub merged: Vec<Merged>,
 }
 
-/// A row that became part of an earlier one.
+/// Row that was merged into an earlier row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Merged {
-    /// The row.
+    /// Merged row.
     pub row: usize,
-    /// The earlier one.
+    /// Earlier row.
     pub into: usize,
     /// Distance of their sites, over the mean distance.
     pub distance: f64,
-    /// Their values did not agree, and their mean was taken.
+    /// Whether their values differed and were averaged.
     pub averaged: bool,
 }
 
 impl Samples {
-    /// Takes sites (n x d, made of blocks) and values (n x m).
+    /// Takes sites (n x d, in blocks of columns) and values (n x m).
     ///
     /// # Errors
-    /// In this order: if there are no samples, inputs or values; if sites and values are not as many;
-    /// if a number is not finite; if the blocks are not the inputs; if two samples of one site
-    /// disagree, where conflicts are refused.
+    /// In this order:
+    /// - if there are no samples, inputs or values;
+    /// - if the numbers of sites and values differ;
+    /// - if a number is not finite;
+    /// - if the blocks do not match the columns;
+    /// - if two samples of one site have different values, and conflicts are refused.
     pub fn new(
         sites: &Mat<f64>,
         values: &Mat<f64>,
@@ -95,11 +97,13 @@ impl Samples {
         })
     }
 
-    /// Takes sites (n x d, made of blocks) alone, with a value for each of them: 1 at its own site and
-    /// 0 at the others, so that a function of them gives weights of the samples.
+    /// Takes sites (n x d, in blocks of columns) without values. Each sample has its own value: 1 at the sample and 0
+    /// at the others.
+    ///
+    /// A function of these values gives the weights of the samples.
     ///
     /// # Errors
-    /// Those of [`Self::new`]; two samples of one site disagree.
+    /// Errors of [`Self::new`]; two samples of one site are a conflict.
     pub fn of_weights(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
         let own = Mat::identity(sites.nrows(), sites.nrows());
         Self::new(sites, &own, blocks, Conflicts::Refuse)
@@ -111,7 +115,7 @@ impl Samples {
     }
 }
 
-/// Finds rows whose values make a sample, one or those of a mean, and the rows that are merged.
+/// Finds the rows whose mean is a sample, one or several, and the rows that are merged.
 fn merge(
     points: &Mat<f64>,
     conflicts: Conflicts,
@@ -148,10 +152,10 @@ fn merge(
     Ok((groups, merged))
 }
 
-/// Refuses sites and values that are none, not as many, or not finite.
+/// Checks that sites and values are not empty, equally many, and finite.
 ///
 /// # Errors
-/// In that order.
+/// [`KernelError::Empty`], [`KernelError::Rows`] and [`KernelError::NotFinite`], in this order.
 pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
     let counts =
         [("samples", sites.nrows()), ("inputs", sites.ncols()), ("values", values.ncols())];
@@ -171,7 +175,7 @@ pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
     Ok(())
 }
 
-/// Returns the range of each value, m: of a constant a share of its magnitude, 1 where that is 0.
+/// Returns the range of each value, m. A constant has a share of its magnitude as range, or 1 if it is 0.
 pub fn ranges(values: &Mat<f64>) -> Vec<f64> {
     let range = |column: ColRef<'_, f64>| {
         let [least, most] = ends(column.iter());
@@ -235,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_but_not_one_site_is_kept() {
+    fn near_sites_that_differ_are_kept() {
         assert_eq!(
             samples(&[0.0, 1e-8, 1.0], &[0.0, 9.0, 1.0], Conflicts::Refuse).unwrap().rows.len(),
             3
@@ -265,7 +269,7 @@ mod tests {
         let found = ranges(&values);
         assert_eq!(found[..3], [3.0, 100.0, 1.0]);
         assert!((found[3] - 0.1).abs() < 1e-12);
-        // A large offset does not make it larger; the rounding of a sum is none.
+        // A large offset does not increase the range. The rounding of a sum is not a range.
         let values = Mat::from_fn(2, 3, |i, o| {
             [[1e9, 1e15, 0.3], [1e9 + 25.0, 1e15 + 25.0, 0.1 + 0.2]][i][o]
         });

@@ -1,42 +1,41 @@
-//! What inputs are shifted and scaled by before distances are measured (METHOD §2.2).
+//! Shift and scale of inputs, before distances are measured (METHOD §2.2).
 
 use super::error::KernelError;
 use super::matrix::distances;
 use faer::{ColRef, Mat};
 
-/// Share of its block's spread below which a column is constant.
+/// Share of the block's spread below which a column is constant.
 const CONSTANT: f64 = 1e-5;
-/// Share of its magnitude below which a block's spread is rounding.
+/// Share of the block's magnitude below which its spread is rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Inputs that are scaled by one factor: a number, a vector, a rotation's features.
+/// Columns with a common scale: a number, a vector, a rotation's features.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Columns.
+    /// Number of columns.
     pub len: usize,
-    /// How much it counts in distances, over a block of weight 1.
+    /// Factor of the block's distances.
     pub weight: f64,
 }
 
-/// A shift and a scale of each column: `u = (x - shift) scale`.
+/// Shift and scale of each column: `u = (x - shift) scale`.
 #[derive(Clone, Debug)]
 pub struct Scaling {
-    /// The centroid, d, rounded to the f32 of a file: sites that f32 holds stay exact when it is taken off.
+    /// Centroid, d, rounded to f32 as in a file. The difference of an f32 site and an f32 shift is exact.
     pub shift: Vec<f64>,
-    /// Weight over the block's spread and over the mean distance that this leaves, d; 0 of columns
-    /// that are dropped.
+    /// Scale, d: the block's weight over the block's spread, divided by the mean distance that results; 0 for dropped
+    /// columns.
     pub scale: Vec<f64>,
 }
 
 impl Scaling {
-    /// Measures finite sites (n x d) that are made of blocks.
+    /// Measures finite sites (n x d, in blocks of columns).
     ///
-    /// The spread of a block is the RMS distance from its centroid. The mean distance is over all
-    /// pairs of sites, so that neither the number of samples nor that of inputs changes what a width
-    /// means.
+    /// The spread of a block is the RMS distance from its centroid. The mean distance includes all pairs of sites. So
+    /// the meaning of a width depends neither on the number of samples nor on the number of inputs.
     ///
     /// # Errors
-    /// If the blocks are not d columns, or a weight is negative or not finite.
+    /// If the blocks do not have d columns, or a weight is negative or not finite.
     pub fn new(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
         let (n, d) = sites.shape();
         let columns = blocks.iter().map(|block| block.len).sum();
@@ -86,19 +85,19 @@ impl Scaling {
         (0..self.scale.len()).filter(|&c| self.scale[c] != 0.0).collect()
     }
 
-    /// Lists the others.
+    /// Lists the columns that do not count in distances.
     pub fn dropped(&self) -> Vec<usize> {
         (0..self.scale.len()).filter(|&c| self.scale[c] == 0.0).collect()
     }
 }
 
-/// Rounds to f32, unless it has no such number.
+/// Rounds to f32, unless the number is too large for f32.
 fn rounded(x: f64) -> f64 {
     let rounded = f64::from(x as f32);
     if rounded.is_finite() { rounded } else { x }
 }
 
-/// Returns the mean of a column, exact where all are alike.
+/// Returns the mean of a column, exact if all numbers are equal.
 fn mean(column: ColRef<'_, f64>) -> f64 {
     let first = column.iter().next().copied().unwrap_or(0.0);
     first + column.iter().map(|x| x - first).sum::<f64>() / column.nrows().max(1) as f64
@@ -126,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_one_apart_in_the_mean_and_blocks_weigh_what_they_shall() {
+    fn the_mean_distance_is_one_and_blocks_have_their_weights() {
         let scaling = Scaling::new(&sites(), &BLOCKS).unwrap();
         let points = scaling.apply(&sites());
         assert!((mean_distance(&points) - 1.0).abs() < 1e-12);
@@ -144,16 +143,16 @@ mod tests {
         let moved = Mat::from_fn(7, 4, |i, c| 1e4 * sites()[(i, c)] - 3e5);
         let points = Scaling::new(&sites(), &BLOCKS).unwrap().apply(&sites());
         let found = Scaling::new(&moved, &BLOCKS).unwrap().apply(&moved);
-        // Each shift is rounded by itself.
+        // Each shift is rounded separately.
         let from_first = |of: Mat<f64>| Mat::from_fn(7, 4, |i, c| of[(i, c)] - of[(0, c)]);
         assert!((from_first(points) - from_first(found)).norm_max() < 1e-9);
     }
 
     #[test]
-    fn what_is_taken_off_is_a_number_of_a_file() {
+    fn shifts_are_f32_numbers() {
         let sites = Mat::from_fn(3, 2, |i, c| [1e7 + 0.3 * i as f64, 1e300][c]);
         let shift = Scaling::new(&sites, &[Block { len: 2, weight: 1.0 }]).unwrap().shift;
-        // f32 has no number near 1e300: the function's file is refused.
+        // f32 has no number near 1e300; the function's file will be refused.
         assert_eq!(shift, [1e7, 1e300]);
     }
 

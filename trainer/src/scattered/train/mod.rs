@@ -1,15 +1,262 @@
-//! From a problem to a function with names: by METHOD §2, by SciPy's rules, by S2's, or with learned
-//! centres.
+//! Training: fits a problem by METHOD §2, by SciPy's rules, by S2's rules, or with learned centres.
 
-mod error;
-mod fitted;
-mod learned;
-mod matrices;
 mod modes;
-mod problem;
 mod report;
 mod solved;
 
-pub use error::TrainError;
-pub use problem::train;
-pub use report::{LearnReport, Report, Trained};
+pub use report::{LearnReport, Report, TrainError, Trained};
+
+use crate::numeric::columns::ends;
+use crate::regression::confidence::Fade;
+use crate::regression::rotations::RotationError;
+use crate::scattered::deviation::Probe;
+use crate::scattered::model::{KernelModel, Output, OutputKind, features};
+use crate::scattered::problem::{Mode, Problem, ProblemOptions};
+use crate::scattered::solver::choose::Spacing;
+use crate::scattered::solver::error::{DeviationCause, KernelError};
+use crate::scattered::solver::samples::{ONE_SITE, check, ranges};
+use crate::scattered::sum::KernelSum;
+use faer::Mat;
+use report::Fitted;
+use sinew_runtime::kernel::{Normalise, QueryRule};
+
+/// Factor of the fade's start. The f32 rounding of a squared distance then leaves the sample there at confidence 1.
+const ROOM: f64 = 1.0 + 1e-4;
+
+/// Kernels that an error suggests if the chosen kernel does not fit, the smoothest first.
+const KERNELS: [&str; 3] = ["matern 5/2", "matern 3/2", "linear"];
+/// Distance of two samples below which an error names them, over the mean distance between nearest samples.
+const NEAR: f64 = 0.1;
+
+/// Fits a problem.
+///
+/// - `variance`: whether the model keeps its variance.
+///
+/// # Errors
+/// [`TrainError`]: an unusable site or value, options that exclude each other, a refused fit, or a file whose deviation
+/// is above the limit in the options.
+pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
+    let mut outputs = problem.outputs.clone();
+    let Matrices { features, values } = Matrices::new(problem, &mut outputs)?;
+    let options = &problem.options;
+    let limit = options.f32_error;
+    if !(limit > 0.0 && limit.is_finite()) {
+        return Err(TrainError::F32Error(limit));
+    }
+    check(&features, &values)?;
+    // Every site has features, so this error does not occur.
+    let probe = Probe::new(&problem.inputs, &problem.sites, ranges(&values), limit)
+        .map_err(|error| TrainError::Site { place: problem.place(0, "sites"), error })?;
+    let of = Data { problem, features: &features, values: &values, probe: &probe };
+    let (fitted, deviation) = of.fitted(variance).map_err(|error| of.advised(error))?;
+    let Fitted { sum, variance: kept, figures, report, is_narrow, mut warnings } = fitted;
+    if variance && kept.is_none() {
+        return Err(TrainError::NoVariance);
+    }
+    if is_narrow {
+        let other = of.other().map_or(String::new(), |other| format!("; {other} joins them"));
+        warnings.push(format!(
+            "single precision holds no width that joins these samples: between them the function falls off{other}"
+        ));
+    }
+    let euler = problem.euler_inputs();
+    if euler.len() > 1 {
+        warnings.push(format!(
+            "{} inputs are Euler angles ({}): they are taken as rotations, not as numbers",
+            euler.len(),
+            euler.join(", ")
+        ));
+    }
+    let marked = |kind: &OutputKind| matches!(kind, OutputKind::Scalar { normalised: true, .. });
+    let any = outputs.iter().any(|output| marked(&output.kind));
+    let model = KernelModel {
+        name: problem.name.clone(),
+        inputs: problem.inputs.clone(),
+        fade: fade(&sum, &features, options.outside)?,
+        sum,
+        ranges: features.col_iter().map(|column| ends(column.iter())).collect(),
+        query: options.outside,
+        normalise: options.normalise.unwrap_or(if any {
+            Normalise::Always
+        } else {
+            Normalise::Never
+        }),
+        outputs,
+        variance: kept,
+        fit: figures,
+    };
+    Ok(Trained { model, report, deviation, warnings })
+}
+
+/// Arguments of a fit.
+struct Data<'a> {
+    problem: &'a Problem,
+    features: &'a Mat<f64>,
+    values: &'a Mat<f64>,
+    probe: &'a Probe,
+}
+
+impl Data<'_> {
+    /// Fits the problem, and measures the deviation of its file.
+    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), TrainError> {
+        let Self { problem, features, values, probe } = self;
+        let fitted = match (problem.options.mode, &problem.options.learn) {
+            (Mode::Sinew, None) => solved::fit(problem, features, values, probe, variance)?,
+            (Mode::Sinew, Some(learn)) => modes::learned(problem, learn, features, values)?,
+            (Mode::Scipy, _) => modes::scipy(problem, features, values)?,
+            (Mode::Published, _) => modes::published(problem, features, values)?,
+        };
+        let deviation = probe.check(&fitted.sum, |x| fitted.sum.evaluate(x))?;
+        Ok((fitted, deviation))
+    }
+
+    /// Adds advice to an error: options that fit, and samples that are too near.
+    fn advised(&self, error: TrainError) -> TrainError {
+        match error {
+            TrainError::Kernel(KernelError::Deviation {
+                deviation,
+                limit,
+                cause: DeviationCause::Kernel { kernel, .. },
+            }) => {
+                let cause = DeviationCause::Kernel { kernel, other: self.other() };
+                KernelError::Deviation { deviation, limit, cause }.into()
+            }
+            TrainError::Kernel(error @ KernelError::IllConditioned { .. }) => {
+                let near = self.near().map(|near| format!("; {near}: take one of them away"));
+                let other = self.other().map(|other| format!("; {other} fits"));
+                let advice = near.unwrap_or_default() + &other.unwrap_or_default();
+                TrainError::IllConditioned { error, advice }
+            }
+            error => error,
+        }
+    }
+
+    /// Finds options that fit: a lower degree, or another kernel at a width that joins the samples.
+    ///
+    /// Other solvers' modes and learned centres have no advice.
+    fn other(&self) -> Option<String> {
+        let own = &self.problem.options;
+        if own.mode != Mode::Sinew || own.learn.is_some() {
+            return None;
+        }
+        let degree = own.degree.unwrap_or(0);
+        let lower = std::iter::successors(Some(degree / 2), |degree| Some(degree / 2));
+        let lower = lower.take_while(|degree| *degree > 0).map(|degree| {
+            let options = ProblemOptions { degree: Some(degree), ..own.clone() };
+            (options, format!("degree {degree}"))
+        });
+        let kernels = KERNELS.into_iter().map(|kernel| {
+            let name = Some(kernel.to_owned());
+            let options =
+                ProblemOptions { kernel: name, degree: None, epsilon: None, ..own.clone() };
+            (options, format!("the kernel \"{kernel}\""))
+        });
+        let fits = |options: ProblemOptions| {
+            let problem = Problem { options, ..self.problem.clone() };
+            let fitted = Data { problem: &problem, ..*self }.fitted(false);
+            fitted.is_ok_and(|(fitted, _)| !fitted.is_narrow)
+        };
+        lower.chain(kernels).find_map(|(options, name)| fits(options).then_some(name))
+    }
+
+    /// Names the two nearest samples, if they are much nearer than others.
+    fn near(&self) -> Option<String> {
+        let samples = solved::samples(self.problem, self.features, self.values).ok()?;
+        let Spacing { mean, least, nearest } = Spacing::new(&samples);
+        let [first, second] = nearest.map(|sample| samples.rows[sample]);
+        let rows = self.problem.rows(first, second);
+        (least < NEAR * mean)
+            .then(|| format!("{rows} are only {least:.1e} of the mean distance apart"))
+    }
+}
+
+/// Chooses the fade: it starts at the largest distance of a sample from its nearest other centre.
+///
+/// A centre at the sample's own site does not count: such a centre is nearer than [`ONE_SITE`]. If there is no other
+/// centre, any fade works, because every query is at the centre or fades within a width of the kernel.
+///
+/// # Errors
+/// If there are no centres to fade by.
+fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade, TrainError> {
+    if sum.centres.ncols() == 0 {
+        return match outside {
+            QueryRule::Fade => Err(TrainError::Options(
+                "without a centre nothing fades: take 1 of `centres` or more, or clamp outside",
+            )),
+            QueryRule::Free | QueryRule::Clamp => Ok(Fade { start: 0.0, end: 0.0 }),
+        };
+    }
+    let mut farthest = 0.0f64;
+    for site in features.row_iter() {
+        let x: Vec<f64> = site.iter().copied().collect();
+        let z = sum.measured(&sum.scaled(&x));
+        let all: Vec<f64> = sum.squared_distances(&z).collect();
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let others = all.iter().filter(|s| **s > ONE_SITE * ONE_SITE * mean);
+        let nearest = others.copied().fold(f64::INFINITY, f64::min);
+        farthest = if nearest.is_finite() { farthest.max(nearest) } else { farthest };
+    }
+    Ok(Fade::beyond(if farthest > 0.0 { ROOM * farthest } else { 1.0 }))
+}
+
+/// Samples as matrices.
+struct Matrices {
+    /// Features of the sites, n x d.
+    features: Mat<f64>,
+    /// Values of the function, n x m.
+    values: Mat<f64>,
+}
+
+impl Matrices {
+    /// Converts the rows of a problem, and sets the neutral values of `outputs` from the neutral sample.
+    ///
+    /// # Errors
+    /// [`TrainError::Site`], [`TrainError::Neutral`] and [`TrainError::Value`].
+    fn new(problem: &Problem, outputs: &mut [Output]) -> Result<Self, TrainError> {
+        let site = |(row, site): (usize, &Vec<f64>)| {
+            features(&problem.inputs, site)
+                .map_err(|error| TrainError::Site { place: problem.place(row, "sites"), error })
+        };
+        let sites = problem.sites.iter().enumerate().map(site).collect::<Result<Vec<_>, _>>()?;
+        let (row, samples) = (problem.options.neutral, problem.values.len());
+        let neutral = problem.values.get(row).ok_or(TrainError::Neutral { row, samples })?;
+        let mut rest = neutral.as_slice();
+        for Output { kind, name } in outputs.iter_mut() {
+            let own;
+            (own, rest) = rest.split_at(kind.number_len());
+            match (kind, own) {
+                (OutputKind::Scalar { neutral, .. }, &[x]) => *neutral = x,
+                (OutputKind::Vector3 { neutral }, &[x, y, z]) => *neutral = [x, y, z],
+                (OutputKind::Rotation { neutral }, &[x, y, z, w]) => {
+                    let length = (x * x + y * y + z * z + w * w).sqrt();
+                    // The loop below reports other quaternions that are no rotation.
+                    *neutral = [x, y, z, w].map(|part| part / length);
+                    if !length.is_normal() {
+                        let error = RotationError::Zero;
+                        let place = problem.place(row, "values");
+                        return Err(TrainError::Value { place, output: name.clone(), error });
+                    }
+                }
+                _ => {}
+            }
+        }
+        let mut values = Vec::with_capacity(samples);
+        for (row, numbers) in problem.values.iter().enumerate() {
+            let (mut rest, mut out) = (numbers.as_slice(), Vec::new());
+            for Output { kind, name } in outputs.iter() {
+                let own;
+                (own, rest) = rest.split_at(kind.number_len());
+                let place = || problem.place(row, "values");
+                let wrong =
+                    |error| TrainError::Value { place: place(), output: name.clone(), error };
+                out.extend(kind.to_values(own).map_err(wrong)?);
+            }
+            values.push(out);
+        }
+        Ok(Self { features: matrix(&sites), values: matrix(&values) })
+    }
+}
+
+fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
+    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, c| rows[i][c])
+}

@@ -1,19 +1,19 @@
-//! Fits by the rules of others.
+//! Fits by the rules of other solvers, and fits with learned centres and metric.
 
-use super::error::TrainError;
-use super::fitted::Fitted;
-use super::report::Report;
-use super::solved::{NEIGHBOURS, kernel};
+use super::report::{Fitted, LearnReport, Report, TrainError};
+use super::solved::{NEIGHBOURS, degree_of, kernel, samples};
+use crate::regression::function::order;
 use crate::scattered::bound::{largest, rounded};
 use crate::scattered::compat::published::{Published, PublishedKernel, PublishedOptions};
 use crate::scattered::compat::scipy::{RbfInterpolator, ScipyOptions, Smoothing as ScipySmoothing};
+use crate::scattered::hyper::{Entries, Metric, Options, Start, Trace, learn};
 use crate::scattered::model::Figures;
-use crate::scattered::problem::{Problem, Smoothing};
-use crate::scattered::sum::KernelSum;
+use crate::scattered::problem::{Learn, LearnMetric, Problem, Smoothing};
+use crate::scattered::sum::{KernelSum, monomials};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// Condition above which S2's normal equations are warned of: its square is what they work with.
+/// Condition above which S2's solver has a warning: its normal equations square the condition.
 const CONDITION: f64 = 1e5;
 
 pub(super) fn scipy(
@@ -112,12 +112,94 @@ fn fitted(
     Fitted { sum, variance: None, figures, report, is_narrow: false, warnings }
 }
 
-/// Measures what a function leaves of values at their sites.
-pub(super) fn residual_rms(sum: &KernelSum, features: &Mat<f64>, values: &Mat<f64>) -> f64 {
+/// Measures the RMS residual of values at their sites.
+fn residual_rms(sum: &KernelSum, features: &Mat<f64>, values: &Mat<f64>) -> f64 {
     let mut squares = 0.0;
     for (site, own) in features.row_iter().zip(values.row_iter()) {
         let found = sum.evaluate(&site.iter().copied().collect::<Vec<_>>());
         squares += own.iter().zip(&found).map(|(y, f)| (y - f) * (y - f)).sum::<f64>();
     }
     (squares / (values.nrows() * values.ncols()) as f64).sqrt()
+}
+
+/// Default number of learned centres, if there are enough samples.
+const CENTRES: usize = 12;
+
+pub(super) fn learned(
+    problem: &Problem,
+    asked: &Learn,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+) -> Result<Fitted, TrainError> {
+    let own = &problem.options;
+    if own.neighbors.is_some() || own.centres.is_some() || own.smoothing.is_some() {
+        return Err(TrainError::Options(
+            "learned centres have their own `centres` and `ridge`, in `learn`",
+        ));
+    }
+    let samples = samples(problem, features, values)?;
+    let d = features.ncols();
+    let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), samples.scaling.kept().len())?;
+    let degree = match own.degree {
+        Some(degree) => degree_of(degree)?,
+        None => order(kernel).unwrap_or(0).checked_sub(1),
+    };
+    let terms = degree.map_or(0, |degree| monomials(d, degree).len());
+    let most = samples.sample_len().saturating_sub(terms).max(1);
+    let centres = asked.centres.unwrap_or(CENTRES.min(most));
+    let epsilon =
+        own.epsilon.unwrap_or_else(|| spacing_factor(centres, samples.scaling.kept().len()));
+    let rows = asked.rank.unwrap_or(d).clamp(1, d);
+    let learned = match asked.metric {
+        _ if rows < d => Entries::All,
+        LearnMetric::Fixed => Entries::None,
+        LearnMetric::Diagonal => Entries::Diagonal,
+        LearnMetric::Full => Entries::All,
+    };
+    let options = Options {
+        kernel,
+        centres,
+        degree,
+        ridge: asked.ridge,
+        metric: Metric::scaled(rows, d, epsilon, learned),
+        start: Start::KMeansPlusPlus,
+        method: asked.method.method(),
+        seeds: (1..=asked.seeds).collect(),
+        evaluations: asked.evaluations,
+    };
+    let (sites, values) = (&samples.sites, &samples.values);
+    let scaling = &samples.scaling;
+    let found = learn(sites.as_ref(), values.as_ref(), &scaling.shift, &scaling.scale, &options)?;
+    let residual_rms = residual_rms(&found.sum, sites, values);
+    let bound = largest(&rounded(&found.sum), sites).into_iter().fold(0.0, f64::max);
+    let best = &found.traces[found.best];
+    let relevance = match &found.sum.metric {
+        Some(w) => w.col_iter().map(|column| column.norm_l2()).collect(),
+        None => vec![1.0; d],
+    };
+    let last = |trace: &Trace| {
+        trace.steps.iter().rev().find(|step| step.accepted).map_or(trace.start, |step| step.energy)
+    };
+    let report = LearnReport {
+        energy: found.energy,
+        residual_rms,
+        seed: best.seed,
+        trace: best.steps.iter().filter(|step| step.accepted).map(|step| step.energy).collect(),
+        energies: found.traces.iter().map(last).collect(),
+        relevance,
+        bound,
+    };
+    let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond: 0.0 };
+    let (sum, report) = (found.sum, Report::Learned(report));
+    let warnings = Vec::new();
+    Ok(Fitted { sum, variance: None, figures, report, is_narrow: false, warnings })
+}
+
+/// Returns the factor that makes the spacing of n centres 1.
+///
+/// The centres fill a cube of d inputs whose side is about √(6/d), because the mean distance of samples in the cube is
+/// 1.
+fn spacing_factor(centres: usize, inputs: usize) -> f64 {
+    let d = inputs.max(1) as f64;
+    (centres as f64).powf(1.0 / d) * (d / 6.0).sqrt()
 }

@@ -1,30 +1,29 @@
-//! A fit by METHOD §2: every sample a centre, or fewer.
+//! Fits by METHOD §2, with every sample a centre or with fewer centres.
 
-use super::error::TrainError;
-use super::fitted::Fitted;
-use super::report::Report;
-use crate::regression::function::order;
+use super::report::{Fitted, Report, TrainError};
+use crate::regression::function::{is_scale_invariant, order};
 use crate::scattered::deviation::Probe;
 use crate::scattered::model::Figures;
 use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
-use crate::scattered::solver::any::AnyFit;
 use crate::scattered::solver::choose::{Choice, Freedom};
 use crate::scattered::solver::error::{KernelError, same_site};
-use crate::scattered::solver::invariance::is_scale_invariant;
+use crate::scattered::solver::fit::AnyFit;
+use crate::scattered::solver::leave_one_out::Variance;
 use crate::scattered::solver::options::{Options, wendland};
 use crate::scattered::solver::report::FitReport;
 use crate::scattered::solver::samples::{Conflicts, Samples};
 use crate::scattered::solver::scaling::Block;
-use crate::scattered::solver::variance::Variance;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// Refuses what no file can hold.
+/// Error of a function that no file can hold.
 pub(super) const NEIGHBOURS: TrainError = TrainError::Options(
     "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
 );
 
-/// Fits a problem; `probe` measures the files of the widths that are tried.
+/// Fits a problem.
+///
+/// - `probe`: queries that measure the deviation of each tried width.
 pub(super) fn fit(
     problem: &Problem,
     features: &Mat<f64>,
@@ -58,9 +57,9 @@ pub(super) fn fit(
         (asked, false)
     };
     let fit = AnyFit::new(&samples, &options)?;
-    let report = fit.report(&samples, &options);
+    let report = FitReport::of_any(&samples, &options, &fit);
     let kept = match &fit {
-        AnyFit::Every(fit) if variance => Variance::new(fit, &samples.values),
+        AnyFit::Every(fit) if variance => Variance::new(&fit.solved, &samples.values),
         _ => None,
     };
     let figures = Figures {
@@ -74,7 +73,8 @@ pub(super) fn fit(
     Ok(Fitted { sum, variance: kept, figures, report, is_narrow, warnings })
 }
 
-/// Returns the smoothing of each sample by those of its rows: a sample of several rows has its first's.
+/// Returns the smoothing of each sample from the smoothings of the rows. A sample of several rows has the smoothing of
+/// the first row.
 fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, TrainError> {
     let rows = samples.sample_len() + samples.merged.len();
     if all.len() != rows {
@@ -86,7 +86,7 @@ fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, TrainError> {
     }
 }
 
-/// Takes samples, in blocks of one input each.
+/// Collects the samples, with a block of columns for each input.
 pub(super) fn samples(
     problem: &Problem,
     features: &Mat<f64>,
@@ -130,12 +130,12 @@ fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
     Ok(out)
 }
 
-/// Reads a degree, of which -1 is none.
+/// Reads a degree; -1 gives `None`.
 pub(super) fn degree_of(degree: i32) -> Result<Option<usize>, TrainError> {
     if degree < -1 { Err(TrainError::Degree(degree)) } else { Ok(usize::try_from(degree).ok()) }
 }
 
-/// Finds a kernel by its name, in any case, with spaces, `_` or nothing between the words.
+/// Finds a kernel by its name, in upper or lower case, with spaces, `_` or nothing between the words.
 pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
     let plain = |text: &str| -> String {
         let text = text.to_lowercase().replace('é', "e");
@@ -158,7 +158,7 @@ pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
     }
 }
 
-/// Lists the samples that are left out together: each alone, or by their rows' groups.
+/// Lists the groups of samples that are left out together: single samples, or the groups of the options.
 fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, TrainError> {
     let n = samples.sample_len();
     let Some(of_rows) = &own.groups else {
@@ -175,7 +175,7 @@ fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, Tr
     Ok(out.into_values().collect())
 }
 
-/// Tells what was merged, dropped or lowered.
+/// Lists warnings of merged samples, ignored inputs and a lowered degree.
 fn warnings(problem: &Problem, report: &FitReport) -> Vec<String> {
     let mut out = Vec::new();
     for merged in &report.merged {

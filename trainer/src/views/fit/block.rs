@@ -4,7 +4,7 @@ use crate::regression::function::{by_name, order};
 use crate::scattered::model::{Input, InputKind};
 use crate::scattered::solver::leave_one_out::LeaveOneOut;
 use crate::scattered::solver::polynomial::{Polynomial, RANK_F64};
-use crate::scattered::solver::solve::solve;
+use crate::scattered::solver::system::solve;
 use crate::scattered::sum::{Term, powers};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;

@@ -5,7 +5,7 @@ use super::block::{
 };
 use super::map::{FitError, MapOutputs, Shown, encodings, given};
 use crate::numeric::columns::ends;
-use crate::regression::fade::Fade;
+use crate::regression::confidence::Fade;
 use crate::scattered::bound::{largest, rounded};
 use crate::scattered::model::{Figures, Input, KernelModel, features};
 use crate::scattered::solver::matrix::distances;
