@@ -1,7 +1,8 @@
-//! The measured part of a model: an envelope with a skin, the skinned mesh of a frame, and the record of the training.
+//! What is measured: an envelope with a skin, the skinned mesh of a frame, a baseline, and the record of the training.
 
-use super::{Baseline, EvaluateError};
+use super::error::EvaluateError;
 use crate::envelope::lbs::blend::Weights;
+use crate::envelope::lbs::weights;
 use crate::envelope::posed::{joint_confidences, palette, rest, skin_on};
 use crate::examples::{Examples, is_same};
 use crate::numeric::affine::{apart, apart_unordered};
@@ -157,6 +158,40 @@ pub fn least_confident_joint<'a>(
     if found[joint] < 1.0 { character.envelope.joint_name(joint) } else { None }
 }
 
+/// A baseline: LBS with some joint weights.
+pub struct Baseline {
+    /// The joint weights of each vertex.
+    pub weights: Weights,
+    normals: Vec<[f64; 3]>,
+}
+
+impl Baseline {
+    /// Fits weights to the training frames, 4 a vertex.
+    pub fn fit(examples: &Examples) -> Self {
+        Self::new(weights::baseline(examples), examples)
+    }
+
+    /// Makes a baseline from joint weights of the V vertices.
+    pub fn new(weights: Weights, examples: &Examples) -> Self {
+        Self { weights, normals: examples.surface().normals() }
+    }
+
+    /// Returns the position and normal of an engine vertex in a frame.
+    ///
+    /// # Panics
+    /// If the examples do not have the frame or the vertex.
+    pub fn vertex(
+        &self,
+        examples: &Examples,
+        frame: usize,
+        vertex: usize,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let normal = &self.normals[vertex];
+        let vertex = examples.surface().copy_of(vertex);
+        weights::skin(&self.weights, examples.pose(frame), vertex, &examples.rest[vertex], normal)
+    }
+}
+
 /// The record of a model's training, matched to examples.
 #[derive(Default)]
 pub struct TrainingRecord {
@@ -178,7 +213,7 @@ impl TrainingRecord {
         };
         Self {
             read: Some((0..examples.frame_len()).map(has_read).collect()),
-            lbs: weights(&record, examples),
+            lbs: lbs_weights(&record, examples),
         }
     }
 
@@ -203,7 +238,7 @@ impl TrainingRecord {
 }
 
 /// Reads joint weights of the examples' vertices; `None` if the record has none or is of another mesh.
-fn weights(record: &Record<'_>, examples: &Examples) -> Option<Weights> {
+fn lbs_weights(record: &Record<'_>, examples: &Examples) -> Option<Weights> {
     let counts = record.counts();
     let is_own = counts.vertex_len as usize == examples.vertex_len()
         && counts.joint_len as usize == examples.joint_len();

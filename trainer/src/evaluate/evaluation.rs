@@ -1,7 +1,7 @@
 //! The result of a measurement, and the choice of its frames.
 
-use super::baselines::{Baseline, Baselines};
-use super::character::{Character, TrainingRecord};
+use super::baselines::Baselines;
+use super::character::{Baseline, Character, TrainingRecord};
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
 use crate::examples::{Examples, Split};

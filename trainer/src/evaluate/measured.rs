@@ -1,6 +1,7 @@
 //! Distances and angles between a skin and the true meshes, with their sums, means and percentiles.
 
-use super::{Baseline, Character, EvaluateError, skin};
+use super::character::{Baseline, Character, skin};
+use super::error::EvaluateError;
 use crate::envelope::normals::TrueNormals;
 use crate::examples::{Examples, Importance};
 use crate::numeric::columns::largest;

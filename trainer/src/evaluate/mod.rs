@@ -7,8 +7,10 @@ mod error;
 mod evaluation;
 mod measured;
 
-pub use baselines::{Baseline, Baselines, LBS, MeasuredBaseline, OWN_WEIGHTS};
-pub use character::{Character, SkinnedFrame, TrainingRecord, least_confident_joint, skin};
+pub use baselines::{Baselines, LBS, MeasuredBaseline, OWN_WEIGHTS};
+pub use character::{
+    Baseline, Character, SkinnedFrame, TrainingRecord, least_confident_joint, skin,
+};
 pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, Region, evaluate};
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, Millimetres, NOTHING};

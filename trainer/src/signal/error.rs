@@ -2,7 +2,7 @@
 
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FormatError, JsonError};
-use crate::scattered::solver::system::described;
+use crate::scattered::solver::error::described;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 

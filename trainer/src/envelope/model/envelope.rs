@@ -1,7 +1,6 @@
 //! An envelope in f64: predicts a palette from a pose.
 
-use super::key::Key;
-use super::wide;
+use super::key::{Key, wide};
 use crate::examples::Skeleton;
 use crate::numeric::affine;
 use crate::regression::confidence::MapConfidence;

@@ -76,3 +76,8 @@ pub fn symmetric(s: &Vector6<f64>) -> Matrix3<f64> {
     let [xx, xy, xz, yy, yz, zz] = (*s).into();
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
+
+/// Converts a value of the file to f64; NaN if the value is missing.
+pub(super) fn wide(value: Option<f32>) -> f64 {
+    value.map_or(f64::NAN, f64::from)
+}

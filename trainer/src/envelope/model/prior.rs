@@ -1,6 +1,6 @@
 //! A prior over the weights of a skin's shapes, in f64, and its part in a file.
 
-use super::wide;
+use super::key::wide;
 use crate::bake::sections::{check_len, check_shape, floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
 use faer::linalg::solvers::DenseSolveCore;

@@ -2,13 +2,14 @@
 
 use super::keys::{GradientPredictor, predict_stacked};
 use super::merge::MergeTree;
+use super::options::{Method, RotationalOptions};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
 use super::surface::Surface;
 use super::validation::{
     Candidates, Keyed, Refinement, RefinementTrial, Refining, Setting, SettingTrial, Validation,
 };
-use super::{Method, RotationalOptions, keys, proxies, published, validation};
+use super::{keys, proxies, published, validation};
 use crate::envelope::FitError;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::lbs::blend::Weights;

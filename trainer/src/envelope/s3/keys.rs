@@ -1,7 +1,7 @@
 //! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2). Each key has a
 //! predictor: rotation (METHOD §1.4) times scale and shear (METHOD §1.5).
 
-use super::Method;
+use super::options::Method;
 use super::proxies::Proxies;
 use super::rotation::{RotationPredictor, Solver};
 use super::surface::Surface;

@@ -1,8 +1,8 @@
 //! Proxies: P affine maps per pose, and weights of the vertices on the maps (METHOD §1.7.1, S3 §3.1).
 
 use super::merge::{MergeTree, regular_inverse};
+use super::options::{ProxyCount, RotationalOptions};
 use super::surface::Surface;
-use super::{ProxyCount, RotationalOptions};
 use crate::envelope::FitError;
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;

@@ -18,11 +18,11 @@
 
 use super::keys::GradientPredictor;
 use super::merge::MergeTree;
+use super::options::{ProxyCount, RotationalOptions};
 use super::proxies::{CountTrial, Proxies, group_maps};
 use super::reduce::{Anchors, Reduced};
 use super::surface::Surface;
 use super::validation::Setting;
-use super::{ProxyCount, RotationalOptions};
 use crate::envelope::FitError;
 use crate::envelope::lbs::blend::{Blend, InTurn, Items, Maps, Supports, Weights};
 use crate::envelope::model::{Key, Reconstruction};

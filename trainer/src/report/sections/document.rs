@@ -1,7 +1,8 @@
 //! The page and its sections, from top to bottom.
 
+use super::pictures::ReportError;
 use super::{errors, frames, pictures, sizes};
-use crate::evaluate::{EvaluateError, Frames, OWN_WEIGHTS};
+use crate::evaluate::{Frames, OWN_WEIGHTS};
 use crate::examples::Split;
 use crate::page::html::{self, grouped, section, text};
 use crate::progress::Progress;
@@ -9,7 +10,6 @@ use crate::report::comparison::Comparison;
 use crate::report::pictures::{PictureOptions, Pictures};
 use crate::report::sizes::Sizes;
 use crate::space::written;
-use png::EncodingError;
 
 /// The page of a comparison.
 pub struct Page<'a> {
@@ -19,17 +19,6 @@ pub struct Page<'a> {
     pub options: PictureOptions,
     /// Whether the model's predictor is trained again with more and fewer proxies.
     pub sizes: bool,
-}
-
-/// Reasons why a page cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A frame could not be skinned.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-    /// A picture could not be encoded.
-    #[error("cannot encode a picture: {0}")]
-    Picture(#[from] EncodingError),
 }
 
 impl Page<'_> {

@@ -6,4 +6,5 @@ mod frames;
 mod pictures;
 mod sizes;
 
-pub use document::{Page, ReportError};
+pub use document::Page;
+pub use pictures::ReportError;

@@ -1,7 +1,6 @@
 //! Sections made of pictures.
 
-use super::document::ReportError;
-use crate::evaluate::{Character, Errors, Measured, OWN_WEIGHTS};
+use crate::evaluate::{Character, Errors, EvaluateError, Measured, OWN_WEIGHTS};
 use crate::examples::Examples;
 use crate::numeric::columns::largest;
 use crate::page::camera::Camera;
@@ -10,6 +9,7 @@ use crate::page::html::{grouped, paragraph, side_by_side, text};
 use crate::report::comparison::{Comparison, Series};
 use crate::report::pictures::{Paint, Pictures, Shape};
 use crate::space::written;
+use png::EncodingError;
 use sinew_runtime::{Envelope, Skin};
 use std::collections::BTreeSet;
 
@@ -21,6 +21,17 @@ const PERCENT: &str = "% of the diagonal";
 const DEGREES: &str = "degrees";
 /// Colours of near-rigid vertices and of other vertices.
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
+
+/// Reasons why a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A frame could not be skinned.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A picture could not be encoded.
+    #[error("cannot encode a picture: {0}")]
+    Picture(#[from] EncodingError),
+}
 
 /// The truth and every skin in the model's worst frame, with the errors below; then a close-up of the worst vertex.
 pub(super) fn worst_pose(

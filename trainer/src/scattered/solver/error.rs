@@ -1,6 +1,5 @@
 //! Errors of a fit to scattered data.
 
-use super::system::described;
 use crate::regression::function::is_scale_invariant;
 use sinew_runtime::kernel::Kernel;
 
@@ -177,4 +176,26 @@ pub enum DeviationCause {
         /// Options that fit, if they are known.
         other: Option<String>,
     },
+}
+
+/// Formats a reciprocal condition for error messages. Below f64's precision no digit is known.
+pub(crate) fn described(rcond: f64) -> String {
+    if rcond < f64::EPSILON {
+        format!("reciprocal condition below {:.0e}", f64::EPSILON)
+    } else {
+        format!("reciprocal condition {rcond:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::described;
+
+    #[test]
+    fn conditions_below_f64_precision_are_named_so() {
+        assert_eq!(described(3.4e-9), "reciprocal condition 3.4e-9");
+        for rcond in [0.0, 1e-17] {
+            assert_eq!(described(rcond), "reciprocal condition below 2e-16");
+        }
+    }
 }
