@@ -1,12 +1,131 @@
 //! The commands of signals and images: `sinew signal ...`.
 
-mod command;
-mod describe;
-mod fit;
-mod options;
 mod plot;
 mod superres;
 mod train;
 
-pub(super) use command::Command;
-pub(super) use describe::describe;
+use crate::cli::Output;
+use anyhow::Context;
+use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
+use sinew_trainer::signal::covariance::Covariance;
+use sinew_trainer::signal::error::{SignalError, Subject};
+use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
+use sinew_trainer::signal::kriging::Mean;
+use sinew_trainer::signal::kriging::Process;
+use sinew_trainer::signal::table::read_table;
+use std::fmt::Display;
+use std::path::Path;
+
+commands! {
+    Train(train::Train),
+    Superres(superres::Superres),
+    Fit(train::Fit),
+    Plot(plot::PlotArgs),
+}
+
+/// Assumed process of a signal.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Process")]
+struct ProcessArguments {
+    /// Covariance of samples by their distance in samples
+    ///
+    /// auto (the family that predicts left-out samples best; ornstein-uhlenbeck:3 for images), "squared exponential:L",
+    /// "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L", "oscillating:L,T", estimated (from the signal), or a .csv
+    /// of covariances at lags 0, 1, 2, ...
+    #[arg(long, default_value = "auto")]
+    covariance: String,
+    /// Mean of the samples: zero, constant or linear
+    #[arg(long, default_value = "constant", value_parser = mean)]
+    mean: Mean,
+    /// Variance of the noise over that of the signal; above 0 samples are smoothed
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    noise: f64,
+    /// Samples of a CSV are means over the time between them, not values
+    #[arg(long)]
+    averages: bool,
+    /// Number of coarse samples that make a fine sample, odd
+    #[arg(long, value_name = "N", default_value_t = TAPS)]
+    taps: usize,
+}
+
+impl ProcessArguments {
+    /// Returns the process of a signal; warns of a covariance that was clipped.
+    fn process(
+        &self,
+        samples: &[f64],
+        sample: Sample,
+        output: Output,
+        about: &impl Display,
+    ) -> anyhow::Result<Process> {
+        let covariance = match self.covariance.as_str() {
+            "auto" => best(samples, sample)?,
+            "estimated" => clipped(estimated(samples)?, output, about),
+            _ => self.given(Subject::Signal, output)?,
+        };
+        Ok(self.of(covariance))
+    }
+
+    /// Returns the process of images.
+    fn process_of_images(&self, output: Output) -> anyhow::Result<Process> {
+        Ok(self.of(match self.covariance.as_str() {
+            "auto" => of_images(),
+            _ => self.given(Subject::Image, output)?,
+        }))
+    }
+
+    /// Returns the filter of a process.
+    fn filter(
+        &self,
+        process: &Process,
+        factor: usize,
+        sample: Sample,
+    ) -> Result<GridFilter, SignalError> {
+        GridFilter::new(process, self.grid(factor, sample))
+    }
+
+    /// Returns the requested size of the filter.
+    const fn grid(&self, factor: usize, sample: Sample) -> Grid {
+        Grid { factor, taps: self.taps, sample }
+    }
+
+    /// Returns the kind of the samples.
+    fn sample(&self) -> Sample {
+        if self.averages { Sample::Average } else { Sample::Value }
+    }
+
+    fn of(&self, covariance: Covariance) -> Process {
+        Process { covariance, mean: self.mean, noise: self.noise }
+    }
+
+    fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
+        let path = Path::new(&self.covariance);
+        if path.extension().is_none_or(|ending| ending != "csv") {
+            return Ok(Covariance::parse(&self.covariance, subject)?);
+        }
+        let found = read_table(path).with_context(|| path.display().to_string())?;
+        Ok(clipped(found, output, &path.display()))
+    }
+}
+
+/// Warns of a covariance with a spectrum that was partly negative.
+fn clipped(
+    (covariance, share): (Covariance, f64),
+    output: Output,
+    about: &impl Display,
+) -> Covariance {
+    if share > 0.0 {
+        let percent = 100.0 * share;
+        let what = format!(
+            "the covariance was indefinite: {percent:.2} % of its spectrum was negative and is clipped"
+        );
+        output.warn(about, what);
+    }
+    covariance
+}
+
+/// Parses the name of a mean function.
+fn mean(text: &str) -> Result<Mean, String> {
+    let all = [Mean::Zero, Mean::Constant, Mean::Linear];
+    let found = all.into_iter().find(|mean| mean.name() == text);
+    found.ok_or_else(|| "expected zero, constant or linear".to_owned())
+}
