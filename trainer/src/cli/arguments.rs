@@ -1,13 +1,15 @@
 //! Arguments that several commands share, and parsers of their numbers.
 
+use super::OfFile;
 use super::input::read_model;
 use anyhow::Context;
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 use sinew_runtime::Model;
-use sinew_runtime::format::{self, Axis, Space};
+use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::space::{Conversion, SpaceRequest};
+use std::fmt::Display;
 use std::ops::{Bound, RangeBounds};
 use std::path::{Path, PathBuf};
 
@@ -39,7 +41,7 @@ impl ModelArgs {
 /// # Errors
 /// The file cannot be read, or is no model.
 pub(super) fn load(file: &Path) -> anyhow::Result<Model<Vec<u8>>> {
-    Model::from_bytes(read_model(file)?).with_context(|| file.display().to_string())
+    Model::from_bytes(read_model(file)?).of(file)
 }
 
 /// Numbers above 0.
@@ -79,6 +81,21 @@ pub(super) fn count(
     }
 }
 
+/// Makes a parser of names for values. The help and errors list the names.
+pub(super) fn named<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = (&'static str, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let all: Vec<(&str, T)> = all.into_iter().collect();
+    let value = {
+        let all = all.clone();
+        move |name: String| {
+            let found = all.iter().find(|(own, _)| *own == name);
+            found.map(|(_, value)| *value).ok_or("unknown name")
+        }
+    };
+    PossibleValuesParser::new(all.into_iter().map(|(name, _)| name)).try_map(value)
+}
+
 /// Writes a bound of a range, with an exponent if it is very small or large.
 fn short(x: f64) -> String {
     if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
@@ -88,16 +105,18 @@ fn short(x: f64) -> String {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Space of the examples")]
 pub(super) struct StatedSpace {
-    /// Axis along which the character stands: x, -x, y, -y, z or -z [default: from the file; a .npz may lack it]
-    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    /// Axis along which the character stands [default: from the file; a .npz may lack it]
+    #[arg(long, value_name = "AXIS", value_parser = axis(), allow_hyphen_values = true)]
     pub(super) up: Option<Axis>,
     /// Axis along which the character looks [default: from the file]
-    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS", value_parser = axis(), allow_hyphen_values = true)]
     forward: Option<Axis>,
     /// Unit of length in metres: 0.01 for centimetres [default: from the file]
     #[arg(long, value_name = "METRES", value_parser = metres(), allow_negative_numbers = true)]
     unit: Option<f64>,
 }
+
+const HANDS: [Handedness; 2] = [Handedness::Left, Handedness::Right];
 
 /// Space to convert to.
 #[derive(clap::Args)]
@@ -107,63 +126,53 @@ pub(super) struct TargetSpace {
     ///
     /// Unreal takes `--to-up z --to-forward x --to-hand left --to-unit 0.01`, Unity `--to-up y
     /// --to-forward z --to-hand left --to-unit 1`.
-    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS", value_parser = axis(), allow_hyphen_values = true)]
     to_up: Option<Axis>,
     /// Convert: the character then looks along this axis [default: unchanged]
-    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS", value_parser = axis(), allow_hyphen_values = true)]
     to_forward: Option<Axis>,
     /// Convert to axes of this handedness
     ///
     /// If the handedness changes, left and right of the coordinates are exchanged. Triangles are turned over, so that
     /// normals still point outward.
-    #[arg(long, value_name = "HAND")]
+    #[arg(long, value_name = "HAND", value_parser = named(HANDS.map(|hand| (name(hand), hand))))]
     to_hand: Option<Handedness>,
     /// Convert to a unit of this many metres
     #[arg(long, value_name = "METRES", value_parser = metres(), allow_negative_numbers = true)]
     to_unit: Option<f64>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Handedness {
-    Left,
-    Right,
-}
-
 impl StatedSpace {
     /// Sets the space of examples from a file.
-    pub(super) fn set(&self, examples: &mut Examples, file: &str) -> anyhow::Result<()> {
+    pub(super) fn set(&self, examples: &mut Examples, file: impl Display) -> anyhow::Result<()> {
         examples.space = self.of(examples.space, file)?;
         Ok(())
     }
 
     /// Returns the space of a file, with the stated axes and unit.
-    pub(super) fn of(&self, space: Space, file: &str) -> anyhow::Result<Space> {
+    pub(super) fn of(&self, space: Space, file: impl Display) -> anyhow::Result<Space> {
         let Self { up, forward, unit } = *self;
         let unit = unit.map(|unit| unit as f32);
         let request = SpaceRequest { up, forward, handedness: None, unit };
-        request.of(space).with_context(|| file.to_owned())
+        request.of(space).with_context(|| file.to_string())
     }
 }
 
 impl TargetSpace {
     /// Returns the requested axes and unit.
     pub(super) fn request(&self) -> SpaceRequest {
-        let handedness = self.to_hand.map(|hand| match hand {
-            Handedness::Left => format::Handedness::Left,
-            Handedness::Right => format::Handedness::Right,
-        });
         let unit = self.to_unit.map(|unit| unit as f32);
-        SpaceRequest { up: self.to_up, forward: self.to_forward, handedness, unit }
+        SpaceRequest { up: self.to_up, forward: self.to_forward, handedness: self.to_hand, unit }
     }
 
     /// Converts examples from a file; returns the conversion.
     pub(super) fn convert(
         &self,
         examples: &mut Examples,
-        file: &str,
+        file: impl Display,
     ) -> anyhow::Result<Option<Conversion>> {
         let found = Conversion::to(examples.space, &self.request());
-        let (space, conversion) = found.with_context(|| file.to_owned())?;
+        let (space, conversion) = found.with_context(|| file.to_string())?;
         if let Some(conversion) = &conversion {
             examples.convert(conversion, space);
         }
@@ -171,19 +180,18 @@ impl TargetSpace {
     }
 }
 
-fn axis(text: &str) -> Result<Axis, String> {
-    let named = Axis::ALL.into_iter().find(|axis| axis.name() == text);
-    named.ok_or_else(|| "expected x, -x, y, -y, z or -z".to_owned())
+fn axis() -> impl TypedValueParser<Value = Axis> {
+    named(Axis::ALL.map(|axis| (axis.name(), axis)))
 }
 
 fn metres() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
     number(1e-9..=1e9, " metres, as 0.01 for centimetres")
 }
 
-fn name(handedness: format::Handedness) -> &'static str {
+fn name(handedness: Handedness) -> &'static str {
     match handedness {
-        format::Handedness::Left => "left",
-        format::Handedness::Right => "right",
+        Handedness::Left => "left",
+        Handedness::Right => "right",
     }
 }
 

@@ -29,7 +29,10 @@ impl OutputFile {
     ///
     /// # Errors
     /// The path is one of `taken` or no regular file, or its folder is missing or cannot be written to.
-    pub(super) fn new(path: &Path, taken: &[PathBuf]) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        path: &Path,
+        taken: impl IntoIterator<Item = impl AsRef<Path>>,
+    ) -> anyhow::Result<Self> {
         let named = path.to_owned();
         let folder_like = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         let (Some(name), Some(folder), false) = (path.file_name(), path.parent(), folder_like)
@@ -47,12 +50,22 @@ impl OutputFile {
             Ok(there) if !there.is_file() => bail!("{}: it is no file", cannot_write(path)),
             _ => {}
         }
-        if taken.iter().any(|other| other.canonicalize().is_ok_and(|other| other == place)) {
+        let mut taken = taken.into_iter().map(|other| other.as_ref().canonicalize());
+        if taken.any(|other| other.is_ok_and(|other| other == place)) {
             bail!("{}: it is an input", cannot_write(path));
         }
         let target = Self { named, place };
         target.part(&[])?;
         Ok(target)
+    }
+
+    /// Checks the ending, one of `known`.
+    ///
+    /// # Errors
+    /// The file has another ending.
+    pub(super) fn ending_in(self, known: &[&'static str]) -> anyhow::Result<Self> {
+        ending(&self.named, known)?;
+        Ok(self)
     }
 
     /// Checks the ending of a model.
@@ -95,6 +108,21 @@ impl OutputFile {
         let written = PendingFile::create(&self.place)
             .and_then(|mut part| part.file().write_all(bytes).map(|()| part));
         written.with_context(|| cannot_write(&self.named))
+    }
+}
+
+/// Adds the name of a file to errors.
+pub(super) trait OfFile<T> {
+    /// Returns the value, or the error with the name of `file`.
+    fn of(self, file: &Path) -> anyhow::Result<T>;
+}
+
+impl<T, E> OfFile<T> for Result<T, E>
+where
+    Result<T, E>: Context<T, E>,
+{
+    fn of(self, file: &Path) -> anyhow::Result<T> {
+        self.with_context(|| file.display().to_string())
     }
 }
 

@@ -1,16 +1,15 @@
 //! Examples and models: arguments, and reading of their files.
 
-use super::Output;
 use super::arguments::number;
 use super::output::Bars;
+use super::{OfFile, Output};
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Examples, ExamplesError, LoadError, Loaded, RATES, Severity, Source, Split, Warning,
-    hash_file, load, load_importance,
+    self, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, Warning, hash_file,
+    load, load_importance,
 };
 use sinew_trainer::formats::Content;
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -38,7 +37,8 @@ pub(super) struct ExampleArguments {
     /// Clip to read, of a scene or of a .npz that names its clips; repeatable [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Vec<String>,
-    /// Weight of each vertex in fits and errors: one number a vertex (.npy, .txt, .csv) [default: from a .npz, else equal]
+    /// Weight of each vertex in fits and errors: one number a vertex (.npy, .txt, .csv) [default: from a .npz, else
+    /// equal]
     ///
     /// For several files, once for all or once for each in order.
     #[arg(long, value_name = "FILE")]
@@ -85,9 +85,7 @@ impl ExampleArguments {
             let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = importance {
-                let numbers = load_importance(file)?;
-                let weighed = input.examples.weigh(numbers);
-                weighed.with_context(|| file.display().to_string())?;
+                input.examples.weigh(load_importance(file)?).of(file)?;
             }
             files.push((source.file.to_owned(), input.examples, input.clips));
         }
@@ -96,7 +94,7 @@ impl ExampleArguments {
         let (mut examples, clips) = examples::join(files)?;
         if let Some(share) = self.hold_out {
             let rounded = examples.hold_out(share).with_context(|| self.named())?;
-            rounded.iter().for_each(|warning| print(self.named(), warning, output));
+            rounded.iter().for_each(|warning| output.report(self.named(), warning));
             warnings.extend(rounded);
         }
         examples.hold_out_clips(&clips, &self.hold_out_clip).with_context(|| self.named())?;
@@ -131,27 +129,18 @@ impl ExampleArguments {
         let several = self.examples.len() > 1;
         if several && !self.targets.is_empty() && self.targets.len() != scenes {
             let found = self.targets.len();
-            bail!(
-                "--targets: expected one for each scene, in their order: {scenes}, found {found}"
-            );
+            bail!("--targets: expected one for each scene in order: {scenes}, found {found}");
         }
         if let ([_], [_, second, ..]) = (&self.examples[..], &self.targets[..]) {
-            bail!(
-                "--targets {}: there is one file of examples, which has its own",
-                second.display()
-            );
+            let second = second.display();
+            bail!("--targets {second}: there is one file of examples, which has its own");
         }
         let mut targets = self.targets.iter();
         let mut sources = Vec::new();
         for file in &self.examples {
             let own = if several && !is_scene(file) { None } else { targets.next() };
-            let targets = own.map(PathBuf::as_path);
-            sources.push(Source {
-                targets,
-                fps: self.fps,
-                clips: &self.clip,
-                ..Source::file(file)
-            });
+            let (targets, clips) = (own.map(PathBuf::as_path), &self.clip[..]);
+            sources.push(Source { targets, fps: self.fps, clips, ..Source::file(file) });
         }
         Ok(sources)
     }
@@ -172,15 +161,15 @@ impl ExampleArguments {
 
 /// Hashes an input file.
 pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
-    let sha256 = hash_file(file).with_context(|| file.display().to_string())?;
+    let sha256 = hash_file(file).of(file)?;
     let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(InputFile { file: name, sha256 })
 }
 
 /// Converts examples to the space of a model if both are known, and removes seams that the model's skin lacks.
 ///
-/// Examples without a unit take the model's unit; if that is wrong, their rest mesh is refused later. A model that cannot
-/// be loaded is refused by the measurement.
+/// Examples without a unit take the model's unit; if that is wrong, their rest mesh is refused later. A model that
+/// cannot be loaded is refused by the measurement.
 ///
 /// - `skin`: name of the skin; `None` for the model's first.
 pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Option<&str>) {
@@ -201,7 +190,7 @@ pub(super) fn load_motion(
     output: Output,
 ) -> anyhow::Result<Loaded> {
     let input = read(source, output, |source| examples::load_motion(source, mesh))?;
-    input.warnings.iter().for_each(|warning| print(source.file.display(), warning, output));
+    input.warnings.iter().for_each(|warning| output.report(source.file.display(), warning));
     Ok(input)
 }
 
@@ -212,9 +201,8 @@ pub(super) fn move_to(
     rest: &[[f64; 3]],
     output: Output,
 ) -> anyhow::Result<()> {
-    let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
-    if let Some(warning) = moved {
-        print(file.display(), &warning, output);
+    if let Some(warning) = input.examples.move_to(rest).of(file)? {
+        output.report(file.display(), &warning);
     }
     Ok(())
 }
@@ -245,15 +233,7 @@ fn join_warnings(all: &mut Vec<(Warning, Vec<String>)>, file: &Path, warnings: V
 /// Prints warnings, each with the names of its files.
 fn print_all(all: &[(Warning, Vec<String>)], is_printed: fn(&Warning) -> bool, output: Output) {
     for (warning, names) in all.iter().filter(|(warning, _)| is_printed(warning)) {
-        print(names.join(", "), warning, output);
-    }
-}
-
-/// Prints a warning about one or several files.
-fn print(about: impl Display, warning: &Warning, output: Output) {
-    match warning.severity() {
-        Severity::Warning => output.warn(about, warning),
-        Severity::Note => output.note(about, warning),
+        output.report(names.join(", "), warning);
     }
 }
 

@@ -15,9 +15,10 @@ use std::collections::BTreeSet;
 /// Shows the parts, figures and bytes of a model file
 ///
 /// Envelopes predict palettes. Skins are meshes that follow palettes. Kernels are functions of scattered data. Priors
-/// describe which shapes of a face move together. Views are pictures and the pictures between them. Filters make signals
-/// finer. Records hold the training of an envelope. The axes and the unit of the numbers are shown too.
+/// describe which shapes of a face move together. Views are pictures and the pictures between them. Filters make
+/// signals finer. Records hold the training of an envelope. The axes and the unit of the numbers are shown too.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  sinew inspect model.sinew --json")]
 pub(super) struct Inspect {
     #[command(flatten)]
     model: ModelArgs,
@@ -70,16 +71,14 @@ impl Run for Inspect {
 }
 
 fn kind_name(section: &Section<'_>) -> String {
-    SectionKind::from_number(section.row.kind)
-        .map_or_else(|| format!("unknown {}", section.row.kind), |kind| kind.name().to_owned())
+    let known = SectionKind::from_number(section.row.kind).map(SectionKind::name);
+    known.map_or_else(|| format!("unknown {}", section.row.kind), str::to_owned)
 }
 
 fn element_name(section: &Section<'_>) -> String {
-    let known = Element::ALL.into_iter().find(|element| element.number() == section.row.element);
-    known.map_or_else(
-        || format!("unknown {}", section.row.element),
-        |element| element.name().to_owned(),
-    )
+    let number = section.row.element;
+    let known = Element::ALL.into_iter().find(|element| element.number() == number);
+    known.map_or_else(|| format!("unknown {number}"), |element| element.name().to_owned())
 }
 
 fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Report {
@@ -104,12 +103,9 @@ fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Report {
     });
     let certificate = envelope.certificate();
     let diagonal = certificate.diagonal;
-    let mut errors = Report::default().text("certificate: RMS error, % of the diagonal").figure(
-        "diagonal",
-        "diagonal of the rest mesh",
-        diagonal,
-        "units",
-    );
+    let mut errors =
+        Report::default().figure("diagonal", "diagonal of the rest mesh", diagonal, "units");
+    errors = errors.text("certificate: RMS error, % of the diagonal");
     for (key, label, rms) in [
         ("training_rms", "training frames", Some(certificate.training_rms)),
         ("same_clips_rms", "more of these clips", Some(certificate.same_clips_rms)),

@@ -30,9 +30,9 @@ mod report;
 mod signal;
 mod views;
 
-use arguments::{ModelArgs, POSITIVE, StatedSpace, count, load, number, space_as_json};
+use arguments::{ModelArgs, POSITIVE, StatedSpace, count, load, named, number, space_as_json};
 use clap::{CommandFactory, FromArgMatches, Parser};
-use files::{OutputFile, ending};
+use files::{OfFile, OutputFile, ending};
 use output::{Bars, Output, counted, in_a_line, printable, tell};
 use report::{COLUMNS, Report, table};
 use std::process::ExitCode;
@@ -53,22 +53,22 @@ commands! {
     /// Turns scattered data into functions
     ///
     /// Functions turn poses into shapes, or any numbers into others.
-    #[command(subcommand)]
+    #[command(subcommand, after_help = "Example:\n  sinew kernel train wrist.json -o wrist.sinew")]
     Kernel(kernel::Command),
     /// Drags a few points of a face and lets the rest follow
     ///
     /// The rest moves as in a recorded take.
-    #[command(subcommand)]
+    #[command(subcommand, after_help = "Example:\n  sinew face train --basis head.npz -o head.sinew")]
     Face(face::Command),
     /// Makes pictures between pictures, from a few views of an object
     ///
     /// The views have matched points; any other view follows from them.
-    #[command(subcommand)]
+    #[command(subcommand, after_help = "Example:\n  sinew views demo demo")]
     Views(views::Command),
     /// Makes signals and images finer, and functions of observations
     ///
     /// Observations are values, derivatives and averages.
-    #[command(subcommand)]
+    #[command(subcommand, after_help = "Example:\n  sinew signal superres in.png --factor 2 -o out.png")]
     Signal(signal::Command),
 }
 
@@ -76,7 +76,7 @@ commands! {
 /// that file against linear blend skinning (LBS).
 #[derive(Parser)]
 #[command(name = "sinew", version, arg_required_else_help = true, max_term_width = COLUMNS)]
-#[command(after_help = "Start with `sinew demo`: it needs no input.\n\
+#[command(after_help = "Example, which needs no input:\n  sinew demo\n\n\
     Exit status: 0 done, 1 failed (bad input, or a file that cannot be written), 2 bad usage.")]
 struct Cli {
     #[command(subcommand)]
@@ -163,17 +163,17 @@ mod tests {
     }
 
     #[test]
-    fn every_help_leads_to_the_words() {
-        fn check(mut command: clap::Command) {
-            let own = command.get_after_help().map(|own| own.to_string()).unwrap_or_default();
-            let help = command.render_long_help().to_string();
-            // Lines are broken where the terminal's are.
-            let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(plain(&help).ends_with(&plain(&format!("{own} {WORDS}"))), "{help}");
-            // The library adds one of its own.
-            let own = command.get_subcommands().filter(|command| command.get_name() != "help");
-            own.cloned().for_each(check);
-        }
-        check(explained(Cli::command()));
+    fn every_help_has_an_example_and_leads_to_the_words() {
+        // Lines are broken at the width of the terminal.
+        let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        each(explained(Cli::command()), &mut |name, command| {
+            // The library adds the command `help`.
+            if !name.contains(" help") {
+                let own = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+                let help = command.clone().render_long_help().to_string();
+                let words = plain(&format!("{own} {WORDS}"));
+                assert!(own.contains("Example") && plain(&help).ends_with(&words), "{help}");
+            }
+        });
     }
 }

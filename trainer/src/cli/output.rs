@@ -3,6 +3,7 @@
 use super::report::Report;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use sinew_trainer::examples::{Severity, Warning};
 use sinew_trainer::progress::Progress;
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -47,6 +48,14 @@ impl Output {
     pub(super) fn note(self, about: impl Display, note: impl Display) {
         if !self.quiet {
             tell(&format!("note: {about}: {note}"));
+        }
+    }
+
+    /// Prints a warning or note about one or several files.
+    pub(super) fn report(self, about: impl Display, warning: &Warning) {
+        match warning.severity() {
+            Severity::Warning => self.warn(about, warning),
+            Severity::Note => self.note(about, warning),
         }
     }
 

@@ -66,15 +66,13 @@ impl Report {
 
     /// Adds a figure that the table shows in other words.
     pub(super) fn shown(
-        mut self,
+        self,
         key: &str,
         label: &str,
         value: impl Serialize,
         text: impl Into<String>,
     ) -> Self {
-        let content = Content::Figure(json!(value), text.into());
-        self.rows.push(Row { key: key.to_owned(), label: label.to_owned(), content });
-        self
+        self.row(key, label, Content::Figure(json!(value), text.into()))
     }
 
     /// Adds a value that is too long for the table.
@@ -89,25 +87,20 @@ impl Report {
 
     /// Shows a value of the JSON in the table too, below the rows so far. Values that are absent or null are not shown.
     pub(super) fn show(mut self, key: &str, label: &str, unit: &str) -> Self {
-        let place = self.rows.iter().position(|row| row.key == key);
-        let Some(Row { content: Content::Figure(value, _), .. }) =
-            place.map(|place| &self.rows[place])
-        else {
-            return self;
-        };
-        if value.is_null() {
-            return self;
+        let found = self.rows.extract_if(.., |row| {
+            matches!(&row.content, Content::Figure(value, _) if row.key == key && !value.is_null())
+        });
+        match found.last() {
+            Some(Row { content: Content::Figure(value, _), .. }) => {
+                self.figure(key, label, value, unit)
+            }
+            _ => self,
         }
-        let value = value.clone();
-        self.rows.retain(|row| row.key != key);
-        self.figure(key, label, value, unit)
     }
 
     /// Adds a nested object.
-    pub(super) fn part(mut self, key: &str, part: Report) -> Self {
-        let content = Content::Part(part);
-        self.rows.push(Row { key: key.to_owned(), label: String::new(), content });
-        self
+    pub(super) fn part(self, key: &str, part: Report) -> Self {
+        self.row(key, "", Content::Part(part))
     }
 
     /// Adds a nested object, or null.
@@ -119,9 +112,12 @@ impl Report {
     }
 
     /// Adds a list. Items with titles are blocks of text, items without are rows of a table.
-    pub(super) fn list(mut self, key: &str, items: impl IntoIterator<Item = Report>) -> Self {
-        let content = Content::List(items.into_iter().collect());
-        self.rows.push(Row { key: key.to_owned(), label: String::new(), content });
+    pub(super) fn list(self, key: &str, items: impl IntoIterator<Item = Report>) -> Self {
+        self.row(key, "", Content::List(items.into_iter().collect()))
+    }
+
+    fn row(mut self, key: &str, label: &str, content: Content) -> Self {
+        self.rows.push(Row { key: key.to_owned(), label: label.to_owned(), content });
         self
     }
 

@@ -366,7 +366,7 @@ fn meshes_that_skinning_makes_are_warned_of() {
     set.write(&folder.path("plain.npz"));
     let train = "train plain.npz -o plain.sinew --predictor kernel --proxies 2";
     let run = folder.sinew(train);
-    let expected = "sinew: warning: plain.npz: the meshes are what linear blend skinning makes of them, which ";
+    let expected = "sinew: warning: plain.npz: linear blend skinning gives these meshes to within ";
     assert!(run.code == Some(0) && run.err.starts_with(expected), "{}", run.err);
     assert_eq!(run.err.lines().count(), 1, "{}", run.err);
     let record = folder.sinew(&format!("{train} --quiet --json")).json();

@@ -168,7 +168,7 @@ fn signals_that_nothing_can_be_made_of_are_refused_and_a_constant_stays() {
         "a factor and a model exclude each other"
     );
     let missing = folder.sinew("signal superres s.csv --factor 2 -o out.csv").failed();
-    assert_eq!(missing, "of a .csv --column NAME is needed");
+    assert_eq!(missing, "a .csv needs --column NAME");
     let other = folder.sinew("signal superres s.csv --column a --factor 2 -o out.png").failed();
     assert_eq!(other, "out.png: expected a file that ends in .csv");
 }
@@ -279,7 +279,7 @@ fn images_that_cannot_be_read_or_are_too_small_are_refused() {
     assert_eq!(small, "in.png: 3 samples are fewer than a window's 7: take fewer taps");
     superres("--taps 3").done();
     let other = superres("--column a").failed();
-    assert_eq!(other, "--column, --variance and --averages are of a .csv");
+    assert_eq!(other, "--column, --variance and --averages are for a .csv");
     let estimated = superres("--covariance estimated").failed();
     let expected =
         "there is no covariance \"estimated\" for an image: expected auto, a table (.csv), or ";

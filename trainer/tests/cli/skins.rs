@@ -158,7 +158,7 @@ fn spaces_that_cannot_be_are_refused_with_the_flag_that_helps() {
         "--to-hand both",
     ] {
         let run = folder.sinew(&format!("{TRAIN} {flags}"));
-        let is_told = run.err.contains("expected ") || run.err.contains("possible values: left");
+        let is_told = run.err.contains("expected ") || run.err.contains("possible values: ");
         assert!(run.code == Some(2) && is_told, "{flags}: {}", run.err);
     }
     let clip = "export demo.sinew --clip demo.npz -o out.glb";

@@ -17,6 +17,9 @@ use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::report::{Page, PictureOptions};
 use std::path::{Path, PathBuf};
 
+/// The demo has no inputs.
+const NONE: [&Path; 0] = [];
+
 /// Maximum number of positions in all frames together, 2.4 GB of positions.
 const POSITIONS_MAX: usize = 100_000_000;
 
@@ -80,7 +83,7 @@ impl Run for Demo {
             Some(folder) => folder.join("report.html"),
             None => std::env::temp_dir().join("sinew-demo.html"),
         };
-        let page_file = OutputFile::new(&page, &[])?;
+        let page_file = OutputFile::new(&page, NONE)?;
         let examples = self.size.generate(output)?;
         let train = |fit: &train::FitArguments| {
             let sound = Sound::new(&examples, &Silent)?;
@@ -135,9 +138,9 @@ fn report(
 fn prepare(folder: &Path) -> anyhow::Result<OutputFile> {
     files::make_folder(folder)?;
     for examples in ["demo.npz", "demo.json"] {
-        OutputFile::new(&folder.join(examples), &[])?;
+        OutputFile::new(&folder.join(examples), NONE)?;
     }
-    OutputFile::new(&folder.join("demo.sinew"), &[])
+    OutputFile::new(&folder.join("demo.sinew"), NONE)
 }
 
 /// Writes the demo's rig and meshes as an artist exports them
@@ -159,8 +162,8 @@ impl Run for ExportDemo {
         let folder = &self.folder;
         files::make_folder(folder)?;
         let [glb, pc2] = ["demo.glb", "demo.pc2"].map(|name| folder.join(name));
-        let target = OutputFile::new(&glb, &[])?;
-        OutputFile::new(&pc2, &[])?;
+        let target = OutputFile::new(&glb, NONE)?;
+        OutputFile::new(&pc2, NONE)?;
         let (examples, clips) = by_use(self.size.generate(output)?);
         let bytes = demo_glb(&examples, &clips)?;
         save_pc2(&pc2, examples.vertex_len(), &examples.vertices)?;

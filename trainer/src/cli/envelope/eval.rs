@@ -2,10 +2,10 @@
 
 use super::table;
 use crate::cli::{
-    Bars, ModelArgs, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, files, input, number,
+    Bars, ModelArgs, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, files, input, named,
+    number,
 };
 use anyhow::{Context, bail};
-use clap::ValueEnum;
 use sinew_trainer::evaluate::{
     Character, EvaluateError, Evaluation, Frames, NOTHING, SkinnedFrame, Told, skin,
 };
@@ -14,15 +14,15 @@ use std::path::{Path, PathBuf};
 
 /// Measures a model on examples, beside linear blend skinning
 ///
-/// The command runs MODEL on the poses of EXAMPLES and measures the distance from their meshes, in % of the diagonal, and
-/// in millimetres if MODEL or EXAMPLES have a unit.
+/// The command runs MODEL on the poses of EXAMPLES and measures the distance from their meshes, in % of the diagonal,
+/// and in millimetres if MODEL or EXAMPLES have a unit.
 ///
 /// The runtime evaluates the file's bytes in f32, as in an engine. Baselines are measured on the same frames. "LBS,
 /// fitted" has 4 influences a vertex, as training fitted them. "own weights" is LBS by the joint weights that come with
 /// the mesh, if EXAMPLES have any. EXAMPLES may hold new poses only: the model records its training frames. Normals are
-/// measured by their angle to the true normals, which are area-weighted means of the true mesh's triangles, over the area
-/// of the rest pose. Examples in other axes or another unit are converted to those of the model, if both are known.
-/// Errors in % of the diagonal do not depend on the axes or the unit.
+/// measured by their angle to the true normals, which are area-weighted means of the true mesh's triangles, over the
+/// area of the rest pose. Examples in other axes or another unit are converted to those of the model, if both are
+/// known. Errors in % of the diagonal do not depend on the axes or the unit.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  sinew eval model.sinew walk.npz --split all")]
 pub(in crate::cli) struct Eval {
@@ -49,39 +49,24 @@ pub(super) struct MeasuredArgs {
     /// Skin whose mesh the examples have [default: the model's first]
     #[arg(long, value_name = "NAME")]
     pub(super) skin: Option<String>,
-    /// Frames to measure [default: held-out, else frames that training has not read, else all]
-    #[arg(long, value_enum)]
-    pub(super) split: Option<SplitName>,
+    /// Frames to measure [default: held-out, else new, else all]
+    ///
+    /// The fit reads `train` frames and never `held-out` frames. `new` frames are frames that training has not read, as
+    /// recorded in the model. `extreme` frames are beyond the range of motion of the training frames.
+    #[arg(long, value_parser = named(SPLITS))]
+    pub(super) split: Option<Frames>,
     #[command(flatten)]
     pub(super) input: input::ExampleArguments,
 }
 
 /// Frames by their use.
-#[derive(Clone, Copy, ValueEnum)]
-pub(super) enum SplitName {
-    /// Frames that the fit reads
-    Train,
-    /// Frames that the fit never reads
-    HeldOut,
-    /// Frames that training has not read, as recorded in the model
-    New,
-    /// Frames beyond the range of motion of the training frames
-    Extreme,
-    /// All frames
-    All,
-}
-
-impl SplitName {
-    pub(super) fn frames(self) -> Frames {
-        match self {
-            SplitName::Train => Frames::Of(Split::Train),
-            SplitName::HeldOut => Frames::Of(Split::HeldOut),
-            SplitName::Extreme => Frames::Of(Split::Extreme),
-            SplitName::New => Frames::New,
-            SplitName::All => Frames::All,
-        }
-    }
-}
+const SPLITS: [(&str, Frames); 5] = [
+    ("train", Frames::Of(Split::Train)),
+    ("held-out", Frames::Of(Split::HeldOut)),
+    ("new", Frames::New),
+    ("extreme", Frames::Of(Split::Extreme)),
+    ("all", Frames::All),
+];
 
 impl MeasuredArgs {
     /// Loads the examples, in the space of a model.
@@ -92,7 +77,7 @@ impl MeasuredArgs {
         output: Output,
     ) -> anyhow::Result<Loaded> {
         let mut loaded = self.input.load_to_measure(output)?;
-        space.set(&mut loaded.examples, &self.input.named())?;
+        space.set(&mut loaded.examples, self.input.named())?;
         input::convert_to_model(&mut loaded.examples, model, self.skin.as_deref());
         Ok(loaded)
     }
@@ -167,7 +152,7 @@ impl Run for Eval {
         let known = (&character, &recorded);
         measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
         let usual = || Frames::usual(&examples, &recorded);
-        let frames = measured.split.map_or_else(usual, SplitName::frames);
+        let frames = measured.split.unwrap_or_else(usual);
         let evaluation = Evaluation::of((&character, model.len()), &recorded, &examples, frames)
             .map_err(blamed)?;
         let chosen = frames.of(&examples, &recorded);

@@ -25,30 +25,33 @@ use std::path::{Path, PathBuf};
 /// keys, and the mesh is skinned to them. Each clip becomes an animation, at the clip's times and in the units of the
 /// examples (glTF takes metres). A helper scales along its own axes, which takes two nodes: proxy_N moves, turns and
 /// scales, and proxy_N_axes, the joint of the skin, turns the axes back. An engine must multiply the matrices of the
-/// nodes, as glTF requires; an engine that keeps only translation, rotation and scale of each joint in model space loses
-/// the shear.
+/// nodes, as glTF requires; an engine that keeps only translation, rotation and scale of each joint in model space
+/// loses the shear.
 ///
-/// Keys are at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has two
-/// neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene. Joints are
-/// then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps disables this.
+/// Keys are at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
+/// two neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene.
+/// Joints are then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps
+/// disables this.
 ///
 /// If CLIP is a scene, its meshes keep names, materials and textures: everything from a GLB or glTF; from an FBX names,
 /// base colours, and pictures in its folder.
 ///
 /// Normals are shaded by the joints alone, as in engines: glTF has no place for the model's tangent coefficients.
 ///
-/// Meshes given with --also follow the exported joints, so that one prediction drives every level of detail. With --into
-/// they are added to the artist's file.
+/// Meshes given with --also follow the exported joints, so that one prediction drives every level of detail. With
+/// --into they are added to the artist's file.
 ///
-/// glTF is right-handed: motion of a left-handed model is mirrored. If the model's axes and unit are known, the armature
-/// turns and scales the character to glTF's space (y up, facing z, metres), or to that of --to-up, --to-forward and
-/// --to-unit. Otherwise the character stands as in the model, and `--up z` turns a character that stands along z upright.
+/// glTF is right-handed: motion of a left-handed model is mirrored. If the model's axes and unit are known, the
+/// armature turns and scales the character to glTF's space (y up, facing z, metres), or to that of --to-up,
+/// --to-forward and
+/// --to-unit. Otherwise the character stands as in the model, and `--up z` turns a character that stands along z
+/// upright.
 ///
 /// With --into, everything goes into the artist's own GLB or glTF, and the rest of that file is unchanged: materials,
 /// textures, morph targets, other meshes and animations, extras and extensions. Meshes with the model's vertices, found
 /// by position in any axes and unit, get its joints and weights. The file's joints, found by name, get keys, and the
-/// helpers are added under them. Such a mesh moves to the root of the scene, where glTF wants skinned meshes. Animations
-/// of the file keep their names; they move the helpers with their joints only.
+/// helpers are added under them. Such a mesh moves to the root of the scene, where glTF wants skinned meshes.
+/// Animations of the file keep their names; they move the helpers with their joints only.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  sinew export model.sinew --clip walk.glb -o out.glb")]
 pub(in crate::cli) struct ExportArgs {
@@ -80,8 +83,8 @@ pub(in crate::cli) struct ExportArgs {
     into: Option<PathBuf>,
     /// Replace the prefix FROM of joint names by TO, as `mixamorig:=`; repeatable
     ///
-    /// Names in CLIP and in the files of --mesh and --into then match the model's. An empty FROM adds a prefix, an empty
-    /// TO removes one.
+    /// Names in CLIP and in the files of --mesh and --into then match the model's. An empty FROM adds a prefix, an
+    /// empty TO removes one.
     #[arg(long, value_name = "FROM=TO", value_parser = renaming, allow_hyphen_values = true)]
     #[arg(help_heading = "Names of joints")]
     rename_joints: Vec<(String, String)>,
@@ -120,7 +123,7 @@ impl Run for ExportArgs {
         };
         let mut input = self.poses(names, output)?;
         begin_at_zero(&mut input.clips, &self.clip, output);
-        self.space.set(&mut input.examples, &self.clip.display().to_string())?;
+        self.space.set(&mut input.examples, self.clip.display())?;
         let conversion = input.examples.convert_to(&character.space);
         let levels = self.further.load(conversion.as_ref(), &character.space, output)?;
         input::move_to(&mut input, &self.clip, &rest(&character.skin), output)?;

@@ -1,6 +1,6 @@
 //! `sinew report`: a page that shows the error of a model, with pictures.
 
-use super::eval::{MeasuredArgs, SplitName};
+use super::eval::MeasuredArgs;
 use super::table;
 use crate::cli::{Bars, Output, OutputFile, Report, Run, StatedSpace, files, input};
 use anyhow::Context;
@@ -15,11 +15,12 @@ use std::path::{Path, PathBuf};
 /// The page has pictures, charts and tables in one HTML file, in % of the diagonal, and in millimetres if MODEL or
 /// EXAMPLES have a unit.
 ///
-/// The page shows the worst pose beside the truth and the baselines of `sinew eval`, each shaded with its own normals. It
-/// shows maps of the error and of the angle of the normals on the skin; errors by frame, by joint and by size; and the
-/// model's confidence. It trains the model's predictor again with fewer and with more helpers, and shows their errors.
-/// Every number is measured as by `sinew eval`. The page needs no network and no script. In the pictures the character
-/// stands along the axis of --up or of the examples' file, else along z if it is longest along z, else along y.
+/// The page shows the worst pose beside the truth and the baselines of `sinew eval`, each shaded with its own normals.
+/// It shows maps of the error and of the angle of the normals on the skin; errors by frame, by joint and by size; and
+/// the model's confidence. It trains the model's predictor again with fewer and with more helpers, and shows their
+/// errors. Every number is measured as by `sinew eval`. The page needs no network and no script. In the pictures the
+/// character stands along the axis of --up or of the examples' file, else along z if it is longest along z, else along
+/// y.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  sinew report model.sinew walk.npz -o report.html --quick")]
 pub(in crate::cli) struct ReportArgs {
@@ -105,8 +106,7 @@ impl Run for ReportArgs {
         let source_name = files.join(", ");
         let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
         let file = NamedModel { name, bytes: &bytes, skin };
-        let frames = measured.split.map(SplitName::frames);
-        let mut comparison = Comparison::new(source, frames, file)
+        let mut comparison = Comparison::new(source, measured.split, file)
             .map_err(|error| blamed(error, &measured.model.file))?;
         if let Some((path, bytes)) = compared {
             let file = NamedModel { name: other_name, bytes, skin };

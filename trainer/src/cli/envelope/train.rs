@@ -92,9 +92,9 @@ pub(in crate::cli) struct FitArguments {
     unrefined: bool,
     /// Fit the rotational predictor exactly as published in S3, as a reference for the others
     ///
-    /// W and u are fitted by alternation, scale and shear with a bias. Vertices are near-rigid below a threshold of their
-    /// error under LBS. Every merge of helpers fits weights and transforms anew, and there is no refinement. The rest
-    /// pose is not exact, and half of the file's helpers carry the bias.
+    /// W and u are fitted by alternation, scale and shear with a bias. Vertices are near-rigid below a threshold of
+    /// their error under LBS. Every merge of helpers fits weights and transforms anew, and there is no refinement. The
+    /// rest pose is not exact, and half of the file's helpers carry the bias.
     #[arg(long, conflicts_with = "unrefined")]
     published: bool,
     /// Maximum size of the model's file, as 300000, 300kB (of 1000) or 300KiB (of 1024)
@@ -219,8 +219,7 @@ impl Run for Train {
             bail!("cannot write {}: model and record are one file", self.output.display());
         }
         let mut hashes = self.input.hashes()?;
-        let loaded = self.input.load_to_check(output)?;
-        let Loaded { mut examples, clips, warnings } = loaded;
+        let Loaded { mut examples, clips, warnings } = self.input.load_to_check(output)?;
         // The check reports the findings of validation itself.
         let own = warnings.iter().filter(|warning| !warning.is_of_validation());
         let mut recorded: Vec<String> = own.map(ToString::to_string).collect();
@@ -235,8 +234,9 @@ impl Run for Train {
             }
         };
         further.check_names()?;
-        hashes
-            .extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
+        for file in also {
+            hashes.push(input::hash(file)?);
+        }
         let (checked, sound) = judge(&examples, &clips, &Silent).with_context(|| source.clone())?;
         // Kernel maps do not jump at half turns.
         let FitArguments { predictor, published, .. } = self.fit;
@@ -265,7 +265,10 @@ impl Run for Train {
         let is_left_out = |frame: &usize| report.left_out.iter().any(|out| out.frame == *frame);
         let mut fitted_to = examples.frames_of(Split::Train);
         fitted_to.retain(|frame| !is_left_out(frame));
-        let range = |(name, range): &(String, std::ops::Range<usize>)| json!({ "name": name, "start": range.start, "end": range.end });
+        let ranges = examples
+            .ranges
+            .iter()
+            .map(|(name, range)| json!({ "name": name, "start": range.start, "end": range.end }));
         let mut record = Report::default()
             .json("sinew", env!("CARGO_PKG_VERSION"))
             .json("inputs", hashes)
@@ -281,7 +284,7 @@ impl Run for Train {
             .json("held_out_frames", examples.frames_of(Split::HeldOut))
             .json("extreme_frames", examples.frames_of(Split::Extreme))
             .json("diagonal", examples.diagonal())
-            .json("ranges", examples.ranges.iter().map(range).collect::<Vec<_>>())
+            .json("ranges", ranges.collect::<Vec<_>>())
             .json("source_space", space_as_json(&from))
             .json("space", space_as_json(&examples.space))
             .json("options", &self.fit)
@@ -345,9 +348,8 @@ fn no_gain(forecast: f64, lbs: f64, diagonal_mm: Option<f64>, is_known: bool) ->
 /// - `lbs`: error of LBS in % of the diagonal.
 fn nothing(lbs: f64) -> String {
     format!(
-        "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
-         nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \
-         correctives make"
+        "linear blend skinning gives these meshes to within {lbs:.6} % of the diagonal: there is nothing to learn, and \
+         skinning alone does as well; give meshes of muscles, a simulation or correctives"
     )
 }
 
@@ -374,7 +376,7 @@ fn hardly(forecast: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
     };
     let then = match lbs <= 100.0 * UNSEEN && is_tied {
         true => "skinning alone does as well, and nobody sees so small an error",
-        false => "`sinew check` tells what the examples lack",
+        false => "`sinew check` shows the gaps of the examples",
     };
     Some(format!(
         "the model is {how} than linear blend skinning on poses that it has not seen: {figures}; {then}"
@@ -407,21 +409,21 @@ mod tests {
 
     #[test]
     fn equal_figures_are_not_called_worse() {
-        let said = |validated, lbs| hardly(validated, lbs, None).unwrap();
-        let tie = said(0.009_512, 0.009_498);
+        let warning = |validated, lbs| hardly(validated, lbs, None).unwrap();
+        let tie = warning(0.009_512, 0.009_498);
         assert!(
             tie.contains("is no better than linear") && tie.contains("both are off by 0.0095 % of"),
             "{tie}"
         );
         assert!(tie.contains("skinning alone does as well"), "{tie}");
-        let tie = said(0.5004, 0.5);
+        let tie = warning(0.5004, 0.5);
         assert!(
             tie.contains("no better") && tie.contains("0.5004 %") && tie.contains("by 0.5000 %"),
             "{tie}"
         );
         assert!(
-            said(0.6, 0.5).contains("is worse than")
-                && said(0.46, 0.5).contains("hardly better than")
+            warning(0.6, 0.5).contains("is worse than")
+                && warning(0.46, 0.5).contains("hardly better than")
         );
         assert_eq!(hardly(0.4, 0.5, None), None);
         let known = hardly(0.6, 0.5, Some(2000.0)).unwrap();
@@ -429,8 +431,11 @@ mod tests {
             known.contains("0.6000 % (12.000 mm)") && known.contains("0.5000 % (10.000 mm)"),
             "{known}"
         );
-        let said = |lbs, known| no_gain(0.5, lbs, None, known).unwrap();
-        assert!(said(0.0, false).contains("nothing to learn") && said(0.0, true).contains("worse"));
+        let warning = |lbs, known| no_gain(0.5, lbs, None, known).unwrap();
+        assert!(
+            warning(0.0, false).contains("nothing to learn")
+                && warning(0.0, true).contains("worse")
+        );
         assert_eq!(no_gain(0.0, 0.0, None, true), None);
     }
 }

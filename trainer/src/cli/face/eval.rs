@@ -1,8 +1,8 @@
 //! `sinew face eval` and `report`: accuracy of a few handles, as a table or as a page.
 
 use super::input::{self, TakeFile};
-use crate::cli::{ModelArgs, Output, OutputFile, Report, Run, count, table};
-use anyhow::{Context, bail};
+use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, count, table};
+use anyhow::bail;
 use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::evaluate::{Evaluation, Protocol};
 use sinew_trainer::face::outline;
@@ -14,10 +14,11 @@ use std::path::PathBuf;
 /// Measures how near a few dragged landmarks bring a whole face
 ///
 /// The command drags landmarks of MODEL to their positions in a take, and measures the distance of the whole face from
-/// the take: with the prior, and with the slider norm, in which weights are independent. Lengths are in the face's unit.
+/// the take: with the prior, and with the slider norm, in which weights are independent. Lengths are in the face's
+/// unit.
 ///
-/// Handles are drawn ten times from the face's landmarks. The slider norm and the prior each use their best tolerance on
-/// the frames that --frames leaves out.
+/// Handles are drawn ten times from the face's landmarks. The slider norm and the prior each use their best tolerance
+/// on the frames that --frames leaves out.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  sinew face eval head.sinew --animation other_take.csv --handles 3,8"
@@ -69,19 +70,21 @@ impl Measured {
         output: Output,
         use_of: impl FnOnce(&Protocol<'_>, &Evaluation) -> anyhow::Result<T>,
     ) -> anyhow::Result<T> {
-        let about = || self.model.named();
         let model = self.model.load()?;
         let face = self.model.face(&model)?;
         let landmarks = self.model.outline(&face)?.landmarks;
         if landmarks.is_empty() {
-            bail!("{}: the face has no landmarks: give them to `train` by --landmarks", about());
+            bail!(
+                "{}: the face has no landmarks: give them to `train` by --landmarks",
+                self.model.file.display()
+            );
         }
         let [slider, slider_mean] = input::slider_models(&model, &face)?;
         let file = TakeFile { path: &self.animation, is_percent: self.percent };
         let take = input::take(file, &face.names(), output)?;
         let range = input::within(self.frames, take.file_len());
         let frames = take.pick(&range, self.from, self.every);
-        let frames = frames.with_context(|| self.animation.display().to_string())?;
+        let frames = frames.of(&self.animation)?;
         let lost_frames = range.len() - take.every(&range, 0, 1).len();
         let left_out = [0..range.start, range.end..take.file_len()];
         let chosen_on = left_out.iter().map(|range| take.every(range, self.from, self.every));
@@ -95,7 +98,7 @@ impl Measured {
             frames,
             lost_frames,
         };
-        let evaluation = protocol.run(&self.handles).with_context(about)?;
+        let evaluation = protocol.run(&self.handles).of(&self.model.file)?;
         use_of(&protocol, &evaluation)
     }
 
@@ -174,10 +177,9 @@ impl Run for ReportArgs {
         let (face_file, take) = (&measured.model.file, &measured.animation);
         let taken = [face_file.clone(), outline::beside(face_file), take.clone()];
         let target = OutputFile::new(page, &taken)?.of_a_report()?;
-        let about = || measured.model.named();
         let model = measured.model.load()?;
         let outline = measured.model.outline(&measured.model.face(&model)?)?;
-        let mesh = outline.faces().with_context(about)?;
+        let mesh = outline.faces().of(&measured.model.file)?;
         let space = model.space();
         let (html, evaluation) = measured.measure(output, |protocol, evaluation| {
             let vertices = protocol.vertices.clone();
@@ -185,7 +187,7 @@ impl Run for ReportArgs {
             let take = take.file_name().unwrap_or_default().to_string_lossy();
             let page =
                 report::Report { protocol, evaluation, photographer: &photographer, take: &take };
-            Ok((page.html().with_context(about)?, evaluation.clone()))
+            Ok((page.html().of(&measured.model.file)?, evaluation.clone()))
         })?;
         Report::of(&evaluation).write(&target, html.as_bytes())
     }

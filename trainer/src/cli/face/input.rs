@@ -1,7 +1,6 @@
 //! Faces, takes and ranges: arguments, and reading of their files.
 
-use crate::cli::{ModelArgs, Output, counted, printable};
-use anyhow::Context;
+use crate::cli::{ModelArgs, OfFile, Output, counted, printable};
 use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
 use sinew_trainer::envelope::model::{FileModel, PriorModel, SkinModel};
@@ -24,28 +23,14 @@ pub(super) struct TakeFile<'a> {
     pub(super) is_percent: bool,
 }
 
-/// Weights that a solve stays near to.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum AnchorName {
-    /// Stay near the current weights
-    Current,
-    /// Stay near the mean of the take
-    Mean,
-}
-
-impl AnchorName {
-    pub(super) const fn anchor(self) -> Anchor {
-        match self {
-            Self::Current => Anchor::Current,
-            Self::Mean => Anchor::Mean,
-        }
-    }
-}
+/// Weights that a solve stays near to: the current weights, or the mean of the take.
+pub(super) const ANCHORS: [(&str, Anchor); 2] =
+    [("current", Anchor::Current), ("mean", Anchor::Mean)];
 
 impl ModelArgs {
     /// Finds the face of a model.
     pub(super) fn face<'a>(&self, model: &'a Model<Vec<u8>>) -> anyhow::Result<BakedFace<'a>> {
-        BakedFace::open(model).with_context(|| self.named())
+        BakedFace::open(model).of(&self.file)
     }
 
     /// Reads the mesh beside the file.
@@ -78,7 +63,7 @@ pub(super) fn slider_models(
 /// Reads a take of a face. Warns of lost rows, of columns without a shape, and of weights that look like percent.
 pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> anyhow::Result<Take> {
     let TakeFile { path, is_percent } = file;
-    let mut read = take::read(path, shapes).with_context(|| path.display().to_string())?;
+    let mut read = take::read(path, shapes).of(path)?;
     if !read.skipped.is_empty() {
         let skipped = listed(read.skipped.iter().map(|name| printable(name)));
         let what = format!("columns that the face has no shape for are left out: {skipped}");

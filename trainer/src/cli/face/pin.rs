@@ -1,14 +1,15 @@
 //! `sinew face pin`: a few dragged points, and the face that follows.
 
-use super::input::{self, AnchorName, TakeFile};
+use super::input::{self, ANCHORS, TakeFile};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::{
-    ModelArgs, Output, OutputFile, POSITIVE, Report, Run, count, files, number, table,
+    ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, count, files, named, number,
+    table,
 };
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::Model;
-use sinew_runtime::prior::Edit;
+use sinew_runtime::prior::{Anchor, Edit};
 use sinew_trainer::face::baked::{BakedFace, Shaped, SolveOptions};
 use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::picture::{Paint, Photographer};
@@ -61,9 +62,9 @@ struct SolveArgs {
     /// Keep weights between 0 and 1
     #[arg(long)]
     bounded: bool,
-    /// Weights that change as little as possible
-    #[arg(long, value_enum, default_value = "current")]
-    anchor: AnchorName,
+    /// Weights to stay near to: the current weights, or the mean of the take
+    #[arg(long, value_parser = named(ANCHORS), default_value = "current")]
+    anchor: Anchor,
     /// Use independent weights (the slider norm), for comparison with the learned prior
     #[arg(long)]
     slider: bool,
@@ -85,23 +86,22 @@ impl Run for Pin {
         let path = &self.model.file;
         let target = OutputFile::new(&self.output, &[path.clone(), outline::beside(path)])?;
         let ending = files::ending(&self.output, &["obj", "glb", "png", "csv"])?;
-        let about = || self.model.named();
         let model = self.model.load()?;
         let face = self.model.face(&model)?;
         let is_slider = self.solve.slider;
         let sliders = is_slider.then(|| input::slider_models(&model, &face)).transpose()?;
         let solver = match (&sliders, self.solve.anchor) {
-            (Some([_, slider_mean]), AnchorName::Mean) => self.model.face(slider_mean)?,
+            (Some([_, slider_mean]), Anchor::Mean) => self.model.face(slider_mean)?,
             (Some([slider, _]), _) => self.model.face(slider)?,
             (None, _) => face,
         };
-        let solved = self.solve(&solver, &face, &model, output).with_context(about)?;
+        let solved = self.solve(&solver, &face, &model, output).of(&self.model.file)?;
         let bytes = match ending {
             "csv" => {
                 let weights = solved.weights.iter().copied().map(f64::from).collect();
                 take::to_csv(&face.names(), &[(0, weights)])?
             }
-            ending => self.draw(&face, &model, &solved, ending).with_context(about)?,
+            ending => self.draw(&face, &model, &solved, ending).of(&self.model.file)?,
         };
         report(&face, &solved, output).write(&target, &bytes)
     }
@@ -140,7 +140,7 @@ impl Pin {
             placed.push(Placed::hold(vertex, *place));
         }
         let mut options = SolveOptions::edit(&solver.prior);
-        options.anchor = anchor.anchor();
+        options.anchor = *anchor;
         options.is_bounded = *bounded;
         if let Some(tolerance) = tolerance {
             options.beta = (tolerance * tolerance) as f32;

@@ -1,9 +1,11 @@
 //! `sinew face solve`: the weights of an animation from tracked points.
 
-use super::input::AnchorName;
-use crate::cli::{ModelArgs, Output, OutputFile, POSITIVE, Report, Run, ending, number};
+use super::input::ANCHORS;
+use crate::cli::{
+    ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, ending, named, number,
+};
 use anyhow::Context;
-use sinew_runtime::prior::{Pin, Temporal};
+use sinew_runtime::prior::{Anchor, Pin, Temporal};
 use sinew_trainer::face::baked::{BakedFace, SolveOptions};
 use sinew_trainer::face::evaluate::{cardinality, roughness};
 use sinew_trainer::face::outline;
@@ -51,9 +53,9 @@ struct SolveArgs {
     /// Stiffness between mirrored shapes, as a share of the take's
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = number(0.0.., ""))]
     symmetry: f64,
-    /// Weights that change as little as possible: those of the frame before, or the mean of the take
-    #[arg(long, value_enum, default_value = "mean")]
-    anchor: AnchorName,
+    /// Weights to stay near to: the weights of the frame before, or the mean of the take
+    #[arg(long, value_parser = named(ANCHORS), default_value = "mean")]
+    anchor: Anchor,
     /// Solve each frame alone: without the terms between frames and shapes, and without bounds
     #[arg(long)]
     plain: bool,
@@ -67,9 +69,8 @@ impl Run for Solve {
         let is_glb = ending(out, &["csv", "glb"])? == "glb";
         let model = file.load()?;
         let face = self.model.face(&model)?;
-        let about = || points.display().to_string();
-        let track = track::read(points, face.skin.vertex_len()).with_context(about)?;
-        let frames = solve(&face, &track, &self.solve).with_context(about)?;
+        let track = track::read(points, face.skin.vertex_len()).of(points)?;
+        let frames = solve(&face, &track, &self.solve).of(points)?;
         let wide: Vec<(usize, Vec<f64>)> = frames
             .iter()
             .map(|(frame, weights)| (*frame, weights.iter().copied().map(f64::from).collect()))
@@ -107,7 +108,7 @@ fn solve(
         };
         let pins: Vec<Pin> = points.iter().map(pin).collect();
         let mut options =
-            SolveOptions { anchor: arguments.anchor.anchor(), ..SolveOptions::edit(&face.prior) };
+            SolveOptions { anchor: arguments.anchor, ..SolveOptions::edit(&face.prior) };
         if let Some(noise) = arguments.noise {
             options.beta = (noise * noise) as f32;
         }

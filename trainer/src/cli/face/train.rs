@@ -3,8 +3,8 @@
 use super::input::{self, TakeFile};
 use crate::cli::files::write;
 use crate::cli::{
-    Output, OutputFile, POSITIVE, Report, Run, StatedSpace, counted, number, printable,
-    space_as_json,
+    OfFile, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, counted, named, number,
+    printable, space_as_json,
 };
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
@@ -39,8 +39,8 @@ pub(in crate::cli) struct Train {
     #[arg(short, long, alias = "out", value_name = "MODEL")]
     output: PathBuf,
     /// Baked numbers of the shapes
-    #[arg(long, value_enum, default_value = "f32")]
-    numbers: NumbersName,
+    #[arg(long, value_parser = named(NUMBERS), default_value = "f32")]
+    numbers: ShapeNumbers,
     /// Length by which a pin may miss, in the face's unit [default: 0.0005 of its diagonal]
     #[arg(long, value_name = "LENGTH", value_parser = number(POSITIVE, ""))]
     tolerance: Option<f64>,
@@ -90,13 +90,9 @@ struct Learned {
     lost: usize,
 }
 
-/// Types of numbers.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum NumbersName {
-    F32,
-    F16,
-    I8,
-}
+/// Types of baked numbers.
+const NUMBERS: [(&str, ShapeNumbers); 3] =
+    [("f32", ShapeNumbers::F32), ("f16", ShapeNumbers::F16), ("i8", ShapeNumbers::I8)];
 
 impl Run for Train {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
@@ -109,23 +105,17 @@ impl Run for Train {
             let out = self.output.display();
             bail!("cannot write {out}: its mesh is to be written under that name");
         }
-        let about = || path.display().to_string();
         let options = Options {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             tolerance: self.tolerance,
-            numbers: match self.numbers {
-                NumbersName::F32 => ShapeNumbers::F32,
-                NumbersName::F16 => ShapeNumbers::F16,
-                NumbersName::I8 => ShapeNumbers::I8,
-            },
+            numbers: self.numbers,
         };
-        let (basis, model, learned) = match source::read(path).with_context(about)? {
+        let (basis, model, learned) = match source::read(path).of(path)? {
             Source::Meshes(mut meshes) => {
-                meshes.mesh.space = self.space.of(meshes.mesh.space, &about())?;
-                self.refuse_for_meshes().with_context(about)?;
+                meshes.mesh.space = self.space.of(meshes.mesh.space, path.display())?;
+                self.refuse_for_meshes().of(path)?;
                 let len = counted(meshes.positions.len(), "mesh", "meshes");
-                let (mut basis, model) =
-                    of_meshes(&meshes, self.shape.rank, &options).with_context(about)?;
+                let (mut basis, model) = of_meshes(&meshes, self.shape.rank, &options).of(path)?;
                 self.set_landmarks(&mut basis)?;
                 (basis, model, Learned { text: format!("from {len}"), lost: 0 })
             }
@@ -133,12 +123,12 @@ impl Run for Train {
                 if self.shape.rank.is_some() {
                     bail!(
                         "{}: it has shapes: --rank is for example meshes, in which shapes are found",
-                        about()
+                        path.display()
                     );
                 }
-                basis.mesh.space = self.space.of(basis.mesh.space, &about())?;
+                basis.mesh.space = self.space.of(basis.mesh.space, path.display())?;
                 for &(identity, by) in &self.shape.identity {
-                    basis.apply_identity(identity, by).with_context(about)?;
+                    basis.apply_identity(identity, by).of(path)?;
                 }
                 self.set_landmarks(&mut basis)?;
                 let (model, learned) = self.of_shapes(&basis, &options, output)?;
@@ -146,11 +136,12 @@ impl Run for Train {
             }
         };
         for warning in &basis.mesh.warnings {
-            output.warn(about(), printable(&warning.to_string()));
+            output.warn(path.display(), printable(&warning.to_string()));
         }
         // Numbers of the face or of the take may be too large for a file.
         let both = || {
-            animation.iter().fold(about(), |face, take| format!("{face} with {}", take.display()))
+            let takes = animation.iter().map(|take| format!(" with {}", take.display()));
+            format!("{}{}", path.display(), takes.collect::<String>())
         };
         let bytes = model.bake().with_context(both)?;
         write(&[(&mesh, outline::text(&basis).as_bytes()), (&target, &bytes)])?;
@@ -199,19 +190,18 @@ impl Train {
         options: &Options,
         output: Output,
     ) -> anyhow::Result<(FileModel, Learned)> {
-        let about = || self.basis.display().to_string();
         let Some(path) = &self.take.animation else {
             if self.take.frames.is_some() {
                 bail!("--frames is of a take: give --animation");
             }
             let text = "from no take: weights are independent".to_owned();
-            let model = of_take(basis, &[], options).with_context(about)?;
+            let model = of_take(basis, &[], options).of(&self.basis)?;
             return Ok((model, Learned { text, lost: 0 }));
         };
         let file = TakeFile { path, is_percent: self.take.percent };
         let take = input::take(file, &basis.names(), output)?;
         let range = input::within(self.take.frames, take.file_len());
-        let frames = take.pick(&range, 0, 1).with_context(|| path.display().to_string())?;
+        let frames = take.pick(&range, 0, 1).of(path)?;
         let frames: Vec<Vec<f64>> = frames.iter().map(|frame| frame.to_vec()).collect();
         let lost = range.len() - frames.len();
         let driven =
@@ -229,7 +219,7 @@ impl Train {
                 format!("weights do not change in {frames}: only their mean is learned"),
             );
         }
-        let mut model = of_take(basis, &frames, options).with_context(about)?;
+        let mut model = of_take(basis, &frames, options).of(&self.basis)?;
         measure(&mut model, basis, &frames, options)?;
         Ok((model, Learned { text, lost }))
     }
@@ -237,7 +227,7 @@ impl Train {
     /// Sets the given landmarks.
     fn set_landmarks(&self, basis: &mut Basis) -> anyhow::Result<()> {
         let Some(path) = &self.shape.landmarks else { return Ok(()) };
-        basis.read_landmarks(path).with_context(|| path.display().to_string())
+        basis.read_landmarks(path).of(path)
     }
 
     /// Refuses options that do not apply to example meshes.

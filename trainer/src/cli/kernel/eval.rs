@@ -1,9 +1,9 @@
 //! `sinew kernel eval` and `check`: a function at queries, and comparison with another solver.
 
 use super::columns;
-use crate::cli::{ModelArgs, Output, Report, Run, printable, table};
+use crate::cli::{ModelArgs, OfFile, Output, Report, Run, printable, table};
 use anyhow::Context;
-use serde_json::json;
+use serde_json::{Value, json};
 use sinew_runtime::kernel::KernelMap;
 use sinew_trainer::scattered::check::{CaseReport, Cases, DEVIATION, RCOND};
 use sinew_trainer::scattered::model::{inputs_of, query_numbers};
@@ -14,8 +14,8 @@ use std::path::PathBuf;
 ///
 /// The runtime evaluates the function of MODEL in single precision.
 ///
-/// QUERIES is JSON, rows of numbers (also as `queries`), or CSV whose columns have the inputs' names. The result is CSV:
-/// a line for each query with the outputs and the confidence.
+/// QUERIES is JSON, rows of numbers (also as `queries`), or CSV whose columns have the inputs' names. The result is
+/// CSV: a line for each query with the outputs and the confidence.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  sinew kernel eval wrist.sinew queries.json --jacobian")]
 pub(in crate::cli) struct Eval {
@@ -34,98 +34,78 @@ pub(in crate::cli) struct Eval {
     variance: bool,
 }
 
-/// Result of a query.
-struct Answer {
-    numbers: Vec<f32>,
-    confidence: f32,
-    jacobian: Option<Vec<f32>>,
-    variance: Option<Vec<f32>>,
-}
-
 impl Run for Eval {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let about = || self.model.named();
         let model = self.model.load()?;
         let map = match &self.name {
             Some(name) => model.kernels().find(|map| map.name() == name.as_str()),
             None => model.kernels().next(),
         };
-        let map = map.with_context(|| match &self.name {
-            Some(name) => format!("{}: it has no function \"{}\"", about(), printable(name)),
-            None => format!("{}: it has no function; `sinew eval` evaluates envelopes", about()),
+        let map = map.with_context(|| {
+            let file = self.model.file.display();
+            match &self.name {
+                Some(name) => format!("{file}: it has no function \"{}\"", printable(name)),
+                None => format!("{file}: it has no function; `sinew eval` evaluates envelopes"),
+            }
         })?;
         let inputs = inputs_of(&map);
-        let source = || self.queries.display().to_string();
-        let queries = read_queries(&self.queries, &inputs).with_context(source)?;
-        let mut answers = Vec::with_capacity(queries.len());
+        let queries = read_queries(&self.queries, &inputs).of(&self.queries)?;
+        let (mut results, mut csv) = (Vec::new(), String::new());
         for (row, query) in queries.iter().enumerate() {
-            let at = || format!("{}: row {row}", source());
-            let numbers: Vec<f32> =
+            let at = || format!("{}: row {row}", self.queries.display());
+            let query: Vec<f32> =
                 query_numbers(&inputs, query).with_context(at)?.iter().map(|x| *x as f32).collect();
-            answers.push(self.answer(&map, &numbers).with_context(at)?);
+            let (result, numbers) = self.evaluate(&map, &query).with_context(at)?;
+            results.push(result);
+            csv += &numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(",");
+            csv += "\n";
         }
-        let row = map.query_len().max(1);
-        let result = |answer: &Answer| {
-            let mut out = json!({ "outputs": answer.numbers, "confidence": answer.confidence });
-            if let Some(jacobian) = &answer.jacobian {
-                out["jacobian"] = json!(jacobian.chunks(row).collect::<Vec<_>>());
-            }
-            if let Some(variance) = &answer.variance {
-                out["variance"] = json!(variance);
-            }
-            out
-        };
+        let (values, row) = (map.counts().value_len as usize, map.query_len());
+        let mut head = columns(&map);
+        head.push("confidence".to_owned());
+        if self.jacobian {
+            let all = (0..values).flat_map(|value| (0..row).map(move |at| (value, at)));
+            head.extend(all.map(|(value, at)| format!("d{value}/d{at}")));
+        }
+        if self.variance {
+            head.extend((0..values).map(|value| format!("variance {value}")));
+        }
         Ok(Report::default()
             .json("name", map.name())
             .json("columns", columns(&map))
-            .json("results", answers.iter().map(result).collect::<Vec<_>>())
-            .text(as_csv(&map, &answers)))
+            .json("results", results)
+            .text(head.join(","))
+            .text(csv))
     }
 }
 
 impl Eval {
-    fn answer(&self, map: &KernelMap<'_>, query: &[f32]) -> anyhow::Result<Answer> {
+    /// Evaluates a function at a query. Returns the result as JSON, and all its numbers.
+    fn evaluate(&self, map: &KernelMap<'_>, query: &[f32]) -> anyhow::Result<(Value, Vec<f32>)> {
         let counts = map.counts();
         let values = counts.value_len as usize;
         let mut numbers = vec![0.0; map.result_len()];
         let mut scratch = vec![0.0; counts.scratch_len()];
         let confidence = map.evaluate(query, &mut scratch, &mut numbers)?;
-        let mut jacobian = None;
+        let mut result = json!({ "outputs": numbers, "confidence": confidence });
+        numbers.push(confidence);
         if self.jacobian {
             let mut out = vec![0.0; values * query.len()];
             scratch.resize(counts.jacobian_scratch_len(), 0.0);
             map.jacobian(query, &mut scratch, &mut out)?;
-            jacobian = Some(out);
+            result["jacobian"] = json!(out.chunks(query.len().max(1)).collect::<Vec<_>>());
+            numbers.extend(out);
         }
-        let mut variance = None;
         if self.variance {
             let mut out = vec![0.0; values];
             scratch.resize(counts.variance_scratch_len(), 0.0);
             map.variance(query, &mut scratch, &mut out)
                 .context("it holds no variance: train it with --variance")?;
-            variance = Some(out);
+            result["variance"] = json!(out);
+            numbers.extend(out);
         }
-        Ok(Answer { numbers, confidence, jacobian, variance })
+        Ok((result, numbers))
     }
-}
-
-fn as_csv(map: &KernelMap<'_>, answers: &[Answer]) -> String {
-    let mut head = columns(map);
-    head.push("confidence".to_owned());
-    if let Some(first) = answers.first() {
-        let row = map.query_len().max(1);
-        let jacobian = first.jacobian.iter().flatten().enumerate();
-        head.extend(jacobian.map(|(at, _)| format!("d{}/d{}", at / row, at % row)));
-        let variance = first.variance.iter().flatten().enumerate();
-        head.extend(variance.map(|(at, _)| format!("variance {at}")));
-    }
-    let mut out = head.join(",") + "\n";
-    for Answer { numbers, confidence, jacobian, variance } in answers {
-        let all = numbers.iter().chain([confidence]);
-        let all = all.chain(jacobian.iter().flatten()).chain(variance.iter().flatten());
-        out += &(all.map(f32::to_string).collect::<Vec<_>>().join(",") + "\n");
-    }
-    out
 }
 
 /// Compares this solver with cases of another solver
@@ -144,9 +124,8 @@ pub(in crate::cli) struct Check {
 
 impl Run for Check {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let about = || self.file.display().to_string();
-        let text = std::fs::read(&self.file).with_context(about)?;
-        let found = Cases::read(&text).with_context(about)?.check();
+        let text = std::fs::read(&self.file).of(&self.file)?;
+        let found = Cases::read(&text).of(&self.file)?.check();
         let row = |case: &CaseReport| {
             let (figures, mark) = match (case.deviation, case.rcond) {
                 (Some(deviation), Some(rcond)) => {
@@ -168,9 +147,14 @@ impl Run for Check {
         });
         let rows = found.cases.iter().map(row).collect();
         let failure = if found.failed > 0 {
-            Some(format!("{}: {} of {} cases are too far", about(), found.failed, found.held))
+            Some(format!(
+                "{}: {} of {} cases are too far",
+                self.file.display(),
+                found.failed,
+                found.held
+            ))
         } else if !found.passes() {
-            Some(format!("{}: no case could be held", about()))
+            Some(format!("{}: no case could be held", self.file.display()))
         } else {
             None
         };

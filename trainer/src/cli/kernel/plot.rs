@@ -2,7 +2,7 @@
 
 use super::columns;
 use crate::cli::files::drawn;
-use crate::cli::{ModelArgs, Output, OutputFile, Report, Run, ending, printable};
+use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, printable};
 use anyhow::{Context, bail};
 use sinew_runtime::kernel::{InputKind, KernelMap};
 use sinew_trainer::scattered::compare::all_kernels;
@@ -30,13 +30,13 @@ const ROOM: f64 = 0.25;
 
 impl Run for PlotArgs {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let target = OutputFile::new(&self.output, std::slice::from_ref(&self.model.file))?;
-        let about = || self.model.named();
-        ending(&self.output, &["png", "svg"])?;
+        let target =
+            OutputFile::new(&self.output, [&self.model.file])?.ending_in(&["png", "svg"])?;
         let model = self.model.load()?;
         let map = model.kernels().next();
-        let map = map.with_context(|| format!("{}: it has no function", about()))?;
-        let plot = plot(&map, self.all).with_context(about)?;
+        let map =
+            map.with_context(|| format!("{}: it has no function", self.model.file.display()))?;
+        let plot = plot(&map, self.all).of(&self.model.file)?;
         let bytes = drawn(&plot.draw(), &self.output)?;
         let panels = plot.panels.len();
         Report::default().figure("panels", "pictures", panels, "").write(&target, &bytes)

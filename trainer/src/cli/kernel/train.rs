@@ -1,7 +1,6 @@
 //! `sinew kernel train`: from samples to a function in a file.
 
-use crate::cli::{Output, OutputFile, Report, Run, printable};
-use anyhow::Context;
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, named, printable};
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::QueryRule;
 use sinew_trainer::bake::bake;
@@ -64,8 +63,8 @@ struct FitArgs {
     /// Number of centres, fewer than samples
     #[arg(long)]
     centres: Option<usize>,
-    /// Behaviour far from the samples: free, clamp (stay within their box) or fade (to the neutral sample)
-    #[arg(long, value_parser = outside)]
+    /// Behaviour far from the samples: clamp stays within their box, fade approaches the neutral sample
+    #[arg(long, value_parser = named(QueryRule::ALL.map(|rule| (rule.name(), rule))))]
     outside: Option<QueryRule>,
     /// Learn centres and the weight of each input
     #[arg(long)]
@@ -75,13 +74,12 @@ struct FitArgs {
 impl Run for Train {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
         let path = &self.problem;
-        let target = OutputFile::new(&self.output, std::slice::from_ref(path))?.of_a_model()?;
-        let about = || path.display().to_string();
-        let mut problem = read(path, &self.outputs).with_context(about)?;
+        let target = OutputFile::new(&self.output, [path])?.of_a_model()?;
+        let mut problem = read(path, &self.outputs).of(path)?;
         self.overrule(&mut problem.options);
         let Trained { model, report, deviation, warnings } =
-            train::train(&problem, self.variance).with_context(about)?;
-        warnings.iter().for_each(|warning| output.warn(about(), printable(warning)));
+            train::train(&problem, self.variance).of(path)?;
+        warnings.iter().for_each(|warning| output.warn(path.display(), printable(warning)));
         let bytes = bake(Space::default(), &[part(&model)?])?;
         Report::default()
             .figure("name", "function", &model.name, "")
@@ -154,10 +152,4 @@ fn smoothing(text: &str) -> Result<Smoothing, String> {
         Ok(all) => Ok(Smoothing::Each(all.to_vec())),
         Err(_) => Err("expected a number, numbers (one a sample) or auto".to_owned()),
     }
-}
-
-/// Parses the name of a rule for queries outside the data.
-fn outside(text: &str) -> Result<QueryRule, String> {
-    let found = QueryRule::ALL.into_iter().find(|rule| rule.name() == text);
-    found.ok_or_else(|| "expected free, clamp or fade".to_owned())
 }

@@ -4,8 +4,7 @@ mod plot;
 mod superres;
 mod train;
 
-use crate::cli::Output;
-use anyhow::Context;
+use crate::cli::{OfFile, Output, named};
 use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::error::{SignalError, Subject};
@@ -30,12 +29,12 @@ struct ProcessArguments {
     /// Covariance of samples by their distance in samples
     ///
     /// auto (the family that predicts left-out samples best; ornstein-uhlenbeck:3 for images), "squared exponential:L",
-    /// "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L", "oscillating:L,T", estimated (from the signal), or a .csv
-    /// of covariances at lags 0, 1, 2, ...
+    /// "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L", "oscillating:L,T", estimated (from the signal), or a
+    /// .csv of covariances at lags 0, 1, 2, ...
     #[arg(long, default_value = "auto")]
     covariance: String,
-    /// Mean of the samples: zero, constant or linear
-    #[arg(long, default_value = "constant", value_parser = mean)]
+    /// Mean of the samples
+    #[arg(long, default_value = "constant", value_parser = named(MEANS))]
     mean: Mean,
     /// Variance of the noise over that of the signal; above 0 samples are smoothed
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
@@ -47,6 +46,10 @@ struct ProcessArguments {
     #[arg(long, value_name = "N", default_value_t = TAPS)]
     taps: usize,
 }
+
+/// Mean functions.
+const MEANS: [(&str, Mean); 3] =
+    [("zero", Mean::Zero), ("constant", Mean::Constant), ("linear", Mean::Linear)];
 
 impl ProcessArguments {
     /// Returns the process of a signal; warns of a covariance that was clipped.
@@ -102,7 +105,7 @@ impl ProcessArguments {
         if path.extension().is_none_or(|ending| ending != "csv") {
             return Ok(Covariance::parse(&self.covariance, subject)?);
         }
-        let found = read_table(path).with_context(|| path.display().to_string())?;
+        let found = read_table(path).of(path)?;
         Ok(clipped(found, output, &path.display()))
     }
 }
@@ -121,11 +124,4 @@ fn clipped(
         output.warn(about, what);
     }
     covariance
-}
-
-/// Parses the name of a mean function.
-fn mean(text: &str) -> Result<Mean, String> {
-    let all = [Mean::Zero, Mean::Constant, Mean::Linear];
-    let found = all.into_iter().find(|mean| mean.name() == text);
-    found.ok_or_else(|| "expected zero, constant or linear".to_owned())
 }

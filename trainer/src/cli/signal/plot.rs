@@ -2,7 +2,7 @@
 
 use super::ProcessArguments;
 use crate::cli::files::drawn;
-use crate::cli::{Output, OutputFile, Report, Run, count, ending, printable};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, printable};
 use anyhow::Context;
 use sinew_trainer::signal::choose::variance;
 use sinew_trainer::signal::functional::Functional;
@@ -40,8 +40,7 @@ const ROOM: f64 = 0.1;
 
 impl Run for PlotArgs {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
-        let target = OutputFile::new(&self.output, std::slice::from_ref(&self.input))?;
-        ending(&self.output, &["png", "svg"])?;
+        let target = OutputFile::new(&self.output, [&self.input])?.ending_in(&["png", "svg"])?;
         let plot = match ending(&self.input, &["csv", "json"])? {
             "csv" => of_signal(self, output)?,
             _ => of_observations(&self.input)?,
@@ -53,14 +52,15 @@ impl Run for PlotArgs {
 }
 
 fn of_signal(arguments: &PlotArgs, output: Output) -> anyhow::Result<SignalPlot> {
-    let about = || arguments.input.display().to_string();
-    let column = arguments.column.as_ref().context("of a .csv --column NAME is needed")?;
-    let samples = read_signal(&arguments.input, column).with_context(about)?;
+    let column = arguments.column.as_ref().context("a .csv needs --column NAME")?;
+    let samples = read_signal(&arguments.input, column).of(&arguments.input)?;
     let (sample, n) = (arguments.process.sample(), samples.len());
-    let process =
-        arguments.process.process(&samples, sample, output, &about()).with_context(about)?;
+    let process = arguments
+        .process
+        .process(&samples, sample, output, &arguments.input.display())
+        .of(&arguments.input)?;
     let filter = arguments.process.filter(&process, arguments.factor, sample)?;
-    let values = filter.apply(&samples, Shape { samples: n, lanes: 1 }).with_context(about)?;
+    let values = filter.apply(&samples, Shape { samples: n, lanes: 1 }).of(&arguments.input)?;
     let scale = variance(&samples, sample, &process.covariance);
     let middle = if sample == Sample::Average { 0.5 } else { 0.0 };
     let place = |at: usize| (at as f64 + middle) / arguments.factor as f64;
@@ -82,9 +82,8 @@ fn of_signal(arguments: &PlotArgs, output: Output) -> anyhow::Result<SignalPlot>
 }
 
 fn of_observations(path: &Path) -> anyhow::Result<SignalPlot> {
-    let about = || path.display().to_string();
-    let observations = Observations::read(path, None).with_context(about)?;
-    let fit = observations.fit().with_context(about)?;
+    let observations = Observations::read(path, None).of(path)?;
+    let fit = observations.fit().of(path)?;
     let scale = observations.variance(&fit);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut samples, mut boxes) = (Vec::new(), Vec::new());

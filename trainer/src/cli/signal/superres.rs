@@ -1,7 +1,7 @@
 //! `sinew signal superres`: makes an image or a signal finer.
 
 use super::ProcessArguments;
-use crate::cli::{Output, OutputFile, Report, Run, count, ending, load};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, load};
 use anyhow::{Context, bail};
 use sinew_runtime::filter::Samples;
 use sinew_trainer::signal::choose::variance;
@@ -44,8 +44,8 @@ pub(in crate::cli) struct Superres {
 impl Run for Superres {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
         let path = &self.input;
-        let taken: Vec<_> = [path].into_iter().chain(&self.model).cloned().collect();
-        let target = OutputFile::new(&self.output, &taken)?;
+        let taken = [path].into_iter().chain(&self.model);
+        let target = OutputFile::new(&self.output, taken)?;
         let kind = ending(path, &["png", "csv"])?;
         ending(&self.output, &[kind])?;
         let (bytes, report) = match kind {
@@ -61,20 +61,16 @@ type Made = (Vec<u8>, Report);
 
 fn image(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
     if arguments.column.is_some() || arguments.variance || arguments.process.averages {
-        bail!("--column, --variance and --averages are of a .csv");
+        bail!("--column, --variance and --averages are for a .csv");
     }
-    let about = || arguments.input.display().to_string();
     let coarse = Image::read(&arguments.input)?;
     let fine = match &arguments.model {
         Some(model) => by_model(&coarse, model)?,
         None => {
             let process = arguments.process.process_of_images(output)?;
-            let filter = arguments.process.filter(
-                &process,
-                arguments.factor.unwrap_or(1),
-                Sample::Average,
-            )?;
-            coarse.finer(&filter).with_context(about)?
+            let factor = arguments.factor.unwrap_or(1);
+            let filter = arguments.process.filter(&process, factor, Sample::Average)?;
+            coarse.finer(&filter).of(&arguments.input)?
         }
     };
     let fine = fine.within(fine.width / coarse.width)?;
@@ -85,7 +81,6 @@ fn image(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
 
 /// Makes an image finer by the filter of a file, evaluated by the runtime.
 fn by_model(coarse: &Image, path: &Path) -> anyhow::Result<Image> {
-    let about = || path.display().to_string();
     let model = load(path)?;
     let filter = model.filter().with_context(|| no_filter(path))?;
     let Image { width, height, channels, .. } = *coarse;
@@ -93,52 +88,42 @@ fn by_model(coarse: &Image, path: &Path) -> anyhow::Result<Image> {
     let narrow: Vec<f32> = coarse.samples.iter().map(|x| *x as f32).collect();
     let mut tall = vec![0.0; narrow.len() * factor];
     let columns = Samples { signal_len: 1, sample_len: height, lane_len: width * channels };
-    filter.apply(columns, &narrow, &mut tall).with_context(about)?;
+    filter.apply(columns, &narrow, &mut tall).of(path)?;
     let mut fine = vec![0.0; tall.len() * factor];
     let rows = Samples { signal_len: height * factor, sample_len: width, lane_len: channels };
-    filter.apply(rows, &tall, &mut fine).with_context(about)?;
+    filter.apply(rows, &tall, &mut fine).of(path)?;
     let samples = fine.iter().map(|x| f64::from(*x)).collect();
     Ok(Image { width: factor * width, height: factor * height, samples, ..coarse.clone() })
 }
 
 fn signal(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
-    let about = || arguments.input.display().to_string();
-    let column = arguments.column.as_ref().context("of a .csv --column NAME is needed")?;
-    let samples = read_signal(&arguments.input, column).with_context(about)?;
-    let (sample, n) = (arguments.process.sample(), samples.len());
-    let (fine, variances, factor) = match &arguments.model {
+    let Superres { input, process: own, .. } = arguments;
+    let column = arguments.column.as_ref().context("a .csv needs --column NAME")?;
+    let samples = read_signal(input, column).of(input)?;
+    let (sample, n) = (own.sample(), samples.len());
+    let (fine, variances, factor): (Vec<f64>, Vec<f64>, usize) = match &arguments.model {
         Some(path) => {
             let model = load(path)?;
             let filter = model.filter().with_context(|| no_filter(path))?;
             if let Some(remedy) = samples_remedy(&samples) {
-                output.warn(about(), format!("in single precision {remedy}"));
+                output.warn(input.display(), format!("in single precision {remedy}"));
             }
+            let factor = filter.factor();
             let narrow: Vec<f32> = samples.iter().map(|x| *x as f32).collect();
-            let mut fine = vec![0.0; n * filter.factor()];
-            filter.apply(Samples::of_signal(n), &narrow, &mut fine).with_context(about)?;
-            let of = |at: usize| {
-                filter.variance(filter.window(at / filter.factor(), n).1, at % filter.factor())
-            };
+            let mut fine = vec![0.0; n * factor];
+            filter.apply(Samples::of_signal(n), &narrow, &mut fine).of(input)?;
+            let variance = |at| filter.variance(filter.window(at / factor, n).1, at % factor);
             let variances: Option<Vec<f64>> =
-                (0..fine.len()).map(|at| of(at).map(f64::from)).collect();
+                (0..fine.len()).map(|at| variance(at).map(f64::from)).collect();
             if arguments.variance && variances.is_none() {
                 bail!("{}: it holds no variance: train it with --variance", path.display());
             }
-            (
-                fine.iter().map(|x| f64::from(*x)).collect(),
-                variances.unwrap_or_default(),
-                filter.factor(),
-            )
+            (fine.into_iter().map(f64::from).collect(), variances.unwrap_or_default(), factor)
         }
         None => {
-            let process = arguments
-                .process
-                .process(&samples, sample, output, &about())
-                .with_context(about)?;
-            let filter =
-                arguments.process.filter(&process, arguments.factor.unwrap_or(1), sample)?;
-            let fine =
-                filter.apply(&samples, Shape { samples: n, lanes: 1 }).with_context(about)?;
+            let process = own.process(&samples, sample, output, &input.display()).of(input)?;
+            let filter = own.filter(&process, arguments.factor.unwrap_or(1), sample)?;
+            let fine = filter.apply(&samples, Shape { samples: n, lanes: 1 }).of(input)?;
             let scale = variance(&samples, sample, &process.covariance);
             let variances = filter.variances_of(n).iter().map(|x| scale * x).collect();
             (fine, variances, filter.grid.factor)

@@ -1,8 +1,8 @@
 //! `sinew signal train` and `fit`: from a signal to a filter, and from observations to a function, in a file.
 
 use super::ProcessArguments;
-use crate::cli::{Output, OutputFile, Report, Run, count};
-use anyhow::{Context, bail};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, count};
+use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
@@ -19,8 +19,8 @@ use std::path::PathBuf;
 ///
 /// The command learns the covariance of samples by their distance.
 ///
-/// SIGNAL is CSV: a line of names, then a line for each sample. Every fine sample is a weighted sum of the coarse samples
-/// in a window. The runtime reads the weights from MODEL.
+/// SIGNAL is CSV: a line of names, then a line for each sample. Every fine sample is a weighted sum of the coarse
+/// samples in a window. The runtime reads the weights from MODEL.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  sinew signal train sensor.csv --column angle --factor 4 -o sensor.sinew"
@@ -47,31 +47,30 @@ pub(in crate::cli) struct Train {
 impl Run for Train {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
         let &Self { ref signal, ref column, factor, .. } = self;
-        let target = OutputFile::new(&self.output, std::slice::from_ref(signal))?.of_a_model()?;
-        let about = || signal.display().to_string();
-        let samples = read_signal(signal, column).with_context(about)?;
+        let target = OutputFile::new(&self.output, [signal])?.of_a_model()?;
+        let samples = read_signal(signal, column).of(signal)?;
         match samples_remedy(&samples) {
-            Some(remedy @ Remedy::Units) => bail!("{}: {remedy}", about()),
-            Some(remedy) => output.warn(about(), format!("in single precision {remedy}")),
+            Some(remedy @ Remedy::Units) => bail!("{}: {remedy}", signal.display()),
+            Some(remedy) => output.warn(signal.display(), format!("in single precision {remedy}")),
             None => {}
         }
         let sample = self.process.sample();
         let process =
-            self.process.process(&samples, sample, output, &about()).with_context(about)?;
-        let filter = self.process.filter(&process, factor, sample).with_context(about)?;
-        let fit = LeftOut::new(&samples, &process, filter.grid).with_context(about)?;
+            self.process.process(&samples, sample, output, &signal.display()).of(signal)?;
+        let filter = self.process.filter(&process, factor, sample).of(signal)?;
+        let fit = LeftOut::new(&samples, &process, filter.grid).of(signal)?;
         let rest = fit.map_or(0, |fit| fit.rest);
         if rest > 0 {
             let text =
                 format!("samples at the end that fill no box of {factor} are not measured: {rest}");
-            output.warn(about(), text);
+            output.warn(signal.display(), text);
         }
         if let Some(LeftOut { rms, linear_rms, .. }) = fit.filter(|fit| fit.rms > fit.linear_rms) {
             let text = format!(
                 "the filter predicts samples left out worse than lines between samples do, {rms:.4e} against \
                  {linear_rms:.4e}: lines are the better choice, or another --covariance or --mean"
             );
-            output.warn(about(), text);
+            output.warn(signal.display(), text);
         }
         let variance = variance(&samples, sample, &process.covariance);
         let model = FilterModel { name: column.clone(), filter, variance, fit };
@@ -100,7 +99,8 @@ impl Run for Train {
 
 /// Finds a function from values, derivatives and averages
 ///
-/// The function is the likeliest function of one number. It is baked as a kernel, for `sinew kernel eval` and the runtime.
+/// The function is the likeliest function of one number. It is baked as a kernel, for `sinew kernel eval` and the
+/// runtime.
 ///
 /// OBSERVATIONS is JSON with `observations`: {"at": x, "value": y}, {"at": x, "derivative": y} or {"from": a, "to": b,
 /// "average": y}. It may have `name`, `covariance` ("squared exponential:LENGTH" and others; default: the likeliest),
@@ -121,18 +121,17 @@ pub(in crate::cli) struct Fit {
 impl Run for Fit {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
         let path = &self.observations;
-        let target = OutputFile::new(&self.output, std::slice::from_ref(path))?.of_a_model()?;
-        let about = || path.display().to_string();
-        let observations = Observations::read(path, self.f32_error).with_context(about)?;
-        let fit = observations.fit().with_context(about)?;
-        let (model, deviation) = function(&observations, &fit).with_context(about)?;
+        let target = OutputFile::new(&self.output, [path])?.of_a_model()?;
+        let observations = Observations::read(path, self.f32_error).of(path)?;
+        let fit = observations.fit().of(path)?;
+        let (model, deviation) = function(&observations, &fit).of(path)?;
         let bytes = bake(Space::default(), &[scattered::bake::part(&model)?])?;
         let repeated = observations.repeated;
         if repeated > 0 {
             let text = format!(
                 "observations that repeat earlier ones, or follow from them, and are left out: {repeated}"
             );
-            output.warn(about(), text);
+            output.warn(path.display(), text);
         }
         let variance = observations.variance(&fit);
         Report::default()

@@ -2,7 +2,7 @@
 
 use super::input::SetArguments;
 use crate::cli::report::figure;
-use crate::cli::{ModelArgs, Output, OutputFile, Report, Run, load};
+use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, load};
 use anyhow::Context;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::report::report;
@@ -73,13 +73,12 @@ pub(in crate::cli) struct ReportArgs {
 impl Run for ReportArgs {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let file = self.set.file();
-        let mut taken = vec![self.model.file.clone(), file.to_owned()];
-        taken.extend(self.prototype.clone());
-        let target = OutputFile::new(&self.output, &taken)?.of_a_report()?;
+        let taken = [&*self.model.file, file].into_iter().chain(self.prototype.as_deref());
+        let target = OutputFile::new(&self.output, taken)?.of_a_report()?;
         let (model, set) = (self.model.load()?, self.set.read()?);
         let prototype = self.prototype.as_deref().map(load).transpose()?;
         let page = report(&model, &set, prototype.as_ref());
-        let page = page.with_context(|| file.display().to_string())?;
+        let page = page.of(file)?;
         Report::default().write(&target, page.as_bytes())
     }
 }

@@ -2,8 +2,8 @@
 
 use super::input::{MapArgs, assignment, read_path, values};
 use crate::cli::files::{make_folder, write};
-use crate::cli::{Output, OutputFile, Report, Run, ending};
-use anyhow::{Context, bail};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, ending};
+use anyhow::bail;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
@@ -28,7 +28,7 @@ sinew views export [OPTIONS] --inp <GRID> --output <INP> <MODEL>
 #[command(after_help = "Example:\n  sinew views export head.sinew --glb yaw=-60..60:7 -o head.glb")]
 pub(in crate::cli) struct Export {
     #[command(flatten)]
-    model: MapArgs,
+    views: MapArgs,
     /// A parameter without a side of the grid, and not in the paths; angles in degrees; repeatable
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
@@ -89,36 +89,27 @@ fn sides(text: &str) -> Result<Sides, String> {
 
 impl Run for Export {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
-        let about = || self.model.model.named();
         if !self.format.spine.is_empty() {
             return self.spine(output);
         }
-        let target = OutputFile::new(&self.output, std::slice::from_ref(&self.model.model.file))?;
-        ending(&self.output, &[if self.format.inp.is_some() { "inp" } else { "glb" }])?;
-        let model = self.model.model.load()?;
-        let (map, set) = (self.model.map.as_deref(), values(&self.set)?);
-        let grid = |sides: &Sides| Grid::of_sides(&model, map, &set, &sides.0).with_context(about);
-        let (grid, bytes) = match (&self.format.inp, &self.format.glb) {
-            (Some(sides), _) => {
-                let grid = grid(sides)?;
-                let bytes = puppet(&model, map, &grid).with_context(about)?;
-                (grid, bytes)
-            }
-            (None, sides) => {
-                let grid = match sides.as_ref().and_then(Option::as_ref) {
-                    Some(sides) => grid(sides)?,
-                    None if !set.is_empty() => {
-                        bail!("key views have parameters of their own: set none")
-                    }
-                    None => Grid::of_key_views(&model, map).with_context(about)?,
-                };
-                let bytes = glb(&model, map, &grid).with_context(about)?;
-                if model.views().is_some_and(|views| views.has_clips()) {
-                    output.warn(about(), "clip masks are not written, glTF has none");
-                }
-                (grid, bytes)
-            }
+        let file = &self.views.model.file;
+        let known = if self.format.inp.is_some() { "inp" } else { "glb" };
+        let target = OutputFile::new(&self.output, [file])?.ending_in(&[known])?;
+        let model = self.views.model.load()?;
+        let (map, set) = (self.views.map.as_deref(), values(&self.set)?);
+        let sides = self.format.inp.as_ref().or(self.format.glb.iter().flatten().next());
+        let grid = match sides {
+            Some(Sides(sides)) => Grid::of_sides(&model, map, &set, sides).of(file)?,
+            None if !set.is_empty() => bail!("key views have parameters of their own: set none"),
+            None => Grid::of_key_views(&model, map).of(file)?,
         };
+        let bytes = match self.format.inp {
+            Some(_) => puppet(&model, map, &grid).of(file)?,
+            None => glb(&model, map, &grid).of(file)?,
+        };
+        if self.format.inp.is_none() && model.views().is_some_and(|views| views.has_clips()) {
+            output.warn(file.display(), "clip masks are not written, glTF has none");
+        }
         let ranges = grid.sides.iter().map(|(side, range)| (side.name.clone(), json!(range)));
         let ranges = Value::Object(ranges.collect());
         let nodes: Vec<_> = grid.nodes.iter().map(|node| &node.name).collect();
@@ -133,30 +124,30 @@ impl Run for Export {
 impl Export {
     /// Writes an animation for each path.
     fn spine(&self, output: Output) -> anyhow::Result<Report> {
-        let about = || self.model.model.named();
         let paths = &self.format.spine;
-        let taken: Vec<PathBuf> = paths.iter().chain([&self.model.model.file]).cloned().collect();
+        let taken: Vec<PathBuf> = paths.iter().chain([&self.views.model.file]).cloned().collect();
         ending(&self.output, &["json"])?;
         let target = OutputFile::new(&self.output, &taken)?;
         let folder = self.output.with_extension("");
         let set = values(&self.set)?;
-        let model = self.model.model.load()?;
+        let model = self.views.model.load()?;
         let mut animations = Vec::new();
         for path in paths {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             if animations.iter().any(|(other, _)| *other == name) {
                 bail!("two paths are called \"{name}\": animations have the names of their files");
             }
-            let grid = self.frames(&model, &set, path).with_context(|| path.display().to_string());
+            let grid = self.frames(&model, &set, path).of(path);
             animations.push((name, grid?));
         }
         let named = folder.file_name().unwrap_or_default().to_string_lossy();
-        let map = self.model.map.as_deref();
-        let made = spine(&model, map, &named, &animations, FRAME_TIME).with_context(about)?;
+        let map = self.views.map.as_deref();
+        let made =
+            spine(&model, map, &named, &animations, FRAME_TIME).of(&self.views.model.file)?;
         if !made.unclipped.is_empty() {
             let names = made.unclipped.join(", ");
             let text = format!("clip masks are not written, Spine clips by polygons: {names}");
-            output.warn(about(), text);
+            output.warn(self.views.model.file.display(), text);
         }
         make_folder(&folder)?;
         let mut files = Vec::new();
@@ -187,6 +178,6 @@ impl Export {
                 }
             }
         }
-        Ok(Grid::of_frames(model, self.model.map.as_deref(), &frames)?)
+        Ok(Grid::of_frames(model, self.views.map.as_deref(), &frames)?)
     }
 }

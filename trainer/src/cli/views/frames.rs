@@ -2,14 +2,15 @@
 
 use super::input::{Follower, MapArgs, read_path, read_track};
 use crate::cli::files::write;
-use crate::cli::{Output, OutputFile, Report, Run, count, counted, ending, number};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, counted, ending, number};
 use anyhow::{Context, bail};
 use serde::Serialize;
+use serde_json::json;
 use sinew_trainer::files;
 use sinew_trainer::page::picture::{Gif, Picture};
 use sinew_trainer::views::player::straight;
 use sinew_trainer::views::set::Values;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Draws the object along a path of parameters
 ///
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example:\n  sinew views animate head.sinew --path turn.json -o turn.gif")]
 pub(in crate::cli) struct Animate {
     #[command(flatten)]
-    model: MapArgs,
+    views: MapArgs,
     /// The path
     #[arg(long, value_name = "PATH")]
     path: PathBuf,
@@ -33,17 +34,16 @@ pub(in crate::cli) struct Animate {
 impl Run for Animate {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let path = read_path(&self.path, self.count)?;
-        let model = self.model.model.load()?;
-        let player = self.model.player(&model)?;
-        let taken = [self.model.model.file.clone(), self.path.clone()];
+        let model = self.views.model.load()?;
+        let player = self.views.player(&model)?;
+        let taken = [self.views.model.file.clone(), self.path.clone()];
         let mut frames = Frames::new(&self.frames, &taken)?;
         for (number, values) in path.iter().enumerate() {
             let played = player.play(values).with_context(|| format!("frame {number}"))?;
             frames.add(&player.draw(&played)?.0)?;
         }
-        let report = Report::default().json("frames", frames.count);
-        let (text, frame_time) = frames.finish()?;
-        Ok(report.text(text).json("frame_time", frame_time))
+        let count = frames.count;
+        Ok(frames.finish()?.json("frames", count))
     }
 }
 
@@ -61,12 +61,12 @@ const PARAMETER: usize = 4;
 #[command(after_help = "Example:\n  sinew views drive head.sinew --track points.csv -o driven.gif")]
 pub(in crate::cli) struct Drive {
     #[command(flatten)]
-    model: MapArgs,
+    views: MapArgs,
     /// Tracked points
     #[arg(long, value_name = "POINTS")]
     track: PathBuf,
-    /// Write a table too, with a line for each frame: number, parameters, RMS distance of the points, and weight of each
-    /// key view
+    /// Write a table too, with a line for each frame: number, parameters, RMS distance of the points, and weight of
+    /// each key view
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -84,11 +84,11 @@ struct Driven {
 
 impl Run for Drive {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let model = self.model.model.load()?;
-        let player = self.model.player(&model)?;
+        let model = self.views.model.load()?;
+        let player = self.views.player(&model)?;
         let mut follower = Follower::new(&player);
         let track = read_track(&self.track, follower.point_len())?;
-        let taken = [self.model.model.file.clone(), self.track.clone()];
+        let taken = [self.views.model.file.clone(), self.track.clone()];
         let table = self.csv.as_deref().map(|path| {
             ending(path, &["csv"])?;
             OutputFile::new(path, &taken)
@@ -103,13 +103,11 @@ impl Run for Drive {
             frames.add(&player.draw(&played)?.0)?;
             driven.push(Driven { weights: played.weights(), values: found.values, rms: found.rms });
         }
-        let (text, frame_time) = frames.finish()?;
+        let report = frames.finish()?;
         let bytes = PARAMETER * driven.first().map_or(0, |own| own.values.len());
         let largest = driven.iter().map(|own| own.rms).fold(0.0, f64::max);
         let names = player.key_names();
-        let report = Report::default()
-            .text(text)
-            .json("frame_time", frame_time)
+        let report = report
             .figure("bytes", "parameters of a frame", bytes, "bytes")
             .figure("largest_rms", "error of the points, RMS, at most", largest, "px")
             .json("key_views", &names)
@@ -150,76 +148,60 @@ struct FramesArguments {
 
 /// Writer of numbered pictures or of a GIF.
 struct Frames {
-    place: Place,
+    /// Folder or GIF.
     named: PathBuf,
+    gif: Option<(OutputFile, Gif)>,
+    /// Time of each picture, in hundredths of a second, the unit of GIF.
+    hundredths: u16,
     count: usize,
 }
-
-enum Place {
-    Folder,
-    Gif { target: OutputFile, pictures: Gif, hundredths: u16 },
-}
-
-/// Unit of time in GIF, seconds.
-const HUNDREDTH: f64 = 0.01;
 
 impl Frames {
     /// Begins a GIF, or makes the folder. A folder must hold no pictures of an earlier run.
     ///
     /// - `taken`: input files, which must not be overwritten.
     fn new(arguments: &FramesArguments, taken: &[PathBuf]) -> anyhow::Result<Self> {
-        let out = &arguments.output;
-        let hundredths = (arguments.frame_time / HUNDREDTH).round() as u16;
-        let is_gif = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif"));
-        let place = if is_gif {
-            let target = OutputFile::new(out, taken)?;
-            Place::Gif { target, pictures: Gif::new(hundredths), hundredths }
+        let named = arguments.output.clone();
+        let hundredths = (100.0 * arguments.frame_time).round() as u16;
+        let gif = if ending(&named, &["gif"]).is_ok() {
+            Some((OutputFile::new(&named, taken)?, Gif::new(hundredths)))
         } else {
-            folder(out)?;
-            Place::Folder
+            std::fs::create_dir_all(&named).of(&named)?;
+            if named.join(name(0)).exists() {
+                bail!("{}: it holds frames already", named.display());
+            }
+            None
         };
-        Ok(Self { place, named: out.clone(), count: 0 })
+        Ok(Self { named, gif, hundredths, count: 0 })
     }
 
     /// Adds the next picture, with premultiplied colours.
     fn add(&mut self, picture: &Picture) -> anyhow::Result<()> {
         let picture = straight(picture);
-        match &mut self.place {
-            Place::Folder => {
-                let path = self.named.join(name(self.count));
-                files::write(&path, &picture.png()?)
-                    .with_context(|| format!("cannot write {}", path.display()))?;
-            }
-            Place::Gif { pictures, .. } => {
-                pictures.add(&picture).with_context(|| self.named.display().to_string())?;
-            }
+        if let Some((_, gif)) = &mut self.gif {
+            gif.add(&picture).of(&self.named)?;
+        } else {
+            let path = self.named.join(name(self.count));
+            files::write(&path, &picture.png()?)
+                .with_context(|| format!("cannot write {}", path.display()))?;
         }
         self.count += 1;
         Ok(())
     }
 
-    /// Writes all that remains.
-    ///
-    /// Returns a summary as text, and the time of each picture as JSON (null for a folder).
-    fn finish(self) -> anyhow::Result<(String, serde_json::Value)> {
+    /// Writes the GIF, and reports the pictures. The time of each picture is null for a folder.
+    fn finish(self) -> anyhow::Result<Report> {
         let count = counted(self.count, "frame", "frames");
         let named = self.named.display();
-        let Place::Gif { target, pictures, hundredths } = self.place else {
-            return Ok((format!("{named}: {count}"), serde_json::Value::Null));
+        let Some((target, gif)) = self.gif else {
+            let report = Report::default().text(format!("{named}: {count}"));
+            return Ok(report.json("frame_time", json!(null)));
         };
-        write(&[(&target, &pictures.finish()?)])?;
-        let seconds = f64::from(hundredths) * HUNDREDTH;
-        Ok((format!("{named}: {count} of {seconds:.2} s"), seconds.into()))
+        write(&[(&target, &gif.finish()?)])?;
+        let seconds = f64::from(self.hundredths) / 100.0;
+        let text = format!("{named}: {count} of {seconds:.2} s");
+        Ok(Report::default().shown("frame_time", "", seconds, text))
     }
-}
-
-fn folder(folder: &Path) -> anyhow::Result<()> {
-    let about = || folder.display().to_string();
-    std::fs::create_dir_all(folder).with_context(about)?;
-    if folder.join(name(0)).exists() {
-        bail!("{}: it holds frames already", about());
-    }
-    Ok(())
 }
 
 fn name(number: usize) -> String {

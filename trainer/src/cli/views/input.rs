@@ -1,7 +1,7 @@
 //! Sets of views, maps, parameters, paths and tracked points: arguments, and reading of their files.
 
-use crate::cli::ModelArgs;
-use anyhow::{Context, bail};
+use crate::cli::{ModelArgs, OfFile};
+use anyhow::bail;
 use serde::Deserialize;
 use sinew_runtime::Model;
 use sinew_trainer::views::fit::FitError;
@@ -24,7 +24,7 @@ pub(super) struct MapArgs {
 impl MapArgs {
     /// Opens the map of a model.
     pub(super) fn player<'a>(&self, model: &'a Model<Vec<u8>>) -> anyhow::Result<Player<'a>> {
-        Player::new(model, self.map.as_deref()).with_context(|| self.model.named())
+        Player::new(model, self.map.as_deref()).of(&self.model.file)
     }
 }
 
@@ -53,7 +53,7 @@ impl SetArguments {
         } else {
             read(&self.views, self.mesh.as_deref())
         };
-        set.with_context(|| self.views.display().to_string())
+        set.of(&self.views)
     }
 }
 
@@ -96,12 +96,11 @@ const fn frames() -> usize {
 /// # Errors
 /// The file cannot be read, or is not a path.
 pub(super) fn read_path(file: &Path, frames: Option<usize>) -> anyhow::Result<Vec<Values>> {
-    let about = || file.display().to_string();
-    let text = std::fs::read(file).with_context(about)?;
-    let written: WrittenPath = serde_json::from_slice(&text).with_context(about)?;
+    let text = std::fs::read(file).of(file)?;
+    let written: WrittenPath = serde_json::from_slice(&text).of(file)?;
     let (keys, len) = (written.keys, frames.unwrap_or(written.frames));
     if keys.is_empty() || len == 0 {
-        bail!("{}: expected `keys`, and `frames` above 0", about());
+        bail!("{}: expected `keys`, and `frames` above 0", file.display());
     }
     let at = |frame: usize| {
         let way = (keys.len() - 1) as f64 * frame as f64 / (len - 1).max(1) as f64;
@@ -147,22 +146,23 @@ impl Follower {
 /// Reads frames as CSV: a line for each frame with x and y of each point, empty if a point is hidden. A first line of
 /// names is skipped.
 pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
-    let about = || file.display().to_string();
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .from_path(file)
-        .with_context(about)?;
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).flexible(true).from_path(file).of(file)?;
     let mut out = Vec::new();
     for (line, record) in reader.records().enumerate() {
-        let record = record.with_context(about)?;
+        let record = record.of(file)?;
         let is_number = |cell: &str| cell.trim().is_empty() || cell.trim().parse::<f64>().is_ok();
         if line == 0 && !record.iter().all(is_number) {
             continue;
         }
         if record.len() != 2 * points {
             let found = record.len();
-            bail!("{}: line {}: expected {} numbers, found {found}", about(), line + 1, 2 * points);
+            bail!(
+                "{}: line {}: expected {} numbers, found {found}",
+                file.display(),
+                line + 1,
+                2 * points
+            );
         }
         let cells: Vec<&str> = record.iter().map(str::trim).collect();
         let mut own = Points::new();
@@ -173,7 +173,7 @@ pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Point
                     (Ok(x), Ok(y)) if x.is_finite() && y.is_finite() => Some([x, y]),
                     _ => bail!(
                         "{}: line {}: point {} is no pair of numbers",
-                        about(),
+                        file.display(),
                         line + 1,
                         own.len()
                     ),
@@ -182,9 +182,9 @@ pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Point
             });
         }
         if own.iter().flatten().count() < 3 {
-            bail!("{}: line {}: fewer than 3 points are seen", about(), line + 1);
+            bail!("{}: line {}: fewer than 3 points are seen", file.display(), line + 1);
         }
         out.push(own);
     }
-    if out.is_empty() { bail!("{}: there are no frames", about()) } else { Ok(out) }
+    if out.is_empty() { bail!("{}: there are no frames", file.display()) } else { Ok(out) }
 }

@@ -1,8 +1,8 @@
 //! `sinew views render` and `pin`: one picture.
 
 use super::input::{Follower, MapArgs, assignment, read_track, values};
-use crate::cli::{Output, OutputFile, Report, Run, ending};
-use anyhow::{Context, bail};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run};
+use anyhow::bail;
 use sinew_trainer::views::object::FileMap;
 use sinew_trainer::views::pin::{Pin, bend, follow};
 use sinew_trainer::views::player::straight;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example:\n  sinew views render head.sinew --set yaw=137 -o head.png")]
 pub(in crate::cli) struct Render {
     #[command(flatten)]
-    model: MapArgs,
+    views: MapArgs,
     /// A parameter; angles in degrees; repeatable
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
@@ -30,12 +30,10 @@ pub(in crate::cli) struct Render {
 
 impl Run for Render {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let taken: Vec<_> =
-            [&self.model.model.file].into_iter().chain(&self.points).cloned().collect();
-        let target = OutputFile::new(&self.output, &taken)?;
-        ending(&self.output, &["png"])?;
-        let model = self.model.model.load()?;
-        let player = self.model.player(&model)?;
+        let taken = [&self.views.model.file].into_iter().chain(&self.points);
+        let target = OutputFile::new(&self.output, taken)?.ending_in(&["png"])?;
+        let model = self.views.model.load()?;
+        let player = self.views.player(&model)?;
         let values = match &self.points {
             Some(file) => tracked(&mut Follower::new(&player), file)?,
             None => values(&self.set)?,
@@ -59,10 +57,9 @@ impl Run for Render {
 
 /// Finds the parameters of the only frame of a file.
 fn tracked(follower: &mut Follower, file: &Path) -> anyhow::Result<Values> {
-    let about = || file.display().to_string();
     match &read_track(file, follower.point_len())?[..] {
-        [points] => Ok(follower.find(points).with_context(about)?.values),
-        frames => bail!("{}: expected one frame, found {}", about(), frames.len()),
+        [points] => Ok(follower.find(points).of(file)?.values),
+        frames => bail!("{}: expected one frame, found {}", file.display(), frames.len()),
     }
 }
 
@@ -75,7 +72,7 @@ fn tracked(follower: &mut Follower, file: &Path) -> anyhow::Result<Values> {
 )]
 pub(in crate::cli) struct PinPoints {
     #[command(flatten)]
-    model: MapArgs,
+    views: MapArgs,
     /// A parameter to start from; angles in degrees; repeatable
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
@@ -98,10 +95,10 @@ fn dragged(text: &str) -> Result<Pin, String> {
 
 impl Run for PinPoints {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let target = OutputFile::new(&self.output, std::slice::from_ref(&self.model.model.file))?;
-        ending(&self.output, &["png"])?;
-        let model = self.model.model.load()?;
-        let player = self.model.player(&model)?;
+        let target =
+            OutputFile::new(&self.output, [&self.views.model.file])?.ending_in(&["png"])?;
+        let model = self.views.model.load()?;
+        let player = self.views.player(&model)?;
         let map = FileMap::new(&player);
         let expected = player.views().point_len();
         for (number, (point, _)) in self.pin.iter().enumerate() {

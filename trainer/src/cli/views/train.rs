@@ -2,8 +2,10 @@
 
 use super::input::SetArguments;
 use crate::cli::files::{write, wrote};
-use crate::cli::{Output, OutputFile, Report, Run, counted, ending, load, printable, table};
-use anyhow::{Context, bail};
+use crate::cli::{
+    OfFile, Output, OutputFile, Report, Run, counted, ending, load, printable, table,
+};
+use anyhow::bail;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::views::control::control;
@@ -29,7 +31,7 @@ pub(in crate::cli) struct Demo {
 impl Run for Demo {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let folder = &self.folder;
-        let sets = demo::write(folder).with_context(|| folder.display().to_string())?;
+        let sets = demo::write(folder).of(folder)?;
         let described = |set: &ViewSet| {
             let maps: Vec<_> = set.maps.iter().map(|map| &map.name).collect();
             let views: usize = set.maps.iter().map(|map| map.train.len()).sum();
@@ -78,12 +80,11 @@ impl Run for Train {
         let file = self.set.file();
         let options = FitOptions { exact: self.exact };
         let Some(out) = &self.output else { return run_control(&self.set, options) };
-        let target = OutputFile::new(out, &[file.to_owned()])?.of_a_model()?;
+        let target = OutputFile::new(out, [file])?.of_a_model()?;
         let points = self.points_output.as_deref().map(|path| points_file(path, file, &target));
         let points = points.transpose()?;
         let set = self.set.read()?;
-        let Trained { model, choices } =
-            train(&set, options).with_context(|| file.display().to_string())?;
+        let Trained { model, choices } = train(&set, options).of(file)?;
         let bytes = bake(Space::default(), &parts(&model)?)?;
         let points = points.map(|points| (points, as_json(&set, folder(file)).to_string()));
         let points = points.as_ref().map(|(points, json)| (points, json.as_bytes()));
@@ -111,7 +112,7 @@ impl Run for Train {
 
 /// Checks the file for the set with its points. The set's pictures are named relative to the folder of the views.
 fn points_file(path: &Path, views: &Path, model: &OutputFile) -> anyhow::Result<OutputFile> {
-    let points = OutputFile::new(path, &[views.to_owned()])?;
+    let points = OutputFile::new(path, [views])?;
     ending(path, &["json"])?;
     if points.is(model) {
         bail!("{}: the model and the set are one file", path.display());
@@ -156,8 +157,7 @@ fn chosen(outputs: &str, candidate: &Candidate) -> String {
 /// # Errors
 /// The views cannot be read or fitted.
 fn run_control(set: &SetArguments, options: FitOptions) -> anyhow::Result<Report> {
-    let about = || set.file().display().to_string();
-    let found = control(&set.read()?, options).with_context(about)?;
+    let found = control(&set.read()?, options).of(set.file())?;
     let [one, many] = match found.is_left_out {
         true => ["key view, left out", "key views, each left out"],
         false => ["test view", "test views"],
@@ -200,14 +200,13 @@ pub(in crate::cli) struct Transfer {
 impl Run for Transfer {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let Self { prototype, instance, output: out, by_size } = self;
-        let target = OutputFile::new(out, &[prototype.clone(), instance.clone()])?.of_a_model()?;
+        let target = OutputFile::new(out, [prototype, instance])?.of_a_model()?;
         let model = load(prototype)?;
-        let about = || instance.display().to_string();
         let object = model.views();
         let layers = (0..).map_while(|layer| object.as_ref()?.layer_name(layer));
-        let views = read_instance(instance, &layers.collect::<Vec<_>>()).with_context(about)?;
+        let views = read_instance(instance, &layers.collect::<Vec<_>>()).of(instance)?;
         let name = instance.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
-        let made = transfer(&model, &name, &views, *by_size).with_context(about)?;
+        let made = transfer(&model, &name, &views, *by_size).of(instance)?;
         let bytes = bake(Space::default(), &parts(&made)?)?;
         Report::default()
             .figure("maps", "maps", made.maps.len(), "")
