@@ -3,7 +3,7 @@
 use super::levels::{self, AlsoArguments};
 use crate::cli::arguments::TargetSpace;
 use crate::cli::{
-    Bars, ModelArgs, Output, OutputFile, Report, Run, StatedSpace, files, input, number, printable,
+    Bars, ModelArgs, Output, OutputFile, Report, Run, StatedSpace, ending, input, number, printable,
 };
 use anyhow::bail;
 use serde_json::json;
@@ -108,8 +108,7 @@ impl Run for ExportArgs {
         inputs.push(self.model.file.clone());
         inputs.extend_from_slice(&self.further.also);
         inputs.extend(self.into.iter().chain(&self.mesh).cloned());
-        let target = OutputFile::new(&self.output, &inputs)?;
-        files::ending(&self.output, &["glb"])?;
+        let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb"])?;
         let model = input::read_model(&self.model.file)?;
         let skin = self.skin.as_deref();
         let character = Character::find(&model, skin).map_err(|error| self.blame(error.into()))?;
@@ -129,7 +128,7 @@ impl Run for ExportArgs {
         input::move_to(&mut input, &self.clip, &rest(&character.skin), output)?;
         let Loaded { examples, clips, .. } = input;
         // Arrays hold frames alone. A scene has keys between frames, unless a rate was given.
-        let between = self.fps.is_none() && files::ending(&self.clip, &["npz"]).is_err();
+        let between = self.fps.is_none() && ending(&self.clip, &["npz"]).is_err();
         let exporting = Bars::busy(output, "exporting");
         let (examples, clips, levels) = (&examples, &clips, &levels);
         let model = &model;

@@ -2,7 +2,7 @@
 
 use super::input::{MapArgs, assignment, read_path, values};
 use crate::cli::files::{make_folder, write};
-use crate::cli::{OfFile, Output, OutputFile, Report, Run, ending};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run};
 use anyhow::bail;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
@@ -126,8 +126,7 @@ impl Export {
     fn spine(&self, output: Output) -> anyhow::Result<Report> {
         let paths = &self.format.spine;
         let taken: Vec<PathBuf> = paths.iter().chain([&self.views.model.file]).cloned().collect();
-        ending(&self.output, &["json"])?;
-        let target = OutputFile::new(&self.output, &taken)?;
+        let target = OutputFile::new(&self.output, &taken)?.ending_in(&["json"])?;
         let folder = self.output.with_extension("");
         let set = values(&self.set)?;
         let model = self.views.model.load()?;

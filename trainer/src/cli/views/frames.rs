@@ -89,11 +89,9 @@ impl Run for Drive {
         let mut follower = Follower::new(&player);
         let track = read_track(&self.track, follower.point_len())?;
         let taken = [self.views.model.file.clone(), self.track.clone()];
-        let table = self.csv.as_deref().map(|path| {
-            ending(path, &["csv"])?;
-            OutputFile::new(path, &taken)
-        });
-        let table = table.transpose()?;
+        let file =
+            self.csv.as_deref().map(|path| OutputFile::new(path, &taken)?.ending_in(&["csv"]));
+        let table = file.transpose()?;
         let mut frames = Frames::new(&self.frames, &taken)?;
         let mut driven = Vec::new();
         for (number, points) in track.iter().enumerate() {

@@ -151,38 +151,27 @@ pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Point
     let mut out = Vec::new();
     for (line, record) in reader.records().enumerate() {
         let record = record.of(file)?;
-        let is_number = |cell: &str| cell.trim().is_empty() || cell.trim().parse::<f64>().is_ok();
-        if line == 0 && !record.iter().all(is_number) {
+        let cells: Vec<&str> = record.iter().map(str::trim).collect();
+        let is_number = |cell: &&str| cell.is_empty() || cell.parse::<f64>().is_ok();
+        if line == 0 && !cells.iter().all(is_number) {
             continue;
         }
-        if record.len() != 2 * points {
-            let found = record.len();
-            bail!(
-                "{}: line {}: expected {} numbers, found {found}",
-                file.display(),
-                line + 1,
-                2 * points
-            );
+        let at = format!("{}: line {}", file.display(), line + 1);
+        let (expected, found) = (2 * points, cells.len());
+        if found != expected {
+            bail!("{at}: expected {expected} numbers, found {found}");
         }
-        let cells: Vec<&str> = record.iter().map(str::trim).collect();
         let mut own = Points::new();
         for pair in cells.chunks(2) {
-            own.push(match pair {
-                ["", ""] => None,
-                [x, y] => match (x.parse::<f64>(), y.parse::<f64>()) {
-                    (Ok(x), Ok(y)) if x.is_finite() && y.is_finite() => Some([x, y]),
-                    _ => bail!(
-                        "{}: line {}: point {} is no pair of numbers",
-                        file.display(),
-                        line + 1,
-                        own.len()
-                    ),
-                },
-                _ => None,
+            let numbers = pair.iter().filter_map(|cell| cell.parse().ok());
+            own.push(match (pair, &numbers.collect::<Vec<f64>>()[..]) {
+                (["", ""], _) => None,
+                (_, &[x, y]) if x.is_finite() && y.is_finite() => Some([x, y]),
+                _ => bail!("{at}: point {} is no pair of numbers", own.len()),
             });
         }
         if own.iter().flatten().count() < 3 {
-            bail!("{}: line {}: fewer than 3 points are seen", file.display(), line + 1);
+            bail!("{at}: fewer than 3 points are seen");
         }
         out.push(own);
     }

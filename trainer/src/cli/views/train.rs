@@ -2,9 +2,7 @@
 
 use super::input::SetArguments;
 use crate::cli::files::{write, wrote};
-use crate::cli::{
-    OfFile, Output, OutputFile, Report, Run, counted, ending, load, printable, table,
-};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, counted, load, printable, table};
 use anyhow::bail;
 use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
@@ -112,18 +110,13 @@ impl Run for Train {
 
 /// Checks the file for the set with its points. The set's pictures are named relative to the folder of the views.
 fn points_file(path: &Path, views: &Path, model: &OutputFile) -> anyhow::Result<OutputFile> {
-    let points = OutputFile::new(path, [views])?;
-    ending(path, &["json"])?;
+    let points = OutputFile::new(path, [views])?.ending_in(&["json"])?;
+    let (own, other) = (path.display(), views.display());
     if points.is(model) {
-        bail!("{}: the model and the set are one file", path.display());
+        bail!("{own}: the model and the set are one file");
     }
-    let [own, other] = [std::path::absolute(path)?, std::path::absolute(views)?];
-    if own.parent() != other.parent() {
-        bail!(
-            "{}: expected a file beside {}, since pictures are named from there",
-            path.display(),
-            views.display()
-        );
+    if std::path::absolute(path)?.parent() != std::path::absolute(views)?.parent() {
+        bail!("{own}: expected a file beside {other}, since pictures are named from there");
     }
     Ok(points)
 }
