@@ -6,13 +6,11 @@
 //! its shapes are given, and a take shows their combinations. Samples of a [`signal`] become a filter that refines it.
 //!
 //! **A new part** gets a folder, as [`envelope`] has: its model in f64, its fit, its `bake` (which makes a
-//! [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs` lists its commands in one
+//! [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/mod.rs` lists its commands in one
 //! line. A part that shares a file with an envelope is a field of [`envelope::model::FileModel`]; it is written in
-//! `envelope/bake/mod.rs` and printed in `cli/envelope/describe.rs`. The doc of the runtime's `format/mod.rs` says
-//! which files the runtime accepts.
-//!
-//! These modules do not depend on any part: [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`],
-//! [`formats`] and [`space`]. The numbers that set a fit are in [`settings`].
+//! `envelope/bake/file.rs` and printed in `cli/inspect.rs`. The doc of the runtime's `format/mod.rs` says
+//! which files the runtime accepts. [`bake`], [`page`], [`regression`], [`scattered`], [`numeric`], [`mesh`], [`formats`] and
+//! [`space`] know no part. The numbers that set a fit are in [`settings`].
 #![forbid(unsafe_code)]
 
 pub mod bake;

@@ -371,7 +371,7 @@ fn time() -> Result<(), Box<dyn Error>> {
             train.extend(["-o".to_owned(), model.to_string_lossy().into_owned()]);
             train.extend(["--predictor", predictor].map(str::to_owned));
             if predictor != "auto" {
-                train.extend(["--proxies", proxies].map(str::to_owned));
+                train.extend(["--helpers", proxies].map(str::to_owned));
             }
             let run = measure(&train)?;
             std::fs::remove_file(&model)?;
@@ -398,7 +398,7 @@ fn scaling() -> Result<(), Box<dyn Error>> {
             &poses.to_string(),
             "--held-out",
             &held_out.to_string(),
-            "--proxies",
+            "--helpers",
             "60",
             "--predictor",
             "rotational",

@@ -1,31 +1,39 @@
-//! Files that a command writes: tried before the work begins, moved into place when all are whole.
+//! Files that a command writes: checked before the work begins, moved into place when all are complete.
 
 use anyhow::{Context, bail};
 use sinew_trainer::files::PendingFile;
+use sinew_trainer::formats::Content;
+use sinew_trainer::page::drawing::Drawing;
 use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Endings that promise a file to other programs.
-const PROMISED: [&str; 23] = [
+/// Endings of files that other programs read.
+const FOREIGN: [&str; 23] = [
     "abc", "blend", "csv", "fbx", "gif", "glb", "gltf", "html", "jpg", "json", "npy", "npz", "obj",
     "pc2", "pdf", "ply", "png", "txt", "usd", "usda", "usdc", "usdz", "yaml",
 ];
 
-/// A place for a file, where a file can be written.
+/// File that can be written.
 pub(super) struct OutputFile {
+    /// Path as given.
     named: PathBuf,
+    /// Absolute path without links.
     place: PathBuf,
 }
 
 impl OutputFile {
-    /// Tries a place, so that hours of work do not end in a result that cannot be written.
+    /// Checks that a file can be written, so that hours of work do not end in a result that cannot be written.
+    ///
+    /// - `taken`: inputs, which must not be overwritten.
     ///
     /// # Errors
-    /// If the place is one of `taken`, is no regular file, or its folder is not there or cannot be
-    /// written to.
-    pub(super) fn new(path: &Path, taken: &[PathBuf]) -> anyhow::Result<Self> {
+    /// The path is one of `taken` or no regular file, or its folder is missing or cannot be written to.
+    pub(super) fn new(
+        path: &Path,
+        taken: impl IntoIterator<Item = impl AsRef<Path>>,
+    ) -> anyhow::Result<Self> {
         let named = path.to_owned();
         let folder_like = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         let (Some(name), Some(folder), false) = (path.file_name(), path.parent(), folder_like)
@@ -43,7 +51,8 @@ impl OutputFile {
             Ok(there) if !there.is_file() => bail!("{}: it is no file", cannot_write(path)),
             _ => {}
         }
-        if taken.iter().any(|other| other.canonicalize().is_ok_and(|other| other == place)) {
+        let mut taken = taken.into_iter().map(|other| other.as_ref().canonicalize());
+        if taken.any(|other| other.is_ok_and(|other| other == place)) {
             bail!("{}: it is an input", cannot_write(path));
         }
         let target = Self { named, place };
@@ -51,18 +60,27 @@ impl OutputFile {
         Ok(target)
     }
 
-    /// The same for a model.
+    /// Checks the ending, one of `known`.
     ///
     /// # Errors
-    /// If its name promises another kind of file.
+    /// The file has another ending.
+    pub(super) fn ending_in(self, known: &[&'static str]) -> anyhow::Result<Self> {
+        ending(&self.named, known)?;
+        Ok(self)
+    }
+
+    /// Checks the ending of a model.
+    ///
+    /// # Errors
+    /// The ending is that of another kind of file.
     pub(super) fn of_a_model(self) -> anyhow::Result<Self> {
         self.of_a("a model", "sinew")
     }
 
-    /// The same for a report.
+    /// Checks the ending of a report.
     ///
     /// # Errors
-    /// If its name promises another kind of file.
+    /// The ending is that of another kind of file.
     pub(super) fn of_a_report(self) -> anyhow::Result<Self> {
         self.of_a("a report", "html")
     }
@@ -70,23 +88,23 @@ impl OutputFile {
     fn of_a(self, what: &str, ending: &str) -> anyhow::Result<Self> {
         let own = self.named.extension().map(|own| own.to_ascii_lowercase());
         let own = own.as_ref().and_then(|own| own.to_str()).filter(|own| *own != ending);
-        if let Some(own) = own.filter(|own| PROMISED.contains(own)) {
+        if let Some(own) = own.filter(|own| FOREIGN.contains(own)) {
             bail!("{}: {what} is no .{own} file, name it .{ending}", cannot_write(&self.named));
         }
         Ok(self)
     }
 
-    /// Returns the place as it was named.
+    /// Returns the path as given.
     pub(super) fn named(&self) -> &Path {
         &self.named
     }
 
-    /// Tells whether two targets are one file.
+    /// Returns whether two paths lead to one file.
     pub(super) fn is(&self, other: &OutputFile) -> bool {
         self.place == other.place
     }
 
-    /// Writes bytes beside the place.
+    /// Writes bytes to a file in the same folder.
     fn part(&self, bytes: &[u8]) -> anyhow::Result<PendingFile> {
         let written = PendingFile::create(&self.place)
             .and_then(|mut part| part.file().write_all(bytes).map(|()| part));
@@ -94,8 +112,37 @@ impl OutputFile {
     }
 }
 
-/// Writes files whole, the last named last: all are written beside their places before the first
-/// is moved, so that what fails leaves every place as it was.
+/// Adds the name of a file to errors.
+pub(super) trait OfFile<T> {
+    /// Returns the value, or the error with the name of `file`.
+    fn of(self, file: &Path) -> anyhow::Result<T>;
+}
+
+impl<T, E> OfFile<T> for Result<T, E>
+where
+    Result<T, E>: Context<T, E>,
+{
+    fn of(self, file: &Path) -> anyhow::Result<T> {
+        self.with_context(|| file.display().to_string())
+    }
+}
+
+/// Refuses two outputs that are one file.
+///
+/// # Errors
+/// Names the file.
+pub(super) fn refuse_same(files: &[Option<&OutputFile>]) -> anyhow::Result<()> {
+    let files: Vec<_> = files.iter().flatten().collect();
+    for (number, one) in files.iter().enumerate() {
+        if files[..number].iter().any(|other| other.is(one)) {
+            bail!("{}: two outputs are one file", cannot_write(one.named()));
+        }
+    }
+    Ok(())
+}
+
+/// Writes complete files, in order. All are written to their folders before the first is moved into place, so that a
+/// failure leaves every file as it was.
 ///
 /// # Errors
 /// Names the file that could not be written.
@@ -108,10 +155,15 @@ pub(super) fn write(files: &[(&OutputFile, &[u8])]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Finds which of some endings a file has, in whatever case.
+/// States that a file was written, with its number of bytes.
+pub(super) fn wrote(file: &OutputFile, bytes: &[u8]) -> String {
+    format!("wrote {} ({} bytes)", file.named.display(), bytes.len())
+}
+
+/// Returns the ending of a file, one of `known`, regardless of case.
 ///
 /// # Errors
-/// If it has none of them.
+/// The file has another ending.
 pub(super) fn ending(path: &Path, known: &[&'static str]) -> anyhow::Result<&'static str> {
     let own = path.extension().unwrap_or_default();
     let found = known.iter().find(|known| own.eq_ignore_ascii_case(OsStr::new(known)));
@@ -123,10 +175,19 @@ pub(super) fn ending(path: &Path, known: &[&'static str]) -> anyhow::Result<&'st
     })
 }
 
-/// Makes a folder, unless it is there.
+/// Returns a drawing as a file, SVG or PNG by the path's ending.
 ///
 /// # Errors
-/// If it cannot be made.
+/// The drawing cannot be encoded.
+pub(super) fn drawn(drawing: &Drawing, path: &Path) -> anyhow::Result<Vec<u8>> {
+    let is_svg = ending(path, &["png", "svg"])? == "svg";
+    Ok(if is_svg { drawing.svg()?.into_bytes() } else { drawing.picture().png()? })
+}
+
+/// Makes a folder if it does not exist.
+///
+/// # Errors
+/// The folder cannot be made.
 pub(super) fn make_folder(folder: &Path) -> anyhow::Result<()> {
     let cannot_make = || format!("cannot make the folder {}", folder.display());
     if folder.is_file() {
@@ -137,4 +198,33 @@ pub(super) fn make_folder(folder: &Path) -> anyhow::Result<()> {
 
 fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
+}
+
+/// Returns whether bytes are lines of text.
+fn is_text(bytes: &[u8]) -> bool {
+    bytes.contains(&b'\n') && !bytes.contains(&0) && std::str::from_utf8(bytes).is_ok()
+}
+
+/// Reads a model file.
+pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
+    let cannot_read = || format!("cannot read {}", path.display());
+    let kind = std::fs::metadata(path).with_context(cannot_read)?;
+    if !kind.is_file() {
+        // Reading a device may never end.
+        bail!("{}: it is {}", cannot_read(), if kind.is_dir() { "a folder" } else { "no file" });
+    }
+    let bytes = std::fs::read(path).with_context(cannot_read)?;
+    match Content::of(&bytes) {
+        Some(Content::Examples(ending)) => bail!(
+            "{}: holds what a .{ending} file holds, expected a model, which commands take first",
+            path.display()
+        ),
+        None if is_text(&bytes) => {
+            bail!("{}: holds text, expected a model, which commands take first", path.display())
+        }
+        _ if bytes.is_empty() => {
+            bail!("{}: the model is refused: the file is empty", path.display())
+        }
+        _ => Ok(bytes),
+    }
 }

@@ -1,65 +1,58 @@
-//! Examples and models as the command line names them.
+//! Examples and models: arguments, and reading of their files.
 
-use super::Output;
-use super::bars::Bars;
+use super::arguments::number;
+use super::output::Bars;
+use super::{OfFile, Output};
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Examples, ExamplesError, LoadError, Loaded, RATES, Severity, Source, Split,
-    Warning, hash_file, load, load_importance,
+    self, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, Warning, hash_file,
+    load, load_importance,
 };
-use sinew_trainer::formats::Content;
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
 #[derive(clap::Args)]
+#[command(next_help_heading = "Examples")]
 pub(super) struct ExampleArguments {
-    /// Example poses: a scene with mesh, skeleton and clips (.glb, .gltf, .fbx), or a .npz with
-    /// everything, its names and parents in it or in a .json beside it
+    /// Example poses: a scene with mesh, skeleton and clips (.glb, .gltf, .fbx), or a .npz
     ///
-    /// Of several files the frames follow one another, in the axes and unit of the first; all are of one
-    /// character, and their clips are called FILE:CLIP.
-    #[arg(required = true, num_args = 1..)]
+    /// Names and parents of a .npz are in the file or in a .json beside it. The frames of several files follow one
+    /// another, in the axes and unit of the first; all files are of one character, and their clips are named FILE:CLIP.
+    #[arg(required = true, num_args = 1.., help_heading = None::<&str>)]
     pub(super) examples: Vec<PathBuf>,
-    /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
-    /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
-    /// `vertices` of a .npz, in any order where it has `rest`, or a .glb as it plays, by its skin and morph targets, in any
-    /// order [default: the scene's own skin and shapes]
+    /// Posed meshes of a scene, one for each frame of its clips [default: the scene's own skin and shapes]
     ///
-    /// Of several scenes once for each, in their order. Where --clip asks for some clips, they may be those of all.
+    /// Vertices are those of the scene's mesh, split along seams or not. Formats: Alembic (.abc), a point cache (.pc2,
+    /// .mdd), a folder of numbered .obj files or one of them, the `vertices` of a .npz, or a .glb. Vertices of a .npz
+    /// with `rest` may have any order, and so may vertices of a .glb, which plays its skin and morph targets.
+    ///
+    /// For several scenes, once for each in order. If --clip names clips, the file may hold those of all clips.
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Vec<PathBuf>,
-    /// Frames a second at which the clips of a scene are sampled [default: at their keys]
-    #[arg(long, value_name = "FPS", value_parser = rate, allow_negative_numbers = true)]
+    /// Frames a second at which clips of a scene are sampled [default: at their keys]
+    #[arg(long, value_name = "FPS", value_parser = number(RATES, " frames a second"), allow_negative_numbers = true)]
     pub(super) fps: Option<f64>,
-    /// A clip to read, of a scene or of a .npz that names its clips; may be given several times [default: all]
+    /// Clip to read, of a scene or of a .npz that names its clips; repeatable [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Vec<String>,
-    /// How much each vertex counts, in a fit and in what is measured: one number a vertex, as .npy,
-    /// .txt or .csv; of several files once for all or once for each, in their order [default: what a .npz says, else
-    /// all alike]
+    /// Weight of each vertex in fits and errors: one number a vertex (.npy, .txt, .csv) [default: from a .npz, else
+    /// equal]
+    ///
+    /// For several files, once for all or once for each in order.
     #[arg(long, value_name = "FILE")]
     pub(super) importance: Vec<PathBuf>,
-    /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
-    /// file's own split; give `train`, `eval` and `report` the same
+    /// Hold out this share of the frames (0.25 is a quarter), in blocks, in place of the file's split
+    ///
+    /// `train`, `eval` and `report` need the same share.
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) hold_out: Option<f64>,
-    /// Hold out the frames of this clip, NAME or FILE:NAME of several files; may be given several times
+    /// Hold out the frames of this clip, NAME or FILE:NAME; repeatable
     #[arg(long, value_name = "NAME", conflicts_with = "hold_out")]
     pub(super) hold_out_clip: Vec<String>,
 }
 
-/// Examples as they were read.
-pub(super) struct LoadedInput {
-    pub(super) examples: Examples,
-    /// The clips that its frames come from.
-    pub(super) clips: Vec<Clip>,
-    /// What is known about them.
-    pub(super) warnings: Vec<Warning>,
-}
-
-/// A file that is read, for the record.
+/// Input file in the record of a training.
 #[derive(serde::Serialize)]
 pub(super) struct InputFile {
     file: String,
@@ -67,56 +60,53 @@ pub(super) struct InputFile {
 }
 
 impl ExampleArguments {
-    /// Loads the examples to check them; the check reports the findings of validation.
-    pub(super) fn load_to_check(&self, output: Output) -> anyhow::Result<LoadedInput> {
-        self.load_telling(output, |warning| !warning.is_of_validation())
+    /// Loads examples for a check. The check reports the findings of validation itself.
+    pub(super) fn load_to_check(&self, output: Output) -> anyhow::Result<Loaded> {
+        self.load_warning(output, |warning| !warning.is_of_validation())
     }
 
-    /// Loads the examples to measure a model on them: leaves it to the caller to tell of meshes that a scene's own
-    /// skinning makes.
-    pub(super) fn load_to_measure(&self, output: Output) -> anyhow::Result<LoadedInput> {
-        self.load_telling(output, |warning| *warning != Warning::PlainSkin)
+    /// Loads examples to measure a model. The caller reports meshes of a scene's own skinning.
+    pub(super) fn load_to_measure(&self, output: Output) -> anyhow::Result<Loaded> {
+        self.load_warning(output, |warning| *warning != Warning::PlainSkin)
     }
 
-    fn load_telling(
+    fn load_warning(
         &self,
         output: Output,
-        is_told: fn(&Warning) -> bool,
-    ) -> anyhow::Result<LoadedInput> {
+        is_printed: fn(&Warning) -> bool,
+    ) -> anyhow::Result<Loaded> {
         let (mut files, mut found) = (Vec::new(), Vec::new());
         let importance = self.importance_of_each()?;
         let sources = self.sources()?;
         for (source, importance) in sources.iter().zip(importance) {
             let loaded = read(*source, output, load);
-            // Warnings about the files before it may explain why a file is refused.
-            let mut input = loaded.inspect_err(|_| tell_of_all(&found, is_told, output))?;
+            // Warnings about earlier files may explain why a file is refused.
+            let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = importance {
-                let numbers = load_importance(file)?;
-                let weighed = input.examples.weigh(numbers);
-                weighed.with_context(|| file.display().to_string())?;
+                input.examples.weigh(load_importance(file)?).of(file)?;
             }
             files.push((source.file.to_owned(), input.examples, input.clips));
         }
-        tell_of_all(&found, is_told, output);
+        print_all(&found, is_printed, output);
         let mut warnings: Vec<Warning> = found.into_iter().map(|(warning, _)| warning).collect();
         let (mut examples, clips) = examples::join(files)?;
         if let Some(share) = self.hold_out {
             let rounded = examples.hold_out(share).with_context(|| self.named())?;
-            rounded.iter().for_each(|warning| tell(self.named(), warning, output));
+            rounded.iter().for_each(|warning| output.report(self.named(), warning));
             warnings.extend(rounded);
         }
         examples.hold_out_clips(&clips, &self.hold_out_clip).with_context(|| self.named())?;
-        Ok(LoadedInput { examples, clips, warnings })
+        Ok(Loaded { examples, clips, warnings })
     }
 
-    /// Hashes every file that a load reads.
+    /// Hashes every file that is read.
     pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
         self.examples.iter().try_for_each(|file| check(file))?;
         self.files().iter().filter(|file| file.exists()).map(|file| hash(file)).collect()
     }
 
-    /// Names every file that a load reads, where it is there.
+    /// Returns the paths of all files to read, whether they exist or not.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let sources = self.sources().unwrap_or_default();
         let mut files: Vec<PathBuf> = sources.iter().flat_map(Source::files).collect();
@@ -124,46 +114,37 @@ impl ExampleArguments {
         files
     }
 
-    /// Names the examples, as messages about all of them do.
+    /// Names all examples, for messages.
     pub(super) fn named(&self) -> String {
         let names: Vec<String> =
             self.examples.iter().map(|file| file.display().to_string()).collect();
         names.join(", ")
     }
 
-    /// Gives the file of each set of examples, with what belongs to it.
+    /// Returns the source of each set of examples.
     fn sources(&self) -> anyhow::Result<Vec<Source<'_>>> {
         let is_scene = |file: &Path| file.extension().is_none_or(|ending| ending != "npz");
         let scenes = self.examples.iter().filter(|file| is_scene(file)).count();
         let several = self.examples.len() > 1;
         if several && !self.targets.is_empty() && self.targets.len() != scenes {
             let found = self.targets.len();
-            bail!(
-                "--targets: expected one for each scene, in their order: {scenes}, found {found}"
-            );
+            bail!("--targets: expected one for each scene in order: {scenes}, found {found}");
         }
         if let ([_], [_, second, ..]) = (&self.examples[..], &self.targets[..]) {
-            bail!(
-                "--targets {}: there is one file of examples, which has its own",
-                second.display()
-            );
+            let second = second.display();
+            bail!("--targets {second}: there is one file of examples, which has its own");
         }
         let mut targets = self.targets.iter();
         let mut sources = Vec::new();
         for file in &self.examples {
             let own = if several && !is_scene(file) { None } else { targets.next() };
-            let targets = own.map(PathBuf::as_path);
-            sources.push(Source {
-                targets,
-                fps: self.fps,
-                clips: &self.clip,
-                ..Source::file(file)
-            });
+            let (targets, clips) = (own.map(PathBuf::as_path), &self.clip[..]);
+            sources.push(Source { targets, fps: self.fps, clips, ..Source::file(file) });
         }
         Ok(sources)
     }
 
-    /// Gives the importance of each set of examples.
+    /// Returns the importance file of each set of examples.
     fn importance_of_each(&self) -> anyhow::Result<Vec<Option<&Path>>> {
         let (files, given) = (self.examples.len(), self.importance.len());
         match &self.importance[..] {
@@ -177,16 +158,19 @@ impl ExampleArguments {
     }
 }
 
-/// Hashes a file that is read.
+/// Hashes an input file.
 pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
-    let sha256 = hash_file(file).with_context(|| file.display().to_string())?;
+    let sha256 = hash_file(file).of(file)?;
     let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(InputFile { file: name, sha256 })
 }
 
-/// Moves examples into the space of a model, where both are known, and leaves out seams that its skin, the
-/// first where no name is given, does not have. Examples without a unit are in the model's, or their rest mesh is
-/// refused. A model that cannot be loaded is left to the measurement.
+/// Converts examples to the space of a model if both are known, and removes seams that the model's skin lacks.
+///
+/// Examples without a unit take the model's unit; if that is wrong, their rest mesh is refused later. A model that
+/// cannot be loaded is refused by the measurement.
+///
+/// - `skin`: name of the skin; `None` for the model's first.
 pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Option<&str>) {
     let Ok(model) = Model::from_bytes(model) else { return };
     examples.convert_to(&model.space());
@@ -196,45 +180,44 @@ pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Opti
     }
 }
 
-/// Loads a file for its poses: of a character whose mesh another file has, where one is given.
+/// Loads a file for its poses.
+///
+/// - `mesh`: file with the mesh of the character, if `source` has none.
 pub(super) fn load_motion(
     source: Source<'_>,
     mesh: Option<&Path>,
     output: Output,
-) -> anyhow::Result<LoadedInput> {
+) -> anyhow::Result<Loaded> {
     let input = read(source, output, |source| examples::load_motion(source, mesh))?;
-    input.warnings.iter().for_each(|warning| tell(source.file.display(), warning, output));
+    input.warnings.iter().for_each(|warning| output.report(source.file.display(), warning));
     Ok(input)
 }
 
-/// Moves poses from a file to where their rest mesh is this one.
+/// Moves poses of a file so that their rest mesh coincides with `rest`.
 pub(super) fn move_to(
-    input: &mut LoadedInput,
+    input: &mut Loaded,
     file: &Path,
     rest: &[[f64; 3]],
     output: Output,
 ) -> anyhow::Result<()> {
-    let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
-    if let Some(warning) = moved {
-        tell(file.display(), &warning, output);
+    if let Some(warning) = input.examples.move_to(rest).of(file)? {
+        output.report(file.display(), &warning);
     }
     Ok(())
 }
 
-/// Loads examples.
+/// Loads examples by `load`.
 fn read(
     source: Source<'_>,
     output: Output,
     load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
-) -> anyhow::Result<LoadedInput> {
+) -> anyhow::Result<Loaded> {
     check(source.file)?;
-    let reading = Bars::busy(output, "reading examples");
-    let Loaded { examples, clips, warnings } = load(&source)?;
-    drop(reading);
-    Ok(LoadedInput { examples, clips, warnings })
+    let _reading = Bars::busy(output, "reading examples");
+    Ok(load(&source)?)
 }
 
-/// Adds the warnings of a file to those of others, each once with the names of its files.
+/// Adds the warnings of a file to those of other files. Each warning occurs once, with the names of its files.
 fn join_warnings(all: &mut Vec<(Warning, Vec<String>)>, file: &Path, warnings: Vec<Warning>) {
     let name = file.display().to_string();
     for warning in warnings {
@@ -247,21 +230,13 @@ fn join_warnings(all: &mut Vec<(Warning, Vec<String>)>, file: &Path, warnings: V
 }
 
 /// Prints warnings, each with the names of its files.
-fn tell_of_all(all: &[(Warning, Vec<String>)], is_told: fn(&Warning) -> bool, output: Output) {
-    for (warning, names) in all.iter().filter(|(warning, _)| is_told(warning)) {
-        tell(names.join(", "), warning, output);
+fn print_all(all: &[(Warning, Vec<String>)], is_printed: fn(&Warning) -> bool, output: Output) {
+    for (warning, names) in all.iter().filter(|(warning, _)| is_printed(warning)) {
+        output.report(names.join(", "), warning);
     }
 }
 
-/// Prints a warning about a file, or several.
-fn tell(about: impl Display, warning: &Warning, output: Output) {
-    match warning.severity() {
-        Severity::Warning => output.warn(about, warning),
-        Severity::Note => output.note(about, warning),
-    }
-}
-
-/// Refuses what is easily given by mistake.
+/// Refuses folders and .json files, which are easily given by mistake.
 fn check(examples: &Path) -> anyhow::Result<()> {
     let path = examples.display();
     if examples.is_dir() {
@@ -276,20 +251,6 @@ fn check(examples: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Parses a number of frames a second.
-pub(super) fn rate(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(rate) if RATES.contains(&rate) => Ok(rate),
-        _ => Err(format!("expected a number from {} to {}", RATES.start(), RATES.end())),
-    }
-}
-
-/// Parses a whole number from 1 to `most`.
-pub(super) fn count(text: &str, most: usize) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|number| (1..=most).contains(number));
-    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
-}
-
 /// Parses a share of the frames.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
@@ -299,7 +260,7 @@ fn share(text: &str) -> Result<f64, String> {
     Err(ExamplesError::BadShare { share }.to_string())
 }
 
-/// Describes the examples in a line.
+/// Describes examples in a line.
 pub(super) fn describe(examples: &Examples) -> String {
     let (vertices, engine) = (examples.vertex_len(), examples.surface().engine_len());
     let split = if engine == vertices { String::new() } else { format!(" ({engine} in engines)") };
@@ -311,7 +272,7 @@ pub(super) fn describe(examples: &Examples) -> String {
     )
 }
 
-/// Counts the frames by use.
+/// Counts frames by use.
 pub(super) fn describe_frames(examples: &Examples) -> String {
     let count = |split| examples.frames_of(split).len();
     format!(
@@ -320,33 +281,4 @@ pub(super) fn describe_frames(examples: &Examples) -> String {
         count(Split::HeldOut),
         count(Split::Extreme),
     )
-}
-
-/// Whether bytes are lines of text.
-fn is_text(bytes: &[u8]) -> bool {
-    bytes.contains(&b'\n') && !bytes.contains(&0) && std::str::from_utf8(bytes).is_ok()
-}
-
-/// Reads a model file.
-pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
-    let cannot_read = || format!("cannot read {}", path.display());
-    let kind = std::fs::metadata(path).with_context(cannot_read)?;
-    if !kind.is_file() {
-        // A device may never end.
-        bail!("{}: it is {}", cannot_read(), if kind.is_dir() { "a folder" } else { "no file" });
-    }
-    let bytes = std::fs::read(path).with_context(cannot_read)?;
-    match Content::of(&bytes) {
-        Some(Content::Examples(ending)) => bail!(
-            "{}: holds what a .{ending} file holds, expected a model, which commands take first",
-            path.display()
-        ),
-        None if is_text(&bytes) => {
-            bail!("{}: holds text, expected a model, which commands take first", path.display())
-        }
-        _ if bytes.is_empty() => {
-            bail!("{}: the model is refused: the file is empty", path.display())
-        }
-        _ => Ok(bytes),
-    }
 }

@@ -62,7 +62,8 @@ fn tables_are_aligned_for_names_in_every_script() {
     }
     set.write(&folder.path("named.npz"));
     let even = |text: &str, from: &str| {
-        let rows: Vec<&str> = text.lines().skip_while(|line| !line.starts_with(from)).collect();
+        let rows: Vec<&str> =
+            text.lines().map(str::trim_start).skip_while(|line| !line.starts_with(from)).collect();
         let rows = &rows[..=set.joint_len()];
         assert!(rows.iter().any(|row| row.starts_with("鎖骨 ")), "{text}");
         let widths: Vec<usize> = rows.iter().map(|row| row.width()).collect();

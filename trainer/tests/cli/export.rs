@@ -194,9 +194,9 @@ fn a_model_goes_into_the_artist_s_own_file() {
     let run = folder.sinew(&format!("{EXPORT} --into rig/demo.glb -o out.glb"));
     assert_eq!(run.code, Some(0), "{}", run.err);
     let expected = "sinew: warning: rig/demo.glb: animations that it had move the joints and no \
-                    proxy: train, held-out\n";
+                    helper: train, held-out\n";
     assert_eq!(run.err, expected);
-    assert!(run.out.contains("meshes: skin, animations: demo (52 frames)"), "{}", run.out);
+    assert!(run.out.contains("\nmeshes: skin\nanimations: demo (52 frames)\n"), "{}", run.out);
     let gltf = gltf::Gltf::from_slice(&folder.read("out.glb")).unwrap();
     let names: Vec<_> = gltf.animations().map(|animation| animation.name().unwrap()).collect();
     assert_eq!(names, ["train", "held-out", "demo"]);

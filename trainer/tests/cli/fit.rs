@@ -63,7 +63,7 @@ fn the_published_method_is_rotational_and_refuses_other_options() {
         ("--predictor kernel", "--published is a way to fit --predictor rotational, and no other"),
         (
             "--proxies 513",
-            "--published: a file has room for 512 proxies, for each takes that of two",
+            "--published: a file has room for 512 helpers, since each takes the room of two",
         ),
     ] {
         assert_eq!(folder.sinew(&format!("{train} {more}")).failed(), expected);

@@ -203,7 +203,7 @@ fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
         assert_eq!((&found["frames"], &found["read"]), (&json!(frames), &json!(read)), "{clip}");
     }
     let run = folder.sinew("check demo.glb --targets demo.pc2 --clip held-out");
-    assert!(run.err.contains("of which the 5 of held-out are taken"), "{}", run.err);
+    assert!(run.err.contains("the 5 frames of held-out are used"), "{}", run.err);
 }
 
 #[test]

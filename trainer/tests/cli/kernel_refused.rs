@@ -108,7 +108,7 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
     );
     let said = folder.sinew("kernel train problem.json -o model.sinew --outside away");
     assert!(
-        said.code == Some(2) && said.err.contains("expected free, clamp or fade"),
+        said.code == Some(2) && said.err.contains("possible values: free, clamp, fade"),
         "{}",
         said.err
     );

@@ -278,7 +278,7 @@ fn faults_of_a_problem_are_named_by_their_key() {
     fs::write(folder.path("p.json"), format!("\u{feff}{}", of(json!({})))).unwrap();
     folder.sinew("kernel train p.json -o m.sinew").done();
     let text = folder.sinew("inspect m.sinew").done().out;
-    let worst = text.lines().find_map(|line| line.split_once("at worst")).unwrap().1;
+    let worst = text.lines().find_map(|line| line.split_once("error of f32, bound")).unwrap().1;
     assert!(worst.starts_with(' ') && worst.trim().parse::<f64>().is_ok(), "{text}");
     // Fewer samples than the default number of learned centres.
     folder.sinew("kernel train p.json -o m.sinew --learn").done();

@@ -363,7 +363,7 @@ fn meshes_that_skinning_makes_are_warned_of() {
     set.write(&folder.path("plain.npz"));
     let train = "train plain.npz -o plain.sinew --predictor kernel --proxies 2";
     let run = folder.sinew(train);
-    let expected = "sinew: warning: plain.npz: the meshes are what linear blend skinning makes of them, which ";
+    let expected = "sinew: warning: plain.npz: linear blend skinning gives these meshes to within ";
     assert!(run.code == Some(0) && run.err.starts_with(expected), "{}", run.err);
     assert_eq!(run.err.lines().count(), 1, "{}", run.err);
     let record = folder.sinew(&format!("{train} --quiet --json")).json();
@@ -385,7 +385,7 @@ fn the_demo_trains_and_measures_as_the_other_commands_do() {
     assert_eq!(folder.read("new.sinew"), folder.read("demo.sinew"));
     assert_eq!(found["evaluation"], folder.sinew("eval new.sinew demo.npz --json").json());
     let text = folder.sinew("eval new.sinew demo.npz").done().out;
-    assert!(text.contains("LBS, fitted") && text.contains(", 4 proxies"), "{text}");
+    assert!(text.contains("LBS, fitted") && text.contains(", 4 helpers"), "{text}");
 }
 
 #[test]
@@ -411,7 +411,7 @@ fn names_from_a_file_cannot_steer_the_terminal() {
     set.write(&folder.path("named.npz"));
     folder.sinew("train named.npz -o new.sinew --proxies 2").done();
     let text = folder.sinew("inspect new.sinew").done().out;
-    assert!(text.contains("\na\\n\\u{1b}[2Jb "), "{text}");
+    assert!(text.contains("\n  a\\n\\u{1b}[2Jb "), "{text}");
     let line = folder.sinew("eval new.sinew demo.npz").failed();
     let expected = "new.sinew: joint 1 is called a\\n\\u{1b}[2Jb in the model, clavicle in the \
                     examples";

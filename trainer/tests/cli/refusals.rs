@@ -190,9 +190,9 @@ fn arguments_out_of_range_are_bad_usage() {
     let folder = Folder::with_demo("usage");
     let before = folder.list();
     for arguments in [
-        "--proxies 0",
-        "--proxies -1",
-        "--proxies 100000",
+        "--helpers 0",
+        "--helpers -1",
+        "--helpers 100000",
         "--budget 0",
         "--budget -1",
         "--budget 3q",
@@ -201,7 +201,7 @@ fn arguments_out_of_range_are_bad_usage() {
         "--max-error 0",
         "--max-error -1",
         "--max-error nan",
-        "--proxies 2 --max-error 1",
+        "--helpers 2 --max-error 1",
         "--influences 0",
         "--influences 13",
         "--hold-out 0",
@@ -215,7 +215,7 @@ fn arguments_out_of_range_are_bad_usage() {
         let option = arguments.split(' ').next().unwrap();
         assert!(run.err.starts_with("error: ") && run.err.contains(option), "{}", run.err);
         // Errors about numbers state the permitted range.
-        let ranges = ["--proxies 0", "--proxies -1", "--proxies 100000"];
+        let ranges = ["--helpers 0", "--helpers -1", "--helpers 100000"];
         let expected = "expected a whole number from 1 to ";
         assert_eq!(
             run.err.contains(expected),
@@ -229,10 +229,10 @@ fn arguments_out_of_range_are_bad_usage() {
     for arguments in ["--poses 0", "--held-out 0", "--vertices 0", "--vertices many"] {
         assert_eq!(folder.sinew(&format!("demo {arguments}")).code, Some(2), "{arguments}");
     }
-    let line = folder.sinew("train demo.npz -o new.sinew --proxies 1000").failed();
+    let line = folder.sinew("train demo.npz -o new.sinew --helpers 1000").failed();
     let triangles = Set::demo().wholes["tris"].0[0];
     let expected =
-        format!("--proxies: demo.npz has {triangles} triangles, 1000 proxies are too many");
+        format!("--helpers: demo.npz has {triangles} triangles, 1000 helpers are too many");
     assert_eq!(line, expected);
     let line = folder.sinew("demo --vertices 90000000").failed();
     assert!(line.contains("expected at most"), "{line}");

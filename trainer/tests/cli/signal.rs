@@ -58,7 +58,10 @@ fn a_signal_is_trained_inspected_and_made_finer_by_file_or_at_once() {
     assert_eq!((&filter["name"], &filter["variances"]), (&json!("angle"), &json!(true)));
     assert_eq!(filter["fit"]["left_out_rms"].as_f64().unwrap() as f32, left_out("rms") as f32);
     let text = folder.sinew("inspect wave.sinew").done().out;
-    assert!(text.contains("filter \"angle\": 4 phases of 7 taps, with variances"), "{text}");
+    for (label, value) in [("phases", "4"), ("taps of a phase", "7"), ("variances", "yes")] {
+        let row = text.lines().find_map(|line| line.trim_start().strip_prefix(label));
+        assert_eq!(row.unwrap_or_else(|| panic!("{label}: {text}")).trim(), value);
+    }
 
     folder
         .sinew("signal superres wave.csv --column angle --factor 4 --variance -o once.csv")
@@ -165,7 +168,7 @@ fn signals_that_nothing_can_be_made_of_are_refused_and_a_constant_stays() {
         "a factor and a model exclude each other"
     );
     let missing = folder.sinew("signal superres s.csv --factor 2 -o out.csv").failed();
-    assert_eq!(missing, "of a .csv --column NAME is needed");
+    assert_eq!(missing, "a .csv needs --column NAME");
     let other = folder.sinew("signal superres s.csv --column a --factor 2 -o out.png").failed();
     assert_eq!(other, "out.png: expected a file that ends in .csv");
 }
@@ -276,7 +279,7 @@ fn images_that_cannot_be_read_or_are_too_small_are_refused() {
     assert_eq!(small, "in.png: 3 samples are fewer than a window's 7: take fewer taps");
     superres("--taps 3").done();
     let other = superres("--column a").failed();
-    assert_eq!(other, "--column, --variance and --averages are of a .csv");
+    assert_eq!(other, "--column, --variance and --averages are for a .csv");
     let estimated = superres("--covariance estimated").failed();
     let expected =
         "there is no covariance \"estimated\" for an image: expected auto, a table (.csv), or ";
@@ -407,8 +410,8 @@ fn observations_that_contradict_are_named_and_those_that_repeat_are_one() {
     // contradiction.
     let near = json!([value(0.0, 1.0), value(1e-9, 2.0), value(1.0, 1.0)]);
     let said = fit(near, "squared exponential:1").failed();
-    let expected = "it hardly tells observation 1 from those before it, which give 1.000000 where it says 2.000000: take a \
-                    shorter length, a rougher covariance or a noise, or leave `covariance` out";
+    let expected = "observation 1 says 2.000000 where earlier ones nearly determine 1.000000: take a shorter length, a \
+                    rougher covariance or a noise, or leave `covariance` out";
     assert!(said.contains("ill-conditioned") && said.ends_with(expected), "{said}");
 }
 

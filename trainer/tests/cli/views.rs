@@ -169,9 +169,9 @@ fn pictures_become_one_gif_and_follow_tracked_points() {
     }
     assert_eq!(folder.read("some5/frame0002.png"), folder.read("walk/frame0001.png"));
     let none = folder.sinew(&format!("{animate} --frames 0 -o none"));
-    assert!(misused(none).contains("0 is not in 1.."));
+    assert!(misused(none).contains("expected a whole number from 1 to"));
     let refused = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.01"));
-    assert!(misused(refused).contains("expected 0.02 seconds or more, 655.35 at most"));
+    assert!(misused(refused).contains("expected a number from 0.02 to 655.35 seconds"));
 
     let set = folder.json("demo/figure/views.json");
     let points = set["maps"][0]["train"][2]["points"].as_array().unwrap();
@@ -403,7 +403,7 @@ fn proposed_points_are_written_out_and_train_the_same_model() {
     fs::write(folder.path("views.json"), set.to_string()).unwrap();
     let text =
         folder.sinew("views train views.json -o a.sinew --points-out points.json").done().out;
-    assert!(text.contains("points.json: "), "{text}");
+    assert!(text.contains("wrote points.json ("), "{text}");
     let written = folder.json("points.json");
     assert_eq!(written["layers"][1]["clip"], "box");
     assert!(written["maps"][0]["train"][1]["points"][0].is_array());
@@ -418,7 +418,8 @@ fn proposed_points_are_written_out_and_train_the_same_model() {
     );
     assert!(lid["points"].as_u64().unwrap() > 3 && lid["elements"].as_u64().unwrap() > 2);
     let text = folder.sinew("inspect a.sinew").done().out;
-    assert!(text.contains("layer \"lid\": ") && text.contains("clipped by \"box\""), "{text}");
+    let row = text.lines().find(|line| line.trim_start().starts_with("lid ")).unwrap();
+    assert!(text.contains("clipped by") && row.ends_with("  box"), "{text}");
     folder.sinew("views report a.sinew views.json -o a.html").done();
     let page = String::from_utf8(folder.read("a.html")).unwrap();
     assert!(page.contains("clipped by") && page.contains("<th scope=\"row\">lid</th>"));

@@ -1,8 +1,7 @@
-//! `sinew check`: whether examples are good, before a training.
+//! `sinew check`: faults and gaps of examples, before a training.
 
-use crate::cli::bars::Bars;
-use crate::cli::column::{longest, padded, wrapped};
-use crate::cli::{Output, counted, input, printable};
+use crate::cli::report::wrapped;
+use crate::cli::{Bars, Output, Report, Run, counted, input, printable, table};
 use anyhow::Context;
 use sinew_runtime::format::Space;
 use sinew_trainer::check::coverage::Coverage;
@@ -12,53 +11,49 @@ use sinew_trainer::check::{Check, check};
 use sinew_trainer::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
 use sinew_trainer::examples::Warning;
 use sinew_trainer::space::written;
-use std::fmt::Write;
 
 /// Checks examples before a training, and says what to mend or add
 ///
-/// It finds faults of mesh, skeleton and frames, shows how far the training poses reach, and names poses to add or to
-/// leave out.
+/// The check finds faults of mesh, skeleton and frames, shows how far the training poses reach, and names poses to add
+/// or to leave out.
 ///
-/// A warning is likely a mistake that costs accuracy, a note is worth knowing. Findings name frames,
-/// joints, vertices and triangles by the numbers of the file, from 0 (frames by what it calls them, where it
-/// does); quads count as two triangles.
-/// Neither changes the exit status.
+/// A warning is likely a mistake that costs accuracy; a note is good to know. Neither changes the exit status. Findings
+/// name joints, vertices and triangles by their numbers in the file, from 0, and frames by the file's own numbers if it
+/// has them. Quads count as two triangles.
 #[derive(clap::Args)]
-#[command(after_help = "Errors are in % of the rest pose's diagonal. Held-out and extreme frames \
-    are read for their poses alone.\n\
-    The table: how many vertices follow each joint most, how far it turns from rest against its \
-    parent about its main axis and beside it, how far it slides, in how many distinct poses, how many \
-    held-out or extreme frames go beyond (by more than 15°), and what linear blend skinning leaves of \
-    its vertices.\n\
-    LBS, fitted: linear blend skinning by 4 weights a vertex, fitted to the training frames. Own weights: by \
-    those that come with the mesh, all of them; a vertex without any takes its fitted ones.")]
-pub(in crate::cli) struct Arguments {
+#[command(
+    after_help = "Errors are in % of the rest pose's diagonal. Of held-out and extreme frames, \
+    only the poses are read.\n\
+    The table: number of vertices that follow each joint most; rotation from rest against its parent, about the main \
+    axis and beside it; slide; number of distinct poses; number of held-out or extreme frames beyond them by more than \
+    15°; error of linear blend skinning at its vertices.\n\
+    LBS, fitted: linear blend skinning with 4 weights a vertex, fitted to the training frames. Own weights: all weights \
+    that come with the mesh; a vertex without weights takes the fitted ones.\n\n\
+    Example:\n  sinew check walk.glb --targets walk.abc"
+)]
+pub(in crate::cli) struct CheckArgs {
     #[command(flatten)]
     input: input::ExampleArguments,
 }
 
-/// Joints in the table; `--json` has all.
+/// Maximum number of joints in the table; `--json` has all.
 const ROWS: usize = 16;
-/// Columns of the longest joint name in the table, which then fits a terminal.
-const NAME: usize = 30;
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let input = arguments.input.load_to_check(output)?;
-    let source = arguments.input.named();
-    let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
-    // The check says itself what validation finds.
-    let is_told = |warning: &&Warning| !output.quiet && !warning.is_of_validation();
-    let told: Vec<&Warning> = input.warnings.iter().filter(is_told).collect();
-    let text = format!(
-        "{}\n{}",
-        input::describe(&input.examples),
-        describe(&checked, &input.examples.space, &told)
-    );
-    output.print(&checked, &text)
+impl Run for CheckArgs {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let input = self.input.load_to_check(output)?;
+        let source = self.input.named();
+        let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
+        // The check reports the findings of validation itself.
+        let is_printed = |warning: &&Warning| !output.quiet && !warning.is_of_validation();
+        let printed: Vec<&Warning> = input.warnings.iter().filter(is_printed).collect();
+        let text = describe(&checked, &input.examples.space, &printed);
+        Ok(Report::of(&checked).text(input::describe(&input.examples)).text(text))
+    }
 }
 
-/// Describes a check of examples, of which so much was told before.
-fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
+/// Describes a check. The count of warnings includes those that were printed before.
+fn describe(check: &Check, space: &Space, printed: &[&Warning]) -> String {
     let mut out = String::new();
     for (topic, title, facts) in [
         (Topic::Size, "size", size(check, space)),
@@ -67,9 +62,9 @@ fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
         (Topic::Joints, "joints", String::new()),
         (Topic::Frames, "frames", String::new()),
     ] {
-        section(&mut out, check, topic, title, &facts);
+        out += &section(check, topic, title, &facts);
     }
-    out = wrapped(&out) + &table(check) + &wrapped(&floor(check));
+    out = wrapped(&out) + &joints(check) + &wrapped(&errors(check));
     if let Some(predicted) = &check.predicted {
         out += &wrapped(&poses(predicted));
     }
@@ -83,55 +78,46 @@ fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
             false => "  linear blend skinning gives these meshes: there is nothing to learn\n",
         };
     }
-    let count =
-        |severity| check.count(severity) + told.iter().filter(|w| w.severity() == severity).count();
+    let count = |severity| {
+        check.count(severity) + printed.iter().filter(|w| w.severity() == severity).count()
+    };
     let [warnings, notes] = [Severity::Warning, Severity::Note].map(count);
-    let _ = writeln!(
-        out,
-        "{}, {}, {}",
+    out + &format!(
+        "{}, {}, {}\n",
         counted(warnings, "warning", "warnings"),
         counted(notes, "note", "notes"),
         counted(check.advice.len(), "piece of advice", "pieces of advice")
-    );
-    out
+    )
 }
 
-fn section(out: &mut String, check: &Check, topic: Topic, title: &str, facts: &str) {
-    let findings: Vec<_> =
-        check.findings.iter().filter(|finding| finding.kind.topic() == topic).collect();
-    if facts.is_empty() && findings.is_empty() {
-        return;
-    }
-    let _ = writeln!(out, "{title}");
-    if !facts.is_empty() {
-        let _ = writeln!(out, "  {}", printable(facts));
-    }
-    for finding in findings {
-        let severity = match finding.severity {
-            Severity::Warning => "warning",
-            Severity::Note => "note",
-        };
-        let _ = writeln!(out, "  {severity}: {}", printable(&finding.text));
-    }
+/// Writes the facts and findings of a topic, under its title.
+fn section(check: &Check, topic: Topic, title: &str, facts: &str) -> String {
+    let findings = check.findings.iter().filter(|finding| finding.kind.topic() == topic);
+    let findings = findings.map(|finding| match finding.severity {
+        Severity::Warning => format!("warning: {}", finding.text),
+        Severity::Note => format!("note: {}", finding.text),
+    });
+    let facts = Some(facts.to_owned()).filter(|facts| !facts.is_empty());
+    let lines = facts.into_iter().chain(findings);
+    let lines: String = lines.map(|line| format!("  {}\n", printable(&line))).collect();
+    if lines.is_empty() { lines } else { format!("{title}\n{lines}") }
 }
 
 fn size(check: &Check, space: &Space) -> String {
     let size = &check.size;
     let [x, y, z] = size.extents.map(short);
     let mut out = format!("{x} x {y} x {z}, diagonal {}", short(size.diagonal));
-    let _ = match (space.up, size.ground) {
-        (Some(up), _) => write!(out, "; {} is up", up.name()),
+    out += &match (space.up, size.ground) {
+        (Some(up), _) => format!("; {} is up", up.name()),
         (None, Some(axis)) => {
-            write!(out, "; it stands on {axis} = 0: if that is the floor, {axis} is up")
+            format!("; it stands on {axis} = 0: if that is the floor, {axis} is up")
         }
-        (None, None) => write!(out, "; longest along {}", size.longest),
+        (None, None) => format!("; longest along {}", size.longest),
     };
     match size.metres {
-        Some(metres) => {
-            let _ = write!(out, "; {} m long", short(metres));
-        }
+        Some(metres) => out += &format!("; {} m long", short(metres)),
         None => size.units.iter().for_each(|(unit, metres)| {
-            let _ = write!(out, "; {metres:.2} m long if in {unit}");
+            out += &format!("; {metres:.2} m long if in {unit}");
         }),
     }
     out
@@ -147,44 +133,41 @@ fn faces(check: &Check) -> String {
     )
 }
 
-/// The joints, those whose skin LBS leaves furthest off first.
-fn table(check: &Check) -> String {
+/// Writes the table of joints, beginning with the largest errors of LBS.
+fn joints(check: &Check) -> String {
     let mut rows: Vec<&Coverage> = check.joints.iter().collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
-    let columns = longest(rows.iter().take(ROWS).map(|row| &*row.joint), "joint".len(), NAME);
-    let mm = check.lbs.rms_mm.map_or(String::new(), |_| format!(" {:>9}", "LBS, mm"));
-    let mut out = format!(
-        "{:<columns$} {:>8} {:>12} {:>6} {:>7} {:>6} {:>6} {:>8}{mm}\n",
-        "joint", "vertices", "turns by", "beside", "slides", "poses", "beyond", "LBS, %"
-    );
-    for row in rows.iter().take(ROWS) {
+    let mut head = ["joint", "vertices", "turns by", "beside", "slides"].to_vec();
+    head.extend(["poses", "beyond", "LBS, %"]);
+    head.extend(check.lbs.rms_mm.map(|_| "LBS, mm"));
+    let cells = |row: &&Coverage| {
         let [least, most] = row.twist;
-        let slides = if row.slide_percent >= 0.05 {
-            format!("{:.1} %", row.slide_percent)
-        } else {
-            "-".to_owned()
+        let slides = match row.slide_percent >= 0.05 {
+            true => format!("{:.1} %", row.slide_percent),
+            false => "-".to_owned(),
         };
-        let mm = row.lbs_mm.map_or(String::new(), |mm| format!(" {:>9}", written(mm)));
-        let _ = writeln!(
-            out,
-            "{} {:>8} {:>12} {:>5}° {:>7} {:>6} {:>6} {:>8.4}{mm}",
-            padded(&row.joint, columns),
-            row.vertices,
+        let mut cells = vec![
+            row.joint.clone(),
+            row.vertices.to_string(),
             format!("{least:.0} to {most:.0}°"),
-            format!("{:.0}", row.swing),
+            format!("{:.0}°", row.swing),
             slides,
-            row.distinct,
-            row.beyond.len(),
-            row.lbs_percent
-        );
-    }
+            row.distinct.to_string(),
+            row.beyond.len().to_string(),
+            format!("{:.4}", row.lbs_percent),
+        ];
+        cells.extend(row.lbs_mm.map(written));
+        cells
+    };
+    let mut out = table(&head, rows.iter().take(ROWS).map(cells).collect());
     if rows.len() > ROWS {
-        let _ = writeln!(out, "and {} more with less error", rows.len() - ROWS);
+        out += &format!("and {} more with less error\n", rows.len() - ROWS);
     }
     out
 }
 
-fn floor(check: &Check) -> String {
+/// Writes the errors of LBS and of the mesh's own weights.
+fn errors(check: &Check) -> String {
     let lbs = &check.lbs;
     let beside = |mm: Option<f64>| mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
     let mut out = format!(
@@ -192,17 +175,17 @@ fn floor(check: &Check) -> String {
         lbs.rms_percent,
         beside(lbs.rms_mm)
     );
-    // Where LBS leaves nothing, none is worse than another.
+    // Without an error of LBS, no frame is worse than another.
     if lbs.rms_percent > NOTHING {
         let frames = lbs.frames.iter().map(|(frame, rms)| format!("{frame} ({rms:.2} %)"));
         let vertices = lbs.vertices.iter().map(|(vertex, rms)| format!("{vertex} ({rms:.2} %)"));
         let [frames, vertices] =
             [frames.collect(), vertices.collect()].map(|all: Vec<_>| all.join(", "));
-        let _ = write!(out, "; worst in frames {}; at vertices {vertices}", printable(&frames));
+        out += &format!("; worst in frames {}; at vertices {vertices}", printable(&frames));
     }
     out += "\n";
     if let Some(rms) = lbs.own_weights_percent {
-        let _ = writeln!(out, "  {OWN_WEIGHTS}: {rms:.4} %{}", beside(lbs.own_weights_mm));
+        out += &format!("  {OWN_WEIGHTS}: {rms:.4} %{}\n", beside(lbs.own_weights_mm));
     }
     out
 }

@@ -1,108 +1,185 @@
-//! `sinew eval`: the f32 runtime on the file's bytes against examples.
+//! `sinew eval`: errors of the f32 runtime, on the file's bytes, against examples.
 
-use super::measured::{SplitName, blame, refuse_forgotten_targets};
 use super::table;
-use super::train::percent;
-use crate::cli::bars::Bars;
-use crate::cli::files::{self, OutputFile};
-use crate::cli::space::StatedSpace;
-use crate::cli::{Output, input};
+use crate::cli::{
+    Bars, ModelArgs, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, files, input, named,
+    number,
+};
 use anyhow::{Context, bail};
-use sinew_trainer::evaluate::{Character, Evaluation, Frames, SkinnedFrame, TrainingRecord, skin};
-use sinew_trainer::examples::Examples;
-use std::path::PathBuf;
+use sinew_trainer::evaluate::{
+    Character, EvaluateError, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin,
+};
+use sinew_trainer::examples::{Clip, Examples, Loaded, Split, Warning};
+use std::path::{Path, PathBuf};
 
 /// Measures a model on examples, beside linear blend skinning
 ///
-/// It runs MODEL on the poses of EXAMPLES and measures the distance from their meshes, in % of the diagonal, and in
-/// millimetres where MODEL or EXAMPLES have a unit.
+/// The command runs MODEL on the poses of EXAMPLES and measures the distance from their meshes, in % of the diagonal,
+/// and in millimetres if MODEL or EXAMPLES have a unit.
 ///
-/// The runtime evaluates the file's bytes in f32, as an engine would. Baselines are measured on
-/// the same frames. "LBS, fitted" has 4 influences a vertex, as training fitted them. "own weights" is LBS by the
-/// joint weights that come with the mesh, where EXAMPLES have any. EXAMPLES may be new poses alone: the model knows which
-/// frames it was trained on. Normals are measured by their angle to the true
-/// ones, the area-weighted mean of the true mesh's triangles, over the area of the rest pose. Examples in other axes or another unit than
-/// the model's are converted, where both are known. Errors in % of the diagonal do not depend on them.
+/// The runtime evaluates the file's bytes in f32, as in an engine. Baselines are measured on the same frames. "LBS,
+/// fitted" has 4 influences a vertex, as training fitted them. "own weights" is LBS by the joint weights that come with
+/// the mesh, if EXAMPLES have any. EXAMPLES may hold new poses only: the model records its training frames. Normals are
+/// measured by their angle to the true normals, which are area-weighted means of the true mesh's triangles, over the
+/// area of the rest pose. Examples in other axes or another unit are converted to those of the model, if both are
+/// known. Errors in % of the diagonal do not depend on the axes or the unit.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A model that `sinew train` wrote
-    model: PathBuf,
-    #[command(flatten)]
-    input: input::ExampleArguments,
-    /// The skin to measure, whose mesh the examples' is [default: the model's first]
-    #[arg(long, value_name = "NAME")]
-    skin: Option<String>,
-    /// Which frames [default: held-out; where none is held out, those that training has not read; where it has
-    /// read all, those]
-    #[arg(long, value_enum)]
-    split: Option<SplitName>,
-    /// Write the frames' skinned positions to OUT.npy, f32, frames x vertices x 3, in the model's axes
-    /// and unit
+#[command(after_help = "Example:\n  sinew eval model.sinew walk.npz --split all")]
+pub(in crate::cli) struct Eval {
+    /// Write the frames' skinned positions: f32, frames x vertices x 3, in the model's axes and unit
     #[arg(long, value_name = "OUT.npy")]
     write_vertices: Option<PathBuf>,
-    /// Write the frames' skinned normals to OUT.npy, f32, frames x vertices x 3, in the model's axes
+    /// Write the frames' skinned normals: f32, frames x vertices x 3, in the model's axes
     #[arg(long, value_name = "OUT.npy")]
     write_normals: Option<PathBuf>,
-    /// Fail, after writing and printing what is measured, if the error is above so many % of the diagonal, RMS
-    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
+    /// Fail, after printing, if the RMS error is above this share of the diagonal, in %
+    #[arg(long, value_name = "PERCENT", value_parser = number(POSITIVE, " %"), allow_negative_numbers = true)]
     fail_above: Option<f64>,
+    #[command(flatten)]
+    measured: MeasuredArgs,
     #[command(flatten)]
     space: StatedSpace,
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let mut inputs = arguments.input.files();
-    inputs.push(arguments.model.clone());
-    let target =
-        |file: &Option<PathBuf>| file.as_ref().map(|f| OutputFile::new(f, &inputs)).transpose();
-    let (vertices, normals) =
-        (target(&arguments.write_vertices)?, target(&arguments.write_normals)?);
-    if let (Some(vertices), Some(normals)) = (&vertices, &normals)
-        && vertices.is(normals)
-    {
-        bail!("cannot write {}: two outputs are one file", normals.named().display());
+/// Model, examples and frames of a measurement.
+#[derive(clap::Args)]
+pub(super) struct MeasuredArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// Skin whose mesh the examples have [default: the model's first]
+    #[arg(long, value_name = "NAME")]
+    pub(super) skin: Option<String>,
+    /// Frames to measure [default: held-out, else new, else all]
+    ///
+    /// The fit reads `train` frames and never `held-out` frames. `new` frames are frames that training has not read, as
+    /// recorded in the model. `extreme` frames are beyond the range of motion of the training frames.
+    #[arg(long, value_parser = named(SPLITS))]
+    pub(super) split: Option<Frames>,
+    #[command(flatten)]
+    pub(super) input: input::ExampleArguments,
+}
+
+/// Frames by their use.
+const SPLITS: [(&str, Frames); 5] = [
+    ("train", Frames::Of(Split::Train)),
+    ("held-out", Frames::Of(Split::HeldOut)),
+    ("new", Frames::New),
+    ("extreme", Frames::Of(Split::Extreme)),
+    ("all", Frames::All),
+];
+
+impl MeasuredArgs {
+    /// Loads the examples, in the space of a model.
+    pub(super) fn load(
+        &self,
+        model: &[u8],
+        space: &StatedSpace,
+        output: Output,
+    ) -> anyhow::Result<Loaded> {
+        let mut loaded = self.input.load_to_measure(output)?;
+        space.set(&mut loaded.examples, self.input.named())?;
+        input::convert_to_model(&mut loaded.examples, model, self.skin.as_deref());
+        Ok(loaded)
     }
-    let model = input::read_model(&arguments.model)?;
-    let loaded = arguments.input.load_to_measure(output)?;
-    let input::LoadedInput { mut examples, clips, warnings } = loaded;
-    arguments.space.say(&mut examples, &arguments.input.named())?;
-    let skin = arguments.skin.as_deref();
-    input::convert_to_model(&mut examples, &model, skin);
-    let measuring = Bars::busy(output, "measuring");
-    let blamed = |error| blame(error, &arguments.model, &arguments.input, (&examples, &clips));
-    let character = Character::open(&model, skin, &examples).map_err(blamed)?;
-    let told = TrainingRecord::of(&model, &character, &examples);
-    let known = (&character, &told);
-    refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
-    let usual = || Frames::usual(&examples, &told);
-    let frames = arguments.split.map_or_else(usual, SplitName::frames);
-    let measured = (&character, model.len());
-    let evaluation = Evaluation::of(measured, &told, &examples, frames).map_err(blamed)?;
-    let mut written = Vec::new();
-    for (target, attribute) in [
-        (&vertices, SkinnedFrame::positions as fn(&SkinnedFrame) -> &[f32]),
-        (&normals, SkinnedFrame::normals),
-    ] {
-        let Some(target) = target else { continue };
-        let chosen = frames.of(&examples, &told);
-        let bytes = skinned(&character, &examples, &chosen, attribute).context("cannot skin")?;
-        written.push((target, bytes));
+
+    /// Refuses meshes of a scene's own skinning if training had other meshes; warns of them otherwise.
+    ///
+    /// Training had such meshes if it has read most frames: a scene of many influences leaves an error of LBS too.
+    pub(super) fn refuse_forgotten_targets(
+        &self,
+        warnings: &[Warning],
+        (character, recorded): (&Character<'_>, &TrainingRecord),
+        examples: &Examples,
+        output: Output,
+    ) -> anyhow::Result<()> {
+        if !warnings.contains(&Warning::PlainSkin) {
+            return Ok(());
+        }
+        let certificate = character.envelope.certificate();
+        let lbs = 100.0 * certificate.lbs_training_rms / certificate.diagonal;
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let read = recorded.read_len(&frames).unwrap_or(0);
+        if f64::from(lbs) > NOTHING && 2 * read < frames.len() {
+            bail!(
+                "{}: no shapes move and no targets are given: the meshes are the scene's own linear blend skinning, and \
+                 the model has learned others; give those as --targets, as in training",
+                self.input.named()
+            );
+        }
+        output.warn(self.input.named(), Warning::PlainSkin);
+        Ok(())
     }
-    let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
-    files::write(&written)?;
-    drop(measuring);
-    output.print(&evaluation, &table::evaluation(&evaluation))?;
-    let found = evaluation.errors.rms_percent;
-    match arguments.fail_above {
-        Some(most) if found > most => bail!(
-            "{}: the error is {found:.4} %, above --fail-above {most}",
-            arguments.model.display()
-        ),
-        _ => Ok(()),
+
+    /// Adds the name of the file that an error is about.
+    pub(super) fn blame(
+        &self,
+        error: EvaluateError,
+        model: &Path,
+        (examples, clips): (&Examples, &[Clip]),
+    ) -> anyhow::Error {
+        let source = self.input.named();
+        let file = match &error {
+            EvaluateError::NoFrames { split } => {
+                let is_hinted = self.input.hold_out.is_none() && *split == Split::HeldOut.name();
+                let hint = if is_hinted { "; see --split and --hold-out" } else { "" };
+                let frames = input::describe_frames(examples);
+                return anyhow::anyhow!("{source}: {error}: {frames}{hint}");
+            }
+            EvaluateError::Frame(_) | EvaluateError::Examples(_) => source,
+            _ => model.display().to_string(),
+        };
+        anyhow::Error::new(error.called(clips)).context(file)
     }
 }
 
-/// Skins frames, and writes one of their attributes into the bytes of an npy file.
+impl Run for Eval {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let measured = &self.measured;
+        let mut inputs = measured.input.files();
+        inputs.push(measured.model.file.clone());
+        let target =
+            |file: &Option<PathBuf>| file.as_ref().map(|f| OutputFile::new(f, &inputs)).transpose();
+        let (vertices, normals) = (target(&self.write_vertices)?, target(&self.write_normals)?);
+        files::refuse_same(&[vertices.as_ref(), normals.as_ref()])?;
+        let model = files::read_model(&measured.model.file)?;
+        let loaded = measured.load(&model, &self.space, output)?;
+        let Loaded { examples, clips, warnings } = loaded;
+        let measuring = Bars::busy(output, "measuring");
+        let blamed = |error| measured.blame(error, &measured.model.file, (&examples, &clips));
+        let character =
+            Character::open(&model, measured.skin.as_deref(), &examples).map_err(blamed)?;
+        let recorded = TrainingRecord::of(&model, &character, &examples);
+        let known = (&character, &recorded);
+        measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
+        let usual = || Frames::usual(&examples, &recorded);
+        let frames = measured.split.unwrap_or_else(usual);
+        let evaluation = Evaluation::of((&character, model.len()), &recorded, &examples, frames)
+            .map_err(blamed)?;
+        let chosen = frames.of(&examples, &recorded);
+        let mut written = Vec::new();
+        for (target, attribute) in [
+            (&vertices, SkinnedFrame::positions as fn(&SkinnedFrame) -> &[f32]),
+            (&normals, SkinnedFrame::normals),
+        ] {
+            let Some(target) = target else { continue };
+            let bytes =
+                skinned(&character, &examples, &chosen, attribute).context("cannot skin")?;
+            written.push((target, bytes));
+        }
+        let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
+        files::write(&written)?;
+        drop(measuring);
+        let found = evaluation.errors.rms_percent;
+        let failure = self.fail_above.filter(|most| found > *most).map(|most| {
+            let model = measured.model.named();
+            format!("{model}: the error is {found:.4} %, above --fail-above {most}")
+        });
+        let report = Report::of(&evaluation).text(table::evaluation(&evaluation));
+        Ok(report.failing(failure))
+    }
+}
+
+/// Skins frames, and writes one of their attributes as an npy file.
 fn skinned(
     character: &Character<'_>,
     examples: &Examples,

@@ -1,17 +1,20 @@
-//! `sinew export`: a model and a clip as a GLB that needs no runtime of ours.
+//! `sinew export`: a model and a clip as a GLB that plays without Sinew's runtime.
 
 use super::levels::{self, AlsoArguments};
-use crate::cli::bars::Bars;
-use crate::cli::files::{self, OutputFile};
-use crate::cli::space::{StatedSpace, TargetSpace};
-use crate::cli::{Output, input, printable};
+use crate::cli::arguments::TargetSpace;
+use crate::cli::{
+    Bars, ModelArgs, Output, OutputFile, Report, Run, StatedSpace, ending, files, input, number,
+    printable,
+};
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::envelope::levels::LevelReport;
 use sinew_trainer::envelope::posed::rest;
 use sinew_trainer::evaluate::{Character, EvaluateError};
-use sinew_trainer::examples::{Clip, ExamplesError, ImportError, JointNames, LoadError, Source};
+use sinew_trainer::examples::{
+    Clip, ExamplesError, ImportError, JointNames, LoadError, Loaded, RATES, Source,
+};
 use sinew_trainer::export::{Export, ExportError, ExportInto, Grafted, IntoError, Stand};
 use sinew_trainer::formats::appearance;
 use sinew_trainer::space::SpaceRequest;
@@ -19,228 +22,227 @@ use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
 ///
-/// Proxies become ordinary joints under the skeleton's, the runtime's prediction for every frame
-/// becomes their keys, and the mesh is skinned to them: an animation a clip, at the clip's times, in
-/// the units of the examples (glTF takes metres). A proxy scales along axes of its own, which takes
-/// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
-/// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
-/// a turn and a scale of each joint in model space loses the shear.
+/// Helpers become ordinary joints under the skeleton's joints, the runtime's prediction for every frame becomes their
+/// keys, and the mesh is skinned to them. Each clip becomes an animation, at the clip's times and in the units of the
+/// examples (glTF takes metres). A helper scales along its own axes, which takes two nodes: proxy_N moves, turns and
+/// scales, and proxy_N_axes, the joint of the skin, turns the axes back. An engine must multiply the matrices of the
+/// nodes, as glTF requires; an engine that keeps only translation, rotation and scale of each joint in model space
+/// loses the shear.
 ///
-/// Keys stand at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
-/// two neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene. Joints
-/// are then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps switches that off.
+/// Keys are at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
+/// two neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene.
+/// Joints are then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps
+/// disables this.
 ///
-/// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
-/// says of them, and of an FBX names, base colours, and pictures that lie beside it.
+/// If CLIP is a scene, its meshes keep names, materials and textures: everything from a GLB or glTF; from an FBX names,
+/// base colours, and pictures in its folder.
 ///
-/// Normals are shaded by the joints alone, as engines do it: what the model's tangent coefficients know of them
-/// has no place in glTF.
+/// Normals are shaded by the joints alone, as in engines: glTF has no place for the model's tangent coefficients.
 ///
-/// Meshes given with --also hang on the same joints, so that one prediction drives every level of
-/// detail. With --into they are added to the artist's file.
+/// Meshes given with --also follow the exported joints, so that one prediction drives every level of detail. With
+/// --into they are added to the artist's file.
 ///
-/// glTF is right-handed: what a left-handed model moves is mirrored back. Where the model's axes and unit are
-/// known, the armature turns and scales the character to glTF's, y up, facing z, in metres, or to what --to-up,
-/// --to-forward and --to-unit say. Where they are not, it stands as in the model, and `--up z` turns one that
-/// stands along z upright.
+/// glTF is right-handed: motion of a left-handed model is mirrored. If the model's axes and unit are known, the
+/// armature turns and scales the character to glTF's space (y up, facing z, metres), or to that of --to-up,
+/// --to-forward and
+/// --to-unit. Otherwise the character stands as in the model, and `--up z` turns a character that stands along z
+/// upright.
 ///
-/// With --into, all that goes into the artist's own GLB or glTF, and the rest of that file stays as it is:
-/// materials, textures, morph targets, other meshes and animations, extras and extensions. The meshes whose
-/// vertices are the model's, found by place in any axes and unit, take its joints and weights; its own
-/// joints, found by name, take keys, and the proxies hang under them. Such a mesh moves to the root of the
-/// scene, where glTF wants what a skin moves. Animations that the file has keep their names and move the
-/// proxies with their joints alone.
+/// With --into, everything goes into the artist's own GLB or glTF, and the rest of that file is unchanged: materials,
+/// textures, morph targets, other meshes and animations, extras and extensions. Meshes with the model's vertices, found
+/// by position in any axes and unit, get its joints and weights. The file's joints, found by name, get keys, and the
+/// helpers are added under them. Such a mesh moves to the root of the scene, where glTF wants skinned meshes.
+/// Animations of the file keep their names; they move the helpers with their joints only.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A model that `sinew train` wrote
-    model: PathBuf,
-    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes, all clips of it; or,
-    /// with --mesh or --into, a scene that has the skeleton alone
+#[command(after_help = "Example:\n  sinew export model.sinew --clip walk.glb -o out.glb")]
+pub(in crate::cli) struct ExportArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Poses to play, of the model's character: a file as for `sinew train`, with all its clips; or, with --mesh or
+    /// --into, a scene with the skeleton alone
     #[arg(long, value_name = "CLIP")]
     clip: PathBuf,
-    /// The file whose mesh, texture coordinates and materials are taken, where CLIP has none, or not these [default:
-    /// CLIP; with --into and a CLIP without a mesh, the file of --into]
+    /// File with the mesh, texture coordinates and materials, if CLIP lacks them or has others [default: CLIP; with
+    /// --into and a CLIP without a mesh, the file of --into]
     #[arg(long, value_name = "CHARACTER")]
     mesh: Option<PathBuf>,
-    /// Frames a second that the clip plays at; a scene is sampled at them [default: what its file says, 30, with a
-    /// warning, of a .npz that says nothing]
-    #[arg(long, value_name = "FPS", value_parser = input::rate, allow_negative_numbers = true)]
+    /// Frames a second of the clip; a scene is sampled at this rate [default: from the file, else 30 with a warning]
+    #[arg(long, value_name = "FPS", value_parser = number(RATES, " frames a second"), allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// The skin whose mesh it plays [default: the model's first]
+    /// Skin whose mesh is played [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// Replace the prefix FROM of joint names by TO, as in `mixamorig:=`; may be given several times
-    ///
-    /// The names in CLIP and in the files of --mesh and --into then match the model's. An empty FROM adds a prefix, an
-    /// empty TO removes one.
-    #[arg(long, value_name = "FROM=TO", value_parser = renaming, allow_hyphen_values = true)]
-    rename_joints: Vec<(String, String)>,
-    /// Match joint names regardless of case
-    #[arg(long)]
-    ignore_case: bool,
-    #[command(flatten)]
-    further: AlsoArguments,
-    /// Put it into this file (.glb, .gltf), which holds the character in its rest pose, and leave the rest of
-    /// the file alone
+    /// File to write
+    #[arg(short, long, alias = "out", value_name = "OUT.glb")]
+    output: PathBuf,
+    /// Put everything into this file (.glb, .gltf), which holds the character in its rest pose, and change nothing else
     #[arg(
         long,
         value_name = "CHARACTER.glb",
         conflicts_with_all = ["to_up", "to_forward", "to_hand", "to_unit"]
     )]
     into: Option<PathBuf>,
-    /// Where to write the file
-    #[arg(long, short = 'o', value_name = "OUT.glb")]
-    output: PathBuf,
+    /// Replace the prefix FROM of joint names by TO, as `mixamorig:=`; repeatable
+    ///
+    /// Names in CLIP and in the files of --mesh and --into then match the model's. An empty FROM adds a prefix, an
+    /// empty TO removes one.
+    #[arg(long, value_name = "FROM=TO", value_parser = renaming, allow_hyphen_values = true)]
+    #[arg(help_heading = "Names of joints")]
+    rename_joints: Vec<(String, String)>,
+    /// Match joint names regardless of case
+    #[arg(long, help_heading = "Names of joints")]
+    ignore_case: bool,
+    #[command(flatten)]
+    further: AlsoArguments,
     #[command(flatten)]
     space: StatedSpace,
     #[command(flatten)]
     target: TargetSpace,
 }
 
-/// Influences that every engine reads; more come in further sets, which many leave out.
+/// Number of influences that every engine reads. More come in further sets, which many engines ignore.
 const USUAL_INFLUENCES: usize = 4;
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let mut inputs = Source::file(&arguments.clip).files();
-    inputs.push(arguments.model.clone());
-    inputs.extend_from_slice(&arguments.further.also);
-    inputs.extend(arguments.into.iter().chain(&arguments.mesh).cloned());
-    let target = OutputFile::new(&arguments.output, &inputs)?;
-    files::ending(&arguments.output, &["glb"])?;
-    let model = input::read_model(&arguments.model)?;
-    let skin = arguments.skin.as_deref();
-    let character =
-        Character::find(&model, skin).map_err(|error| blame(error.into(), arguments))?;
-    let known =
-        (0..character.envelope.joint_len()).filter_map(|j| character.envelope.joint_name(j));
-    let known: Vec<String> = known.map(str::to_owned).collect();
-    let names = JointNames {
-        prefixes: &arguments.rename_joints,
-        ignore_case: arguments.ignore_case,
-        known: &known,
-    };
-    let mut input = poses(arguments, names, output)?;
-    begin_in_time(&mut input.clips, &arguments.clip, output);
-    arguments.space.say(&mut input.examples, &arguments.clip.display().to_string())?;
-    let conversion = input.examples.convert_to(&character.space);
-    let levels = arguments.further.load(conversion.as_ref(), &character.space, output)?;
-    input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
-    let input::LoadedInput { examples, clips, .. } = input;
-    // Arrays hold frames alone; a scene has keys, unless a rate was asked for.
-    let between = arguments.fps.is_none() && files::ending(&arguments.clip, &["npz"]).is_err();
-    let exporting = Bars::busy(output, "exporting");
-    let (glb, said) = match &arguments.into {
-        None => {
-            let stand = stand(&arguments.space, &arguments.target, &character.space)?;
-            let dressed = arguments.mesh.as_ref().unwrap_or(&arguments.clip);
-            let appearance = appearance::load(dressed)?;
-            if !appearance.missing.is_empty() {
-                let names = printable(&appearance.missing.join(", "));
-                let text = format!("images that cannot be read, and are left out: {names}");
-                output.warn(dressed.display(), text);
+impl Run for ExportArgs {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let mut inputs = Source::file(&self.clip).files();
+        inputs.push(self.model.file.clone());
+        inputs.extend_from_slice(&self.further.also);
+        inputs.extend(self.into.iter().chain(&self.mesh).cloned());
+        let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb"])?;
+        let model = files::read_model(&self.model.file)?;
+        let skin = self.skin.as_deref();
+        let character = Character::find(&model, skin).map_err(|error| self.blame(error.into()))?;
+        let known =
+            (0..character.envelope.joint_len()).filter_map(|j| character.envelope.joint_name(j));
+        let known: Vec<String> = known.map(str::to_owned).collect();
+        let names = JointNames {
+            prefixes: &self.rename_joints,
+            ignore_case: self.ignore_case,
+            known: &known,
+        };
+        let mut input = self.poses(names, output)?;
+        begin_at_zero(&mut input.clips, &self.clip, output);
+        self.space.set(&mut input.examples, self.clip.display())?;
+        let conversion = input.examples.convert_to(&character.space);
+        let levels = self.further.load(conversion.as_ref(), &character.space, output)?;
+        input::move_to(&mut input, &self.clip, &rest(&character.skin), output)?;
+        let Loaded { examples, clips, .. } = input;
+        // Arrays hold frames alone. A scene has keys between frames, unless a rate was given.
+        let between = self.fps.is_none() && ending(&self.clip, &["npz"]).is_err();
+        let exporting = Bars::busy(output, "exporting");
+        let (examples, clips, levels) = (&examples, &clips, &levels);
+        let model = &model;
+        let (glb, exported) = match &self.into {
+            None => {
+                let stand = stand(&self.space, &self.target, &character.space)?;
+                let dressed = self.mesh.as_ref().unwrap_or(&self.clip);
+                let appearance = &appearance::load(dressed)?;
+                if !appearance.missing.is_empty() {
+                    let names = printable(&appearance.missing.join(", "));
+                    let text = format!("images that cannot be read, and are left out: {names}");
+                    output.warn(dressed.display(), text);
+                }
+                let export =
+                    Export { model, skin, examples, clips, between, levels, appearance, stand };
+                let exported = export.run().map_err(|error| self.blame(error.called(clips)))?;
+                let names = clips.iter().map(|clip| clip.name.clone()).collect();
+                (exported.glb, Exported { names, levels: exported.levels, into: None })
             }
-            let (clips, levels, appearance) = (&clips, &levels, &appearance);
-            let export = Export {
-                model: &model,
-                skin,
-                examples: &examples,
-                clips,
-                between,
-                levels,
-                appearance,
-                stand,
-            };
-            let exported = export.run().map_err(|error| blame(error.called(clips), arguments))?;
-            let names = clips.iter().map(|clip| clip.name.clone()).collect();
-            (exported.glb, Said { names, levels: exported.levels, ..Said::default() })
+            Some(file) => {
+                let export =
+                    ExportInto { model, skin, examples, clips, between, levels, names, file };
+                let grafted = export.run().map_err(|error| self.blame(error.called(clips)))?;
+                let Grafted { animations: names, meshes, added_joints, kept_animations, .. } =
+                    grafted;
+                let into = Some(IntoReport { meshes, added_joints, kept_animations });
+                (grafted.glb, Exported { names, levels: grafted.levels, into })
+            }
+        };
+        drop(exporting);
+        let diagonal_mm = examples.diagonal_mm();
+        levels::warn(&exported.levels, &self.further.also, diagonal_mm, output);
+        let influences = character.skin.influence_len();
+        if influences > USUAL_INFLUENCES {
+            let sets = format!(
+                "vertices follow up to {influences} joints, and many engines read {USUAL_INFLUENCES} of \
+                 them: train with --influences {USUAL_INFLUENCES} for those"
+            );
+            output.warn(self.output.display(), sets);
         }
-        Some(file) => {
-            let (clips, levels) = (&clips, &levels);
-            let export = ExportInto {
-                model: &model,
-                skin,
-                examples: &examples,
-                clips,
-                between,
-                levels,
-                names,
-                file,
-            };
-            let grafted = export.run().map_err(|error| blame(error.called(clips), arguments))?;
-            let Grafted { glb, animations: names, meshes, added_joints, kept_animations, levels } =
-                grafted;
-            let into = Some(IntoReport { meshes, added_joints, kept_animations });
-            (glb, Said { names, levels, into })
+        if let (Some(file), Some(into)) = (&self.into, &exported.into) {
+            into.warn(file, output);
         }
-    };
-    files::write(&[(&target, &glb)])?;
-    drop(exporting);
-    levels::warn(&said.levels, &arguments.further.also, examples.diagonal_mm(), output);
-    let influences = character.skin.influence_len();
-    if influences > USUAL_INFLUENCES {
-        let sets = format!(
-            "vertices follow up to {influences} joints, and many engines read {USUAL_INFLUENCES} of \
-             them: train with --influences {USUAL_INFLUENCES} for those"
-        );
-        output.warn(arguments.output.display(), sets);
-    }
-    if let (Some(file), Some(into)) = (&arguments.into, &said.into) {
-        into.warn(file, output);
-    }
-    let animations = said.names.iter().zip(&clips);
-    let frames = animations
-        .clone()
-        .map(|(name, clip)| format!("{} ({} frames)", printable(name), clip.times.len()));
-    let text = format!(
-        "{}wrote {} ({} bytes), {}animations: {}",
-        levels::table(&said.levels, examples.diagonal_mm()),
-        arguments.output.display(),
-        glb.len(),
-        said.into.as_ref().map_or(String::new(), |into| {
-            format!("meshes: {}, ", printable(&into.meshes.join(", ")))
-        }),
-        frames.collect::<Vec<_>>().join(", ")
-    );
-    let record = json!({
-        "bytes": glb.len(),
-        "animations": animations.map(|(name, clip)| {
-            json!({ "name": name, "frames": clip.times.len() })
-        }).collect::<Vec<_>>(),
-        "levels": levels::as_json(&said.levels, examples.diagonal_mm()),
-        "into": said.into,
-    });
-    output.print(&record, &text)
-}
-
-/// Loads what is played, at the rate that is asked for.
-fn poses(
-    arguments: &Arguments,
-    names: JointNames<'_>,
-    output: Output,
-) -> anyhow::Result<input::LoadedInput> {
-    let source = Source { fps: arguments.fps, names, ..Source::file(&arguments.clip) };
-    let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
-    match (&arguments.mesh, &arguments.into) {
-        (Some(mesh), _) => load(Some(mesh)),
-        // The clip's own mesh first: one without a mesh, or with other joints, needs the other file.
-        (None, Some(into)) => match load(None) {
-            Ok(input) if input.examples.skeleton.names == names.known => Ok(input),
-            Err(error) if !is_bare(&error) => Err(error),
-            _ => load(Some(into)),
-        },
-        (None, None) => load(None),
+        let animations = exported.names.iter().zip(clips);
+        let frames = animations
+            .clone()
+            .map(|(name, clip)| format!("{} ({} frames)", printable(name), clip.times.len()));
+        let frames = format!("animations: {}", frames.collect::<Vec<_>>().join(", "));
+        let as_json =
+            |(name, clip): (&String, &Clip)| json!({ "name": name, "frames": clip.times.len() });
+        let meshes = exported
+            .into
+            .as_ref()
+            .map(|into| format!("meshes: {}", printable(&into.meshes.join(", "))));
+        Ok(Report::default()
+            .list("levels", levels::report(&exported.levels, diagonal_mm))
+            .write(&target, &glb)?
+            .text(meshes.unwrap_or_default())
+            .text(frames)
+            .json("animations", animations.map(as_json).collect::<Vec<_>>())
+            .json("into", &exported.into))
     }
 }
 
-/// Tells whether a scene has no mesh.
-fn is_bare(error: &anyhow::Error) -> bool {
+impl ExportArgs {
+    /// Loads the poses, at the given rate.
+    fn poses(&self, names: JointNames<'_>, output: Output) -> anyhow::Result<Loaded> {
+        let source = Source { fps: self.fps, names, ..Source::file(&self.clip) };
+        let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
+        match (&self.mesh, &self.into) {
+            (Some(mesh), _) => load(Some(mesh)),
+            // The clip's own mesh first. A clip without a mesh, or with other joints, needs the other file.
+            (None, Some(into)) => match load(None) {
+                Ok(input) if input.examples.skeleton.names == names.known => Ok(input),
+                Err(error) if !has_no_mesh(&error) => Err(error),
+                _ => load(Some(into)),
+            },
+            (None, None) => load(None),
+        }
+    }
+
+    /// Adds the name of the file that an error is about.
+    fn blame(&self, error: ExportError) -> anyhow::Error {
+        let file = match &error {
+            ExportError::Model(
+                EvaluateError::Frame(_)
+                | EvaluateError::Examples(_)
+                | EvaluateError::JointName { .. },
+            )
+            | ExportError::Frame(_)
+            | ExportError::NoFrames { .. }
+            | ExportError::Times { .. } => &self.clip,
+            ExportError::Model(_) | ExportError::Space(_) => &self.model.file,
+            // The error of a file that cannot be read names the file.
+            ExportError::Level(_)
+            | ExportError::LeftHanded
+            | ExportError::Into(IntoError::File(_)) => return error.into(),
+            ExportError::Into(_) => self.into.as_ref().unwrap_or(&self.output),
+            ExportError::Glb(_) => &self.output,
+        };
+        anyhow::Error::new(error).context(file.display().to_string())
+    }
+}
+
+/// Returns whether an error is that of a scene without a mesh.
+fn has_no_mesh(error: &anyhow::Error) -> bool {
     error.downcast_ref::<LoadError>().is_some_and(|error| {
         matches!(error.error, ExamplesError::Import(ImportError::JointsAlone { .. }))
     })
 }
 
-/// Moves clips that begin before time 0, which glTF does not have, so that they begin there.
-fn begin_in_time(clips: &mut [Clip], file: &Path, output: Output) {
+/// Moves clips that begin before time 0 to time 0: glTF has no negative times.
+fn begin_at_zero(clips: &mut [Clip], file: &Path, output: Output) {
     for clip in clips {
         let Some(begin) = clip.times.first().copied().filter(|begin| *begin < 0.0) else {
             continue;
@@ -254,7 +256,7 @@ fn begin_in_time(clips: &mut [Clip], file: &Path, output: Output) {
     }
 }
 
-/// Parses a change of the beginning of names.
+/// Parses a replacement of prefixes.
 fn renaming(text: &str) -> Result<(String, String), String> {
     let (from, to) = text.split_once('=').ok_or("expected FROM=TO, as mixamorig:=")?;
     match from == to {
@@ -263,16 +265,15 @@ fn renaming(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// What is told of an export.
-#[derive(Default)]
-struct Said {
-    /// Names of the animations, one a clip.
+/// Reported results of an export.
+struct Exported {
+    /// Name of each clip's animation.
     names: Vec<String>,
     levels: Vec<LevelReport>,
     into: Option<IntoReport>,
 }
 
-/// What is told of an artist's file.
+/// Changes of an artist's file.
 #[derive(serde::Serialize)]
 struct IntoReport {
     meshes: Vec<String>,
@@ -283,44 +284,21 @@ struct IntoReport {
 impl IntoReport {
     fn warn(&self, file: &Path, output: Output) {
         if !self.added_joints.is_empty() {
-            let joints = printable(&self.added_joints.join(", ")).to_string();
+            let joints = printable(&self.added_joints.join(", "));
             output.warn(
                 file.display(),
                 format!("has no nodes of these names, which were added: {joints}"),
             );
         }
         if !self.kept_animations.is_empty() {
-            let names = printable(&self.kept_animations.join(", ")).to_string();
-            let text = format!("animations that it had move the joints and no proxy: {names}");
+            let names = printable(&self.kept_animations.join(", "));
+            let text = format!("animations that it had move the joints and no helper: {names}");
             output.warn(file.display(), text);
         }
     }
 }
 
-/// Names the file that an error is about.
-fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
-    let at_fault = match &error {
-        ExportError::Model(
-            EvaluateError::Frame(_) | EvaluateError::Examples(_) | EvaluateError::JointName { .. },
-        )
-        | ExportError::Frame(_)
-        | ExportError::NoFrames { .. }
-        | ExportError::Times { .. } => arguments.clip.display().to_string(),
-        ExportError::Model(_) | ExportError::Space(_) => arguments.model.display().to_string(),
-        // A file that cannot be read names itself.
-        ExportError::Level(_) | ExportError::LeftHanded | ExportError::Into(IntoError::File(_)) => {
-            return error.into();
-        }
-        ExportError::Into(_) => {
-            let file = arguments.into.as_ref().unwrap_or(&arguments.output);
-            file.display().to_string()
-        }
-        ExportError::Glb(_) => arguments.output.display().to_string(),
-    };
-    anyhow::Error::new(error).context(at_fault)
-}
-
-/// How a GLB is to stand, by what `export` was told.
+/// Returns the position of the character in a GLB, by the arguments and the model's space.
 fn stand(stated: &StatedSpace, target: &TargetSpace, model: &Space) -> anyhow::Result<Stand> {
     let request = target.request();
     if !request.is_empty() {

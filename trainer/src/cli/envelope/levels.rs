@@ -1,9 +1,7 @@
-//! Further meshes as the command line names them, and how they follow.
+//! Further meshes on the joints of a model: arguments, warnings and errors.
 
-use crate::cli::Output;
-use crate::cli::column::padded;
+use crate::cli::{Output, Report};
 use anyhow::bail;
-use serde_json::{Value, json};
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::levels::{Level, LevelReport, NEAR, OWN};
 use sinew_trainer::formats::MeshFile;
@@ -12,29 +10,29 @@ use std::path::{Path, PathBuf};
 
 /// Further meshes.
 #[derive(clap::Args, serde::Serialize)]
-pub(in crate::cli) struct AlsoArguments {
-    /// A further mesh on the same joints (.obj, .glb, .gltf, .fbx), of any topology, in the rest pose of the examples;
-    /// may be given several times
+#[command(next_help_heading = "Meshes")]
+pub(super) struct AlsoArguments {
+    /// Further mesh on the joints (.obj, .glb, .gltf, .fbx), of any topology, in the rest pose; repeatable
     ///
-    /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest points of the
-    /// model's surface, and are fitted to where that surface carries them. Other axes or another unit are recognised
-    /// where one way alone brings the mesh there; --also-axes says which, where several do.
+    /// One prediction then drives all meshes: levels of detail, garments. Weights come from the nearest points of the
+    /// model's surface, and are fitted to the motion of that surface. Other axes or another unit are recognised if only
+    /// one conversion brings the mesh there; --also-axes chooses among several.
     #[arg(long, value_name = "LOD")]
-    pub(in crate::cli) also: Vec<PathBuf>,
-    /// Where the axes of the --also meshes come from, and a scale, as "(x, -z, y) x 0.01": once for all, or once for
-    /// each, in their order [default: recognised]
+    pub(super) also: Vec<PathBuf>,
+    /// Axes of the --also meshes, and a scale, as "(x, -z, y) x 0.01": once for all, or once for each in
+    /// order [default: recognised]
     #[arg(long, value_name = "AXES", requires = "also", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     also_axes: Vec<Conversion>,
 }
 
 impl AlsoArguments {
-    /// Reads the meshes, named after their files. Each is converted from the space that its file states, or as the
+    /// Reads the meshes, named after their files. Each is converted from the space that its file states, else as the
     /// examples were.
     ///
-    /// - `conversion`: the change of axes and unit of the examples.
-    /// - `space`: their axes and unit after it.
-    pub(in crate::cli) fn load(
+    /// - `conversion`: conversion of the examples.
+    /// - `space`: axes and unit of the examples after the conversion.
+    pub(super) fn load(
         &self,
         conversion: Option<&Conversion>,
         space: &Space,
@@ -62,8 +60,11 @@ impl AlsoArguments {
         Ok(levels)
     }
 
-    /// Checks that skins, which are named after the files of their meshes, would have different names.
-    pub(in crate::cli) fn check_names(&self) -> anyhow::Result<()> {
+    /// Checks that skins, which are named after their files, have different names.
+    ///
+    /// # Errors
+    /// Names the file, and the other mesh of that name.
+    pub(super) fn check_names(&self) -> anyhow::Result<()> {
         for (number, file) in self.also.iter().enumerate() {
             let name = name_of(file);
             let other = self.also[..number].iter().find(|other| name_of(other) == name);
@@ -81,16 +82,15 @@ impl AlsoArguments {
     }
 }
 
-/// Names the skin of a file.
+/// Returns the name of a file's skin.
 fn name_of(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Warns of meshes that were moved or are far from the model's surface, and of vertices that do not belong to the
-/// surface.
+/// Warns of meshes that were converted or are far from the model's surface, and of vertices far from the surface.
 ///
-/// - `diagonal_mm`: the rest diagonal; `None` where the unit is not known.
-pub(in crate::cli) fn warn(
+/// - `diagonal_mm`: diagonal of the rest mesh; `None` if the unit is not known.
+pub(super) fn warn(
     levels: &[LevelReport],
     files: &[PathBuf],
     diagonal_mm: Option<f64>,
@@ -124,38 +124,22 @@ pub(in crate::cli) fn warn(
     }
 }
 
-/// Gives how meshes follow as JSON, with lengths in millimetres where the diagonal is known.
-pub(in crate::cli) fn as_json(levels: &[LevelReport], diagonal_mm: Option<f64>) -> Value {
+/// Returns figures of further meshes, with lengths in millimetres if the diagonal is known.
+pub(super) fn report(levels: &[LevelReport], diagonal_mm: Option<f64>) -> Vec<Report> {
     let level = |level: &LevelReport| {
-        let mut out = json!(level);
-        if let Some(diagonal) = diagonal_mm {
-            out["fitted_mm"] = json!(level.fitted_percent / 100.0 * diagonal);
+        let report = Report::of(level)
+            .show("name", "RMS error, % of the diagonal", "")
+            .show("vertices", "vertices", "")
+            .show("distance_percent", "distance", "")
+            .show("transferred_percent", "transferred", "")
+            .show("fitted_percent", "fitted", "");
+        match diagonal_mm {
+            Some(diagonal) => {
+                let mm = level.fitted_percent / 100.0 * diagonal;
+                report.shown("fitted_mm", "fitted, mm", mm, written(mm))
+            }
+            None => report,
         }
-        out
     };
     levels.iter().map(level).collect()
-}
-
-/// Describes how meshes follow, on a mesh with this diagonal; nothing where there is none.
-pub(in crate::cli) fn table(levels: &[LevelReport], diagonal_mm: Option<f64>) -> String {
-    if levels.is_empty() {
-        return String::new();
-    }
-    let [name, vertices, distance, transferred, fitted] =
-        ["RMS error, % of the diagonal", "vertices", "distance", "transferred", "fitted"];
-    let mm = diagonal_mm.map_or("", |_| "  fitted, mm");
-    let mut out =
-        format!("{name:<30}{vertices:>10}{distance:>12}{transferred:>14}{fitted:>10}{mm}\n");
-    for level in levels {
-        let LevelReport { vertices, distance_percent, transferred_percent, fitted_percent, .. } =
-            level;
-        let name = padded(&level.name, 30);
-        let length = |diagonal: f64| written(fitted_percent / 100.0 * diagonal);
-        let mm = diagonal_mm.map_or(String::new(), |mm| format!("{:>12}", length(mm)));
-        out += &format!(
-            "{name}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
-             {fitted_percent:>10.4}{mm}\n"
-        );
-    }
-    out
 }

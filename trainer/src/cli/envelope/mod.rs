@@ -1,18 +1,20 @@
-//! The envelope's commands, one a file.
+//! The envelope's commands, one a file. They have no noun in front of their names.
 
 mod check;
-mod command;
 mod demo;
-mod describe;
 mod eval;
 mod export;
-mod export_demo;
 mod levels;
-mod measured;
 mod report;
 mod table;
 mod train;
-mod warnings;
 
-pub(super) use command::Command;
-pub(super) use describe::describe;
+commands! {
+    Demo(demo::Demo),
+    Check(check::CheckArgs),
+    Train(train::Train),
+    Eval(eval::Eval),
+    Report(report::ReportArgs),
+    Export(export::ExportArgs),
+    ExportDemo(demo::ExportDemo),
+}

@@ -1,78 +1,62 @@
-//! `sinew report`: the page that shows where the error is.
+//! `sinew report`: a page that shows the error of a model, with pictures.
 
-use super::measured::{SplitName, blame, refuse_forgotten_targets};
+use super::eval::MeasuredArgs;
 use super::table;
-use crate::cli::bars::Bars;
-use crate::cli::files::{self, OutputFile};
-use crate::cli::space::StatedSpace;
-use crate::cli::{Output, input};
-use anyhow::{Context, bail};
-use serde_json::json;
+use crate::cli::{Bars, Output, OutputFile, Report, Run, StatedSpace, files};
+use anyhow::Context;
 use sinew_trainer::evaluate::{Character, TrainingRecord};
-use sinew_trainer::examples::Clip;
+use sinew_trainer::examples::{Clip, Loaded};
 use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::report::{Page, PictureOptions, outputs};
 use std::path::{Path, PathBuf};
 
 /// Writes a page that shows where the error of a model is
 ///
-/// The page has pictures, charts and tables in one HTML file, in % of the diagonal, and in millimetres where MODEL or
+/// The page has pictures, charts and tables in one HTML file, in % of the diagonal, and in millimetres if MODEL or
 /// EXAMPLES have a unit.
 ///
-/// The page shows the worst pose beside the truth and the baselines of `sinew eval`, each shaded with the normals that
-/// it has, maps of the error and of the normals' angle on the skin, errors by
-/// frame, by joint and by size, the model's confidence, and what its predictor makes of the same
-/// examples with fewer and with more proxies, for which it is trained again. Every number is measured
-/// as `sinew eval` does. The page needs no network and no script. In the pictures the character stands
-/// along the axis that --up or the examples' file names, else along z if it is longest along z, else
-/// along y.
+/// The page shows the worst pose beside the truth and the baselines of `sinew eval`, each shaded with its own normals.
+/// It shows maps of the error and of the angle of the normals on the skin; errors by frame, by joint and by size; and
+/// the model's confidence. It trains the model's predictor again with fewer and with more helpers, and shows their
+/// errors. Every number is measured as by `sinew eval`. The page needs no network and no script. In the pictures the
+/// character stands along the axis of --up or of the examples' file, else along z if it is longest along z, else along
+/// y.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A model that `sinew train` wrote
-    model: PathBuf,
-    #[command(flatten)]
-    input: input::ExampleArguments,
-    /// The skin to show, whose mesh the examples' is; of both models, where there are two [default:
-    /// each model's first]
-    #[arg(long, value_name = "NAME")]
-    skin: Option<String>,
-    /// Where to write the page
-    #[arg(long, short = 'o', value_name = "REPORT.html")]
+#[command(after_help = "Example:\n  sinew report model.sinew walk.npz -o report.html --quick")]
+pub(in crate::cli) struct ReportArgs {
+    /// Page to write
+    #[arg(short, long, alias = "out", value_name = "REPORT.html")]
     output: PathBuf,
-    /// Another model of the same character, to stand beside it in every table, chart and picture
+    /// Another model of the character, to compare in every table, chart and picture
     #[arg(long, value_name = "MODEL")]
     compare: Option<PathBuf>,
-    /// Which frames [default: held-out; where none is held out, those that training has not read; where it has
-    /// read all, those]
-    #[arg(long, value_enum)]
-    split: Option<SplitName>,
-    /// Train nothing: leave out what fewer and more proxies would give
+    /// Train nothing: leave out the errors of fewer and more helpers
     #[arg(long)]
     quick: bool,
-    /// Where the pictures are taken from, in degrees: about the up axis, and above the horizon
-    /// [default: from before or behind, whichever side shows more of the error]
+    /// Direction of the camera in degrees: about the up axis, and above the horizon [default: front or back, whichever
+    /// shows more of the error]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     #[arg(allow_hyphen_values = true)]
     view: Option<(f64, f64)>,
-    /// Write the errors of every frame to FILE: a row each, in % of the diagonal, and in millimetres where the
-    /// unit is known
+    /// Write the errors of every frame, a row each: % of the diagonal, and millimetres if the unit is known
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Write the rest mesh to FILE with each vertex's RMS error, in % of the diagonal, as `error`
-    /// and as its colour
+    /// Write the rest mesh with each vertex's RMS error in % of the diagonal, as `error` and as its colour
     #[arg(long, value_name = "FILE.ply")]
     ply: Option<PathBuf>,
-    /// Write the measured frames to FILE as a moving picture: the truth, then linear blend skinning and the model in
-    /// the colours of their errors
+    /// Write the measured frames as a moving picture: the truth, then linear blend skinning and the model in the
+    /// colours of their errors
     #[arg(long, value_name = "FILE.gif")]
     gif: Option<PathBuf>,
+    #[command(flatten)]
+    measured: MeasuredArgs,
     #[command(flatten)]
     space: StatedSpace,
 }
 
 /// Width of a moving picture, pixels.
 const GIF_WIDTH: usize = 900;
-/// Frames a second of a moving picture where clips have no one rate.
+/// Frames a second of a moving picture if clips have different rates.
 const SLOW: f64 = 10.0;
 
 /// Parses two angles.
@@ -86,99 +70,89 @@ fn view(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let targets = targets(arguments)?;
-    let bytes = input::read_model(&arguments.model)?;
-    let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
-    let loaded = arguments.input.load_to_measure(output)?;
-    let input::LoadedInput { mut examples, clips, warnings } = loaded;
-    arguments.space.say(&mut examples, &arguments.input.named())?;
-    let skin = arguments.skin.as_deref();
-    input::convert_to_model(&mut examples, &bytes, skin);
-    let frames = arguments.split.map(SplitName::frames);
-    let blamed = |error, model| blame(error, model, &arguments.input, (&examples, &clips));
-    // What will be refused is refused before LBS is fitted.
-    let character = Character::open(&bytes, skin, &examples);
-    let character = character.map_err(|error| blamed(error, &arguments.model))?;
-    let known = (&character, &TrainingRecord::of(&bytes, &character, &examples));
-    refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
-    let compared = arguments.compare.as_deref().zip(other.as_deref());
-    if let Some((path, bytes)) = compared {
-        Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
-    }
-    let measuring = Bars::busy(output, "measuring");
-    let names = names(&arguments.model, arguments.compare.as_deref());
-    let [name, other_name] = &names;
-    let files: Vec<String> = arguments.input.examples.iter().map(|file| file_name(file)).collect();
-    let source_name = files.join(", ");
-    let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
-    let file = NamedModel { name, bytes: &bytes, skin };
-    let mut comparison =
-        Comparison::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
-    if let Some((path, bytes)) = compared {
-        let file = NamedModel { name: other_name, bytes, skin };
-        comparison.compare(file).map_err(|error| blamed(error, path))?;
-    }
-    drop(measuring);
-    let options = PictureOptions { from: arguments.view, ..PictureOptions::default() };
-    let page = Page { comparison: &comparison, options, sizes: !arguments.quick };
-    let page = page.html(&Bars::new(output))?;
-    let mut written = vec![(&targets.page, page.into_bytes())];
-    if let Some(target) = &targets.csv {
-        written.push((target, outputs::frames_csv(&comparison).context("cannot write the table")?));
-    }
-    if let Some(target) = &targets.ply {
-        written.push((target, outputs::rest_mesh_ply(&comparison)));
-    }
-    if let Some(target) = &targets.gif {
-        let options = PictureOptions { width: GIF_WIDTH, ..options };
-        let fps = Clip::rate_of(&clips).unwrap_or(SLOW);
-        // Below two hundredths browsers take ten.
-        let hundredths = (100.0 / fps).round().clamp(2.0, 100.0) as u16;
-        written.push((target, outputs::frames_gif(&comparison, &options, hundredths)?));
-    }
-    written.reverse();
-    let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
-    files::write(&files)?;
-    let evaluations = comparison.evaluations();
-    let mut text = match &evaluations[..] {
-        [one] => table::evaluation(one),
-        several => table::evaluations(&Vec::from_iter(names.into_iter().zip(several))),
-    };
-    for (target, bytes) in files.iter().rev() {
-        text += &format!("wrote {} ({} bytes)\n", target.named().display(), bytes.len());
-    }
-    output.print(&json!({ "model": evaluations[0], "compared": evaluations.get(1) }), &text)
-}
-
-struct OutputFiles {
-    page: OutputFile,
-    csv: Option<OutputFile>,
-    ply: Option<OutputFile>,
-    gif: Option<OutputFile>,
-}
-
-/// Tries every place to write to.
-fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
-    let mut inputs = arguments.input.files();
-    inputs.push(arguments.model.clone());
-    inputs.extend(arguments.compare.clone());
-    let target = |path: &PathBuf| OutputFile::new(path, &inputs);
-    let page = target(&arguments.output)?.of_a_report()?;
-    let csv = arguments.csv.as_ref().map(target).transpose()?;
-    let ply = arguments.ply.as_ref().map(target).transpose()?;
-    let gif = arguments.gif.as_ref().map(target).transpose()?;
-    let all: Vec<&OutputFile> =
-        std::iter::once(&page).chain(&csv).chain(&ply).chain(&gif).collect();
-    for (number, one) in all.iter().enumerate() {
-        if all[..number].iter().any(|other| other.is(one)) {
-            bail!("cannot write {}: two outputs are one file", one.named().display());
+impl Run for ReportArgs {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let measured = &self.measured;
+        let mut inputs = measured.input.files();
+        inputs.push(measured.model.file.clone());
+        inputs.extend(self.compare.clone());
+        let page_file = OutputFile::new(&self.output, &inputs)?.of_a_report()?;
+        let target =
+            |file: &Option<PathBuf>| file.as_ref().map(|f| OutputFile::new(f, &inputs)).transpose();
+        let [csv_file, ply_file, gif_file] =
+            [target(&self.csv)?, target(&self.ply)?, target(&self.gif)?];
+        let further = [csv_file.as_ref(), ply_file.as_ref(), gif_file.as_ref()];
+        files::refuse_same(&[&[Some(&page_file)], &further[..]].concat())?;
+        let bytes = files::read_model(&measured.model.file)?;
+        let other = self.compare.as_deref().map(files::read_model).transpose()?;
+        let loaded = measured.load(&bytes, &self.space, output)?;
+        let Loaded { examples, clips, warnings } = loaded;
+        let skin = measured.skin.as_deref();
+        let blamed = |error, model| measured.blame(error, model, (&examples, &clips));
+        // Errors of the models are found before LBS is fitted.
+        let character = Character::open(&bytes, skin, &examples);
+        let character = character.map_err(|error| blamed(error, &measured.model.file))?;
+        let known = (&character, &TrainingRecord::of(&bytes, &character, &examples));
+        measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
+        let compared = self.compare.as_deref().zip(other.as_deref());
+        if let Some((path, bytes)) = compared {
+            Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
         }
+        let measuring = Bars::busy(output, "measuring");
+        let names = names(&measured.model.file, self.compare.as_deref());
+        let [name, other_name] = &names;
+        let files: Vec<String> =
+            measured.input.examples.iter().map(|file| file_name(file)).collect();
+        let source_name = files.join(", ");
+        let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
+        let file = NamedModel { name, bytes: &bytes, skin };
+        let mut comparison = Comparison::new(source, measured.split, file)
+            .map_err(|error| blamed(error, &measured.model.file))?;
+        if let Some((path, bytes)) = compared {
+            let file = NamedModel { name: other_name, bytes, skin };
+            comparison.compare(file).map_err(|error| blamed(error, path))?;
+        }
+        drop(measuring);
+        let options = PictureOptions { from: self.view, ..PictureOptions::default() };
+        let page = Page { comparison: &comparison, options, sizes: !self.quick };
+        let page = page.html(&Bars::new(output))?;
+        let mut written = vec![(&page_file, page.into_bytes())];
+        if let Some(target) = &csv_file {
+            written.push((
+                target,
+                outputs::frames_csv(&comparison).context("cannot write the table")?,
+            ));
+        }
+        if let Some(target) = &ply_file {
+            written.push((target, outputs::rest_mesh_ply(&comparison)));
+        }
+        if let Some(target) = &gif_file {
+            let options = PictureOptions { width: GIF_WIDTH, ..options };
+            let fps = Clip::rate_of(&clips).unwrap_or(SLOW);
+            // Browsers show delays below two hundredths as ten.
+            let hundredths = (100.0 / fps).round().clamp(2.0, 100.0) as u16;
+            written.push((target, outputs::frames_gif(&comparison, &options, hundredths)?));
+        }
+        let files: Vec<_> =
+            written.iter().rev().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
+        files::write(&files)?;
+        let evaluations = comparison.evaluations();
+        let table = match &evaluations[..] {
+            [one] => table::evaluation(one),
+            several => table::evaluations(&Vec::from_iter(names.into_iter().zip(several))),
+        };
+        let report = Report::default()
+            .json("model", &evaluations[0])
+            .json("compared", evaluations.get(1))
+            .text(table);
+        Ok(files
+            .iter()
+            .rev()
+            .fold(report, |report, (target, bytes)| report.text(files::wrote(target, bytes))))
     }
-    Ok(OutputFiles { page, csv, ply, gif })
 }
 
-/// What the page calls the models: their files' names, or their paths where those are the same.
+/// Names the models for the page: by their files, or by their paths if the files have one name.
 fn names(model: &Path, other: Option<&Path>) -> [String; 2] {
     let other = other.unwrap_or(Path::new(""));
     let names = [model, other].map(file_name);

@@ -1,99 +1,106 @@
 //! `sinew train`: examples in, baked model out.
 
 use super::levels::{self, AlsoArguments};
-use super::{table, warnings};
-use crate::cli::bars::Bars;
-use crate::cli::files::{self, OutputFile};
-use crate::cli::space::{self, StatedSpace, TargetSpace};
-use crate::cli::{Output, input};
+use super::table;
+use crate::cli::arguments::TargetSpace;
+use crate::cli::{
+    Bars, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, count, files, input, number,
+    space_as_json,
+};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use serde_json::json;
-use sinew_runtime::Limits;
-use sinew_runtime::envelope;
-use sinew_trainer::check::finding::Kind;
+use sinew_runtime::{Limits, envelope};
+use sinew_trainer::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::check::judge;
 use sinew_trainer::envelope::clean::Inliers;
 use sinew_trainer::envelope::lbs::blend::CANDIDATES;
 use sinew_trainer::envelope::levels::AddError;
 use sinew_trainer::envelope::s3::{Method, ProxyCount};
 use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train_on};
-use sinew_trainer::examples::{Split, Warning};
+use sinew_trainer::evaluate::NOTHING;
+use sinew_trainer::examples::{Loaded, Split, Warning};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::settings::Settings;
+use sinew_trainer::settings::{Settings, TIED, UNSEEN};
+use sinew_trainer::space::beside;
 use std::path::PathBuf;
 
 /// Fits an envelope to example poses and bakes it into a model
 ///
-/// Held-out and extreme frames are never read by the fit: every choice is made by cross-validation
-/// inside the training frames. The same input gives the same bytes for any number of threads.
+/// The fit never reads held-out and extreme frames: every choice is made by cross-validation inside the training
+/// frames. Equal input gives equal bytes for any number of threads.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
+#[command(
+    after_help = "Example:\n  sinew train walk.glb --targets walk.abc --hold-out 0.25 -o model.sinew"
+)]
+pub(in crate::cli) struct Train {
+    /// Model to write
+    #[arg(short, long, alias = "out", value_name = "MODEL")]
+    output: PathBuf,
+    /// Write every choice, fold, candidate, score and input hash as JSON
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Fail, and write nothing, if the forecast for more of these clips is above this RMS error in % of the diagonal
+    #[arg(long, value_name = "PERCENT", value_parser = number(POSITIVE, " %"), allow_negative_numbers = true)]
+    fail_above: Option<f64>,
     #[command(flatten)]
     input: input::ExampleArguments,
-    /// Where to write the model
-    #[arg(long, short = 'o', value_name = "MODEL")]
-    output: PathBuf,
     #[command(flatten)]
     fit: FitArguments,
     #[command(flatten)]
     meshes: MeshArguments,
-    /// Write every choice, fold, candidate, score and input hash to FILE, as JSON
-    #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
-    /// Fail, and write nothing, if the forecast for more of these clips is above this RMS error, in % of the diagonal
-    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
-    fail_above: Option<f64>,
     #[command(flatten)]
     space: StatedSpace,
     #[command(flatten)]
     target: TargetSpace,
 }
 
-/// Which meshes a model holds.
+/// Meshes of the model.
 #[derive(clap::Args, serde::Serialize)]
+#[command(next_help_heading = "Meshes")]
 struct MeshArguments {
+    /// Leave the mesh out: the model predicts a palette, for an engine that keeps its own meshes and weights
+    #[arg(long, conflicts_with = "also")]
+    no_skin: bool,
     #[command(flatten)]
     #[serde(flatten)]
     further: AlsoArguments,
-    /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
-    /// their weights
-    #[arg(long, conflicts_with = "also")]
-    no_skin: bool,
 }
 
-/// What a fit may be told.
+/// Options of a fit.
 #[derive(Clone, clap::Args, serde::Serialize)]
+#[command(next_help_heading = "Fit")]
 pub(in crate::cli) struct FitArguments {
-    /// What predicts the palette from the pose [default: kernel]
+    /// Predictor of the palette from the pose [default: kernel]
     #[arg(long, value_enum)]
     predictor: Option<Predictor>,
-    /// Number of proxies, or of helpers beside the joints [default: chosen by
-    /// cross-validation, from half to twice the number of joints, or of 40 where that is greater]
-    #[arg(long, value_name = "P", value_parser = proxies, allow_negative_numbers = true)]
-    #[arg(conflicts_with = "max_error")]
+    /// Number of helpers [default: chosen by cross-validation, from half to twice the number of joints or of 40,
+    /// whichever is greater]
+    #[arg(long = "helpers", alias = "proxies", value_name = "P", allow_negative_numbers = true)]
+    #[arg(value_parser = count(1, Limits::DEFAULT.proxies as usize), conflicts_with = "max_error")]
     proxies: Option<usize>,
-    /// Take so many proxies that they come this near to the training frames, RMS in % of the rest
-    /// diagonal, when fitted to each frame; the prediction from the pose adds to that
-    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
+    /// Take enough helpers to come this near to the training frames when fitted to each frame, RMS in % of the rest
+    /// diagonal; the prediction from the pose adds to this error
+    #[arg(long, value_name = "PERCENT", value_parser = number(POSITIVE, " %"), allow_negative_numbers = true)]
     max_error: Option<f64>,
-    /// Most transforms of the palette a vertex follows
-    #[arg(long, value_name = "K", value_parser = influences, allow_negative_numbers = true)]
+    /// Maximum number of palette transforms that a vertex follows
+    #[arg(long, value_name = "K", value_parser = count(1, CANDIDATES), allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
-    /// Leave out the refinement: rotational keeps the reconstruction that S3 gives, which has not been fitted to the
-    /// training meshes
+    /// Leave out the refinement: rotational keeps the reconstruction of S3, not fitted to the training meshes
     #[arg(long)]
     unrefined: bool,
-    /// Fit the rotational predictor as S3 publishes it, to the letter: W and u by alternation, scale and shear with a
-    /// bias, near-rigid vertices by a threshold of their error under LBS, weights and transforms anew after every merge of
-    /// proxies, no refinement. It is what the others are measured against; the rest pose is not exact, and half of the
-    /// file's proxies carry the bias
+    /// Fit the rotational predictor exactly as published in S3, as a reference for the others
+    ///
+    /// W and u are fitted by alternation, scale and shear with a bias. Vertices are near-rigid below a threshold of
+    /// their error under LBS. Every merge of helpers fits weights and transforms anew, and there is no refinement. The
+    /// rest pose is not exact, and half of the file's helpers carry the bias.
     #[arg(long, conflicts_with = "unrefined")]
     published: bool,
-    /// Most bytes of the model's file, as 300000, 300kB (of 1000) or 300KiB (of 1024); of them a mesh takes 60 a vertex with 4 influences, 16
-    /// more with texture coordinates. 12 of these turn the normals rightly; where positions would
-    /// else err half as much again, they are given up, and normals go by cofactors
+    /// Maximum size of the model's file, as 300000, 300kB (of 1000) or 300KiB (of 1024)
+    ///
+    /// A mesh takes 60 bytes a vertex with 4 influences, and 16 more with texture coordinates. 12 of these make the
+    /// normals right. If positions had half as much error again, these 12 are left out, and normals go by cofactors.
     #[arg(long, value_name = "BYTES", value_parser = budget, allow_negative_numbers = true)]
     budget: Option<usize>,
 }
@@ -103,7 +110,7 @@ pub(in crate::cli) struct FitArguments {
 enum Predictor {
     /// Rotational regression of key gradients, reduced Poisson reconstruction
     Rotational,
-    /// The joints themselves, and helpers driven by local kernel maps where LBS errs
+    /// The joints themselves, and helpers driven by local kernel maps where LBS has an error
     #[value(alias = "auto")]
     Kernel,
 }
@@ -115,11 +122,6 @@ impl Predictor {
             Self::Kernel => Predict::Only(envelope::Predictor::Kernel),
         }
     }
-}
-
-/// Accepts what the runtime loads by default.
-fn proxies(text: &str) -> Result<usize, String> {
-    input::count(text, Limits::DEFAULT.proxies as usize)
 }
 
 /// Parses a number of bytes, with or without a unit.
@@ -145,20 +147,9 @@ fn budget(text: &str) -> Result<usize, String> {
     })
 }
 
-fn influences(text: &str) -> Result<usize, String> {
-    input::count(text, CANDIDATES)
-}
-
-pub(super) fn percent(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(percent) if percent > 0.0 && f64::is_finite(percent) => Ok(percent),
-        _ => Err("expected a number of more than 0 %".to_owned()),
-    }
-}
-
 impl FitArguments {
-    /// The same for the other predictor, with so many proxies.
-    pub(in crate::cli) fn other(&self, proxies: usize) -> Self {
+    /// Returns the options for the other predictor, with a number of helpers.
+    pub(super) fn other(&self, proxies: usize) -> Self {
         let is_rotational = self.published || matches!(self.predictor, Some(Predictor::Rotational));
         let other = if is_rotational { Predictor::Kernel } else { Predictor::Rotational };
         Self {
@@ -171,8 +162,8 @@ impl FitArguments {
         }
     }
 
-    /// Fits an envelope to judged training frames of examples that came from `source`.
-    pub(in crate::cli) fn train(
+    /// Fits an envelope to the training frames of examples from `source`.
+    pub(super) fn train(
         &self,
         sound: Inliers<'_>,
         source: &str,
@@ -186,13 +177,15 @@ impl FitArguments {
         };
         let most = Method::Published.proxies_max();
         if self.published && self.proxies.is_some_and(|count| count > most) {
-            bail!("--published: a file has room for {most} proxies, for each takes that of two")
+            bail!(
+                "--published: a file has room for {most} helpers, since each takes the room of two"
+            )
         }
         let triangles = sound.training.examples.triangles.len();
         let proxies = match (self.max_error, self.proxies) {
             (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
             (None, Some(count)) if count > triangles => {
-                bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
+                bail!("--helpers: {source} has {triangles} triangles, {count} helpers are too many")
             }
             (None, count) => count.map(ProxyCount::Fixed),
         };
@@ -206,132 +199,193 @@ impl FitArguments {
             settings: Settings::default(),
         };
         train_on(sound, &options, &Bars::new(output)).map_err(|error| match error {
-            // It names the further mesh, whose fault it is.
+            // The error names the further mesh.
             TrainError::Level(AddError::Level(error)) => error.into(),
             error => anyhow::Error::new(error).context(source.to_owned()),
         })
     }
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let mut inputs = arguments.input.files();
-    inputs.extend_from_slice(&arguments.meshes.further.also);
-    let model = OutputFile::new(&arguments.output, &inputs)?.of_a_model()?;
-    let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
-    let record_file = record_file.transpose()?;
-    if record_file.as_ref().is_some_and(|file| file.is(&model)) {
-        bail!("cannot write {}: model and record are one file", arguments.output.display());
-    }
-    let mut hashes = arguments.input.hashes()?;
-    let input::LoadedInput { mut examples, clips, warnings: told } =
-        arguments.input.load_to_check(output)?;
-    // The check says itself what validation finds.
-    let own = told.iter().filter(|warning| !warning.is_of_validation());
-    let mut said: Vec<String> = own.map(ToString::to_string).collect();
-    let source = arguments.input.named();
-    arguments.space.say(&mut examples, &source)?;
-    let from = examples.space;
-    let conversion = arguments.target.convert(&mut examples, &source)?;
-    let further = &arguments.meshes.further;
-    let also = &further.also;
-    let meshes = match arguments.meshes.no_skin {
-        true => FileSkins::PaletteAlone,
-        false => {
-            let levels = further.load(conversion.as_ref(), &examples.space, output)?;
-            FileSkins::Skins(levels)
+impl Run for Train {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let further = &self.meshes.further;
+        let also = &further.also;
+        let mut inputs = self.input.files();
+        inputs.extend_from_slice(also);
+        let model = OutputFile::new(&self.output, &inputs)?.of_a_model()?;
+        let record_file = self.record.as_ref().map(|file| OutputFile::new(file, &inputs));
+        let record_file = record_file.transpose()?;
+        if record_file.as_ref().is_some_and(|file| file.is(&model)) {
+            bail!("cannot write {}: model and record are one file", self.output.display());
         }
-    };
-    further.check_names()?;
-    hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
-    let (checked, sound) = judge(&examples, &clips, &Silent).with_context(|| source.clone())?;
-    // Kernel maps have no half turn at which they jump.
-    let FitArguments { predictor, published, .. } = arguments.fit;
-    let jumps = published || matches!(predictor, Some(Predictor::Rotational));
-    let findings = checked.findings.iter().filter(warnings::is_told);
-    for finding in findings.filter(|finding| jumps || finding.kind != Kind::HalfTurn) {
-        output.warn(&source, &finding.text);
-        said.push(finding.text.clone());
-    }
-    let trained = arguments.fit.train(sound, &source, meshes, output)?;
-    let diagonal_mm = examples.diagonal_mm();
-    levels::warn(&trained.levels, also, diagonal_mm, output);
-    let lbs = 100.0 * trained.report.lbs_rms;
-    let forecast = 100.0 * trained.report.same_clips_rms;
-    let known = told.contains(&Warning::PlainSkin);
-    if let Some(text) = warnings::no_gain(forecast, lbs, diagonal_mm, known) {
-        output.warn(&source, &text);
-        said.push(text);
-    }
-    if let Some(most) = arguments.fail_above.filter(|most| forecast > *most) {
-        bail!(
-            "{source}: the forecast for more of these clips is {forecast:.4} %, above --fail-above {most}: nothing was written"
-        );
-    }
-    let is_left_out = |frame: &usize| trained.report.left_out.iter().any(|out| out.frame == *frame);
-    let mut fitted_to = examples.frames_of(Split::Train);
-    fitted_to.retain(|frame| !is_left_out(frame));
-    let mut record = json!({
-        "sinew": env!("CARGO_PKG_VERSION"),
-        "inputs": hashes,
-        "warnings": said,
-        "vertices": examples.vertex_len(),
-        "engine_vertices": examples.surface().engine_len(),
-        "joints": examples.joint_len(),
-        "hold_out": arguments.input.hold_out,
-        "hold_out_clips": arguments.input.hold_out_clip,
-        "fps": arguments.input.fps,
-        "clip": arguments.input.clip,
-        "training_frames": fitted_to,
-        "held_out_frames": examples.frames_of(Split::HeldOut),
-        "extreme_frames": examples.frames_of(Split::Extreme),
-        "diagonal": examples.diagonal(),
-        "ranges": examples.ranges.iter().map(|(name, range)| {
-            json!({ "name": name, "start": range.start, "end": range.end })
-        }).collect::<Vec<_>>(),
-        "source_space": space::as_json(&from),
-        "space": space::as_json(&examples.space),
-        "options": arguments.fit,
-        "meshes": arguments.meshes,
-        "levels": levels::as_json(&trained.levels, diagonal_mm),
-        "predictor": trained.report.chosen().predictor,
-        "proxies": trained.report.chosen().proxies,
-        "report": trained.report,
-        "model_bytes": trained.model.len(),
-    });
-    if let Some(diagonal) = diagonal_mm {
-        record["diagonal_mm"] = json!(diagonal);
-        for (key, rms) in [
-            ("lbs_rms_mm", Some(trained.report.lbs_rms)),
-            ("own_weights_rms_mm", trained.report.own_weights_rms),
-            ("training_rms_mm", Some(trained.report.training_rms)),
-            ("same_clips_rms_mm", Some(trained.report.same_clips_rms)),
-            ("other_clip_rms_mm", trained.report.other_clip_rms),
-        ] {
-            if let Some(rms) = rms {
-                record[key] = json!(rms * diagonal);
+        let mut hashes = self.input.hashes()?;
+        let Loaded { mut examples, clips, warnings } = self.input.load_to_check(output)?;
+        // The check reports the findings of validation itself.
+        let own = warnings.iter().filter(|warning| !warning.is_of_validation());
+        let mut recorded: Vec<String> = own.map(ToString::to_string).collect();
+        let source = self.input.named();
+        self.space.set(&mut examples, &source)?;
+        let from = examples.space;
+        let conversion = self.target.convert(&mut examples, &source)?;
+        let meshes = match self.meshes.no_skin {
+            true => FileSkins::PaletteAlone,
+            false => {
+                FileSkins::Skins(further.load(conversion.as_ref(), &examples.space, output)?)
+            }
+        };
+        further.check_names()?;
+        for file in also {
+            hashes.push(input::hash(file)?);
+        }
+        let (checked, sound) = judge(&examples, &clips, &Silent).with_context(|| source.clone())?;
+        // Kernel maps do not jump at half turns.
+        let FitArguments { predictor, published, .. } = self.fit;
+        let jumps = published || matches!(predictor, Some(Predictor::Rotational));
+        let findings = checked.findings.iter().filter(|finding| is_printed(finding));
+        for finding in findings.filter(|finding| jumps || finding.kind != Kind::HalfTurn) {
+            output.warn(&source, &finding.text);
+            recorded.push(finding.text.clone());
+        }
+        let Trained { model: bytes, report, levels } =
+            self.fit.train(sound, &source, meshes, output)?;
+        let diagonal_mm = examples.diagonal_mm();
+        levels::warn(&levels, also, diagonal_mm, output);
+        let (lbs, forecast) = (100.0 * report.lbs_rms, 100.0 * report.same_clips_rms);
+        let is_known = warnings.contains(&Warning::PlainSkin);
+        if let Some(text) = no_gain(forecast, lbs, diagonal_mm, is_known) {
+            output.warn(&source, &text);
+            recorded.push(text);
+        }
+        if let Some(most) = self.fail_above.filter(|most| forecast > *most) {
+            bail!(
+                "{source}: the forecast for more of these clips is {forecast:.4} %, above --fail-above {most}: \
+                 nothing was written"
+            );
+        }
+        let is_left_out = |frame: &usize| report.left_out.iter().any(|out| out.frame == *frame);
+        let mut fitted_to = examples.frames_of(Split::Train);
+        fitted_to.retain(|frame| !is_left_out(frame));
+        let ranges = examples
+            .ranges
+            .iter()
+            .map(|(name, range)| json!({ "name": name, "start": range.start, "end": range.end }));
+        let mut record = Report::default()
+            .json("sinew", env!("CARGO_PKG_VERSION"))
+            .json("inputs", hashes)
+            .json("warnings", recorded)
+            .json("vertices", examples.vertex_len())
+            .json("engine_vertices", examples.surface().engine_len())
+            .json("joints", examples.joint_len())
+            .json("hold_out", self.input.hold_out)
+            .json("hold_out_clips", &self.input.hold_out_clip)
+            .json("fps", self.input.fps)
+            .json("clip", &self.input.clip)
+            .json("training_frames", fitted_to)
+            .json("held_out_frames", examples.frames_of(Split::HeldOut))
+            .json("extreme_frames", examples.frames_of(Split::Extreme))
+            .json("diagonal", examples.diagonal())
+            .json("ranges", ranges.collect::<Vec<_>>())
+            .json("source_space", space_as_json(&from))
+            .json("space", space_as_json(&examples.space))
+            .json("options", &self.fit)
+            .json("meshes", &self.meshes)
+            .json("predictor", report.chosen().predictor)
+            .json("proxies", report.chosen().proxies)
+            .json("report", &report)
+            .json("model_bytes", bytes.len())
+            .text(input::describe(&examples))
+            .text(table::report(&report, diagonal_mm))
+            .list("levels", levels::report(&levels, diagonal_mm))
+            .text(files::wrote(&model, &bytes));
+        if let Some(diagonal) = diagonal_mm {
+            record = record.json("diagonal_mm", diagonal);
+            for (key, rms) in [
+                ("lbs_rms_mm", Some(report.lbs_rms)),
+                ("own_weights_rms_mm", report.own_weights_rms),
+                ("training_rms_mm", Some(report.training_rms)),
+                ("same_clips_rms_mm", Some(report.same_clips_rms)),
+                ("other_clip_rms_mm", report.other_clip_rms),
+            ] {
+                record = rms.into_iter().fold(record, |out, rms| out.json(key, rms * diagonal));
             }
         }
+        // The record first, so that no model is without its record.
+        let record_bytes = serde_json::to_vec_pretty(&record.as_json())?;
+        let record_file = record_file.as_ref().map(|file| (file, record_bytes.as_slice()));
+        let files: Vec<_> = record_file.into_iter().chain([(&model, bytes.as_slice())]).collect();
+        files::write(&files)?;
+        Ok(record)
     }
-    // The model last, so that none ever stands without its record.
-    let record_bytes = serde_json::to_vec_pretty(&record)?;
-    let record_file = record_file.as_ref().map(|file| (file, record_bytes.as_slice()));
-    let files: Vec<_> =
-        record_file.into_iter().chain([(&model, trained.model.as_slice())]).collect();
-    files::write(&files)?;
-    let text = format!(
-        "{}\n{}{}wrote {} ({} bytes)",
-        input::describe(&examples),
-        table::report(&trained.report, diagonal_mm),
-        levels::table(&trained.levels, diagonal_mm),
-        arguments.output.display(),
-        trained.model.len()
-    );
-    output.print(&record, &text)
+}
+
+/// Share of LBS's error above which a model is hardly better.
+const HARDLY: f64 = 0.9;
+
+/// Returns whether a training prints a finding of the check: a warning, or triangles that the fit leaves out. Examples
+/// of one pose or too far from the origin are refused by an error instead.
+fn is_printed(finding: &Finding) -> bool {
+    match finding.kind {
+        Kind::OnePose | Kind::TooFar => false,
+        Kind::NoArea => true,
+        _ => finding.severity == Severity::Warning,
+    }
+}
+
+/// Returns a warning if a model gains nothing over LBS.
+///
+/// - `forecast`, `lbs`: forecast for more of these clips, and error of LBS, in % of the diagonal.
+/// - `is_known`: whether an earlier warning said that LBS has no error.
+fn no_gain(forecast: f64, lbs: f64, diagonal_mm: Option<f64>, is_known: bool) -> Option<String> {
+    match lbs <= NOTHING {
+        true if !is_known => Some(nothing(lbs)),
+        _ if forecast > NOTHING => hardly(forecast, lbs, diagonal_mm),
+        _ => None,
+    }
+}
+
+/// Warns that LBS has no error to learn from.
+///
+/// - `lbs`: error of LBS in % of the diagonal.
+fn nothing(lbs: f64) -> String {
+    format!(
+        "linear blend skinning gives these meshes to within {lbs:.6} % of the diagonal: there is nothing to learn, and \
+         skinning alone does as well; give meshes of muscles, a simulation or correctives"
+    )
+}
+
+/// Warns if a model is hardly better than LBS, no better, or worse. Errors are in % of the diagonal.
+fn hardly(forecast: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
+    if forecast <= HARDLY * lbs {
+        return None;
+    }
+    let [own, of_lbs] =
+        [forecast, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
+    let is_tied = forecast <= TIED * lbs && lbs <= TIED * forecast;
+    let (how, figures) = match own == of_lbs {
+        true => ("no better", format!("both are off by {own} of the diagonal")),
+        false => {
+            let how = if is_tied {
+                "no better"
+            } else if forecast > lbs {
+                "worse"
+            } else {
+                "hardly better"
+            };
+            (how, format!("it is off by {own} of the diagonal, linear blend skinning by {of_lbs}"))
+        }
+    };
+    let then = match lbs <= 100.0 * UNSEEN && is_tied {
+        true => "skinning alone does as well, and nobody sees so small an error",
+        false => "`sinew check` shows the gaps of the examples",
+    };
+    Some(format!(
+        "the model is {how} than linear blend skinning on poses that it has not seen: {figures}; {then}"
+    ))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::budget;
+    use super::*;
 
     #[test]
     fn sizes_have_units() {
@@ -351,5 +405,37 @@ mod tests {
         for text in ["", "kB", "0", "-1", "1e3", "3q", "3TB", "1.5MB", "99999999999999999999MB"] {
             assert_eq!(read(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn equal_figures_are_not_called_worse() {
+        let warning = |validated, lbs| hardly(validated, lbs, None).unwrap();
+        let tie = warning(0.009_512, 0.009_498);
+        assert!(
+            tie.contains("is no better than linear") && tie.contains("both are off by 0.0095 % of"),
+            "{tie}"
+        );
+        assert!(tie.contains("skinning alone does as well"), "{tie}");
+        let tie = warning(0.5004, 0.5);
+        assert!(
+            tie.contains("no better") && tie.contains("0.5004 %") && tie.contains("by 0.5000 %"),
+            "{tie}"
+        );
+        assert!(
+            warning(0.6, 0.5).contains("is worse than")
+                && warning(0.46, 0.5).contains("hardly better than")
+        );
+        assert_eq!(hardly(0.4, 0.5, None), None);
+        let known = hardly(0.6, 0.5, Some(2000.0)).unwrap();
+        assert!(
+            known.contains("0.6000 % (12.000 mm)") && known.contains("0.5000 % (10.000 mm)"),
+            "{known}"
+        );
+        let warning = |lbs, known| no_gain(0.5, lbs, None, known).unwrap();
+        assert!(
+            warning(0.0, false).contains("nothing to learn")
+                && warning(0.0, true).contains("worse")
+        );
+        assert_eq!(no_gain(0.0, 0.0, None, true), None);
     }
 }

@@ -1,24 +1,21 @@
-//! Faces, takes and numbers as the command line names them.
+//! Faces, takes and ranges: arguments, and reading of their files.
 
-use crate::cli::input::read_model;
-use crate::cli::printable;
-use crate::cli::{Output, counted};
-use anyhow::Context;
+use crate::cli::{ModelArgs, OfFile, Output, counted, printable};
 use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
-use sinew_trainer::envelope::model::PriorModel;
-use sinew_trainer::envelope::model::{FileModel, SkinModel};
+use sinew_trainer::envelope::model::{FileModel, PriorModel, SkinModel};
 use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::listed;
+use sinew_trainer::face::outline::Outline;
 use sinew_trainer::face::take::{self, Largest, Take};
 use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 use std::path::Path;
 
-/// Weight above which a warning is given: artists go only a little beyond the full shape, which is 1.
+/// Weight above which a warning is given: artists exceed the full shape, which is 1, only a little.
 const WEIGHT_MOST: f64 = 2.0;
 
-/// A take as the command line names it.
+/// Take to read.
 #[derive(Clone, Copy)]
 pub(super) struct TakeFile<'a> {
     pub(super) path: &'a Path,
@@ -26,35 +23,23 @@ pub(super) struct TakeFile<'a> {
     pub(super) is_percent: bool,
 }
 
-/// Where weights are changed from.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum AnchorName {
-    /// As little as may be from the weights now
-    Current,
-    /// As little as may be from the mean of the take
-    Mean,
-}
+/// Weights that a solve stays near to: the current weights, or the mean of the take.
+pub(super) const ANCHORS: [(&str, Anchor); 2] =
+    [("current", Anchor::Current), ("mean", Anchor::Mean)];
 
-impl AnchorName {
-    pub(super) const fn anchor(self) -> Anchor {
-        match self {
-            Self::Current => Anchor::Current,
-            Self::Mean => Anchor::Mean,
-        }
+impl ModelArgs {
+    /// Finds the face of a model.
+    pub(super) fn face<'a>(&self, model: &'a Model<Vec<u8>>) -> anyhow::Result<BakedFace<'a>> {
+        BakedFace::open(model).of(&self.file)
+    }
+
+    /// Reads the mesh beside the file.
+    pub(super) fn outline(&self, face: &BakedFace<'_>) -> anyhow::Result<Outline> {
+        Ok(Outline::read(&self.file, face.skin.vertex_len())?)
     }
 }
 
-/// Loads a file.
-pub(super) fn load(path: &Path) -> anyhow::Result<Model<Vec<u8>>> {
-    Model::from_bytes(read_model(path)?).with_context(|| path.display().to_string())
-}
-
-/// Finds the face of a file.
-pub(super) fn open<'a>(model: &'a Model<Vec<u8>>, path: &Path) -> anyhow::Result<BakedFace<'a>> {
-    BakedFace::open(model).with_context(|| path.display().to_string())
-}
-
-/// Bakes the same skin with the slider norm: from 0, and around the learned mean.
+/// Bakes the skin of a face with the slider norm: around 0, and around the learned mean.
 pub(super) fn slider_models(
     model: &Model<Vec<u8>>,
     face: &BakedFace<'_>,
@@ -75,11 +60,10 @@ pub(super) fn slider_models(
     Ok([load(from_zero)?, load(from_mean)?])
 }
 
-/// Reads a take of a face, and warns of lost rows, of columns that the face has no shape for, and of weights that
-/// look like percent.
+/// Reads a take of a face. Warns of lost rows, of columns without a shape, and of weights that look like percent.
 pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> anyhow::Result<Take> {
     let TakeFile { path, is_percent } = file;
-    let mut read = take::read(path, shapes).with_context(|| path.display().to_string())?;
+    let mut read = take::read(path, shapes).of(path)?;
     if !read.skipped.is_empty() {
         let skipped = listed(read.skipped.iter().map(|name| printable(name)));
         let what = format!("columns that the face has no shape for are left out: {skipped}");
@@ -97,7 +81,7 @@ pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> any
     Ok(read)
 }
 
-/// Says that weights look like percent, or that percent look like weights.
+/// Returns a warning if weights look like percent, or percent like weights.
 fn unusual(found: &Largest, is_percent: bool) -> Option<String> {
     let Largest { weight, column, place } = found;
     let (full, remedy) = match is_percent {
@@ -116,7 +100,7 @@ fn unusual(found: &Largest, is_percent: bool) -> Option<String> {
     ))
 }
 
-/// Says in how many rows of a take the tracking is lost, and in which lines.
+/// Counts the rows of a take without tracking, and lists their lines.
 fn lost(take: &Take) -> String {
     format!(
         "the tracking is lost in {} of {}, which are left out: line {}",
@@ -129,7 +113,7 @@ fn lost(take: &Take) -> String {
 /// Parses `A..B`, `A..` or `..B`.
 pub(super) fn range(text: &str) -> Result<[Option<usize>; 2], String> {
     let expected =
-        || "expected A..B, the first and the end, of which one may be left out".to_owned();
+        || "expected A..B, the first and the end, either of which may be left out".to_owned();
     let (first, end) = text.split_once("..").ok_or_else(expected)?;
     let number = |text: &str| match text {
         "" => Ok(None),
@@ -138,22 +122,10 @@ pub(super) fn range(text: &str) -> Result<[Option<usize>; 2], String> {
     Ok([number(first)?, number(end)?])
 }
 
-/// Fills in the ends of a range that were left out.
+/// Completes a range with the start and the end of the data.
 pub(super) fn within(range: Option<[Option<usize>; 2]>, len: usize) -> Range<usize> {
     let [first, end] = range.unwrap_or_default();
     first.unwrap_or(0)..end.unwrap_or(len)
-}
-
-/// Parses a length above 0.
-pub(super) fn length(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
-}
-
-/// Parses a number from 0 on.
-pub(super) fn stiffness(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|x: &f32| x.is_finite() && *x >= 0.0);
-    number.ok_or_else(|| "expected a number from 0 on".to_owned())
 }
 
 #[cfg(test)]

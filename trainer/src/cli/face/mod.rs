@@ -1,14 +1,16 @@
-//! The commands of faces.
+//! The commands of faces: `sinew face ...`.
 
-mod command;
-mod describe;
 mod eval;
 mod input;
 mod pin;
 mod pins;
-mod report;
 mod solve;
 mod train;
 
-pub(super) use command::Command;
-pub(super) use describe::describe;
+commands! {
+    Train(train::Train),
+    Pin(pin::Pin),
+    Solve(solve::Solve),
+    Eval(eval::Eval),
+    Report(eval::ReportArgs),
+}

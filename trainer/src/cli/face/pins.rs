@@ -1,46 +1,50 @@
-//! Pins as the command line gives them, and what became of them.
+//! Pins: arguments, constraints of a solve, and results.
 
 use anyhow::{Context, bail};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 use sinew_runtime::prior::Pin;
 use sinew_trainer::face::baked::Shaped;
 
-/// A projection from a place (x, y, z, 1) to a screen.
+/// Projection of a position (x, y, z, 1) to a screen, two rows of four.
 pub(super) type Projection = [[f64; 4]; 2];
 
-/// A vertex, where it is to be, and how much that counts.
+/// Vertex, its target position, and its stiffness.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PinArgument {
     vertex: u32,
-    /// Three coordinates, or two on a screen; none of one that is free.
+    /// Three coordinates, or two on a screen; `None` for a free coordinate.
     at: Vec<Option<f64>>,
     stiffness: f32,
 }
 
-/// A pin, and how it looks at its vertex.
+/// Pin with its projection.
 pub(super) struct Placed {
     pub(super) pin: Pin,
     projection: Option<Projection>,
     at: Vec<Option<f64>>,
 }
 
-/// What became of a pin.
+/// Result of a pin.
 pub(super) struct Followed {
     pub(super) vertex: usize,
-    /// Whether every coordinate is free, so that it pulls at nothing.
+    /// Whether every coordinate is free: the pin has no effect.
     pub(super) is_free: bool,
-    /// Where it is, and where it was to be: in the numbers that it was given in.
+    /// Position, in the coordinates of the argument.
     pub(super) at: Vec<f64>,
+    /// Target, in the coordinates of the argument.
     pub(super) target: Vec<f64>,
-    /// The same in space.
+    /// Position and target in space.
     pub(super) places: ([f64; 3], [f64; 3]),
 }
 
 impl PinArgument {
-    /// Makes a pin of it.
+    /// Makes a pin.
     ///
-    /// - `vertex_len`: vertices of the face.
-    /// - `projection`: of pins on a screen.
+    /// - `vertex_len`: number of vertices of the face.
+    /// - `projection`: returns the projection of pins on a screen.
+    ///
+    /// # Errors
+    /// The face has no such vertex, or there is no projection.
     pub(super) fn place(
         &self,
         vertex_len: usize,
@@ -55,7 +59,7 @@ impl PinArgument {
         let number = |axis: usize| at.get(axis).copied().flatten().unwrap_or_default();
         let pin = match &projection {
             None => Pin::new(vertex, [0, 1, 2].map(|axis| number(axis) as f32)),
-            // In units of length, in which pins are as stiff as others.
+            // Scaled to units of length, so that pins on the screen are as stiff as pins in space.
             Some(rows) => {
                 let units = rows.map(|[x, y, z, _]| Vector3::new(x, y, z).norm());
                 let row = |axis: usize| rows[axis].map(|x| (x / units[axis]) as f32);
@@ -69,13 +73,13 @@ impl PinArgument {
 }
 
 impl Placed {
-    /// Makes a pin that holds a vertex where it is.
+    /// Makes a pin that holds a vertex in place.
     pub(super) fn hold(vertex: u32, place: [f64; 3]) -> Self {
         let pin = Pin::new(vertex, place.map(|x| x as f32));
         Self { pin, projection: None, at: place.map(Some).to_vec() }
     }
 
-    /// Tells what became of it in a face.
+    /// Returns the result of the pin in a solved face.
     ///
     /// # Errors
     /// The face has no such vertex.
@@ -84,9 +88,9 @@ impl Placed {
         let place = *shaped.positions.get(vertex).context("the face has no such vertex")?;
         let at = match &self.projection {
             None => place.to_vec(),
-            Some(rows) => rows.map(|row| seen(row, place)).to_vec(),
+            Some(rows) => rows.map(|row| projected(row, place)).to_vec(),
         };
-        // A coordinate that is free is where it is.
+        // The target of a free coordinate is its position.
         let target: Vec<f64> =
             self.at.iter().zip(&at).map(|(target, at)| target.unwrap_or(*at)).collect();
         let to = match (&self.projection, target.as_slice()) {
@@ -100,17 +104,17 @@ impl Placed {
 }
 
 impl Followed {
-    /// Measures by how much it misses.
+    /// Returns the distance between position and target.
     pub(super) fn missed(&self) -> f64 {
         self.at.iter().zip(&self.target).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 }
 
-fn seen([a, b, c, d]: [f64; 4], [x, y, z]: [f64; 3]) -> f64 {
+fn projected([a, b, c, d]: [f64; 4], [x, y, z]: [f64; 3]) -> f64 {
     a * x + b * y + c * z + d
 }
 
-/// Moves a place the least that moves it by so much on the screen.
+/// Moves a position by the shortest way that moves its projection by `by`.
 fn moved(rows: Projection, place: [f64; 3], by: [f64; 2]) -> [f64; 3] {
     let [[a, b, c, _], [d, e, f, _]] = rows;
     let rows = Matrix2x3::new(a, b, c, d, e, f);
@@ -119,11 +123,11 @@ fn moved(rows: Projection, place: [f64; 3], by: [f64; 2]) -> [f64; 3] {
     [place[0] + by.x, place[1] + by.y, place[2] + by.z]
 }
 
-/// Parses a vertex, its place and its stiffness.
+/// Parses a vertex, its target and its stiffness.
 pub(super) fn pin(text: &str) -> Result<PinArgument, String> {
     let expected = || {
-        "expected VERTEX=X,Y,Z, or VERTEX=X,Y on the screen, _ for a coordinate that is free; and *STIFFNESS, above 0, \
-         of one that counts more or less than others"
+        "expected VERTEX=X,Y,Z, or VERTEX=X,Y on the screen, with _ for a free coordinate; and *STIFFNESS, above 0, \
+         for a pin that counts more or less than others"
             .to_owned()
     };
     let (vertex, place) = text.split_once('=').ok_or_else(expected)?;
@@ -148,7 +152,7 @@ pub(super) fn pin(text: &str) -> Result<PinArgument, String> {
 /// Parses a projection.
 pub(super) fn projection(text: &str) -> Result<Projection, String> {
     let expected = || {
-        "expected eight numbers, two rows of four, of which the first three are not all 0"
+        "expected eight numbers, two rows of four; the first three of a row are not all 0"
             .to_owned()
     };
     let numbers = text.split(',').map(|word| word.trim().parse::<f64>());
@@ -180,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_projection_is_two_rows_that_look_somewhere() {
+    fn a_projection_is_two_rows_with_a_direction() {
         assert_eq!(
             projection("1,0,0,5, 0,-2,0,3"),
             Ok([[1.0, 0.0, 0.0, 5.0], [0.0, -2.0, 0.0, 3.0]])
@@ -191,12 +195,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_moved_on_the_screen_moves_by_that() {
+    fn a_move_on_the_screen_has_the_length_asked_for() {
         let rows = [[3.0, 0.0, 4.0, 1.0], [0.0, -2.0, 0.5, 0.0]];
         let place = [0.5, 1.0, -2.0];
         let found = moved(rows, place, [10.0, -1.0]);
         for (row, by) in rows.into_iter().zip([10.0, -1.0]) {
-            assert!((seen(row, found) - seen(row, place) - by).abs() < 1e-12);
+            assert!((projected(row, found) - projected(row, place) - by).abs() < 1e-12);
         }
     }
 }

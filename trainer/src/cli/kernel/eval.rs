@@ -1,10 +1,10 @@
-//! `sinew kernel eval`: a function at queries.
+//! `sinew kernel eval` and `check`: a function at queries, and comparison with another solver.
 
-use crate::cli::{Output, input, printable};
+use crate::cli::{ModelArgs, OfFile, Output, Report, Run, printable, table};
 use anyhow::Context;
 use serde_json::{Value, json};
-use sinew_runtime::Model;
 use sinew_runtime::kernel::KernelMap;
+use sinew_trainer::scattered::compat::{CaseReport, Cases, DEVIATION, RCOND};
 use sinew_trainer::scattered::model::{inputs_of, query_numbers};
 use sinew_trainer::scattered::problem::read_queries;
 use std::path::PathBuf;
@@ -13,83 +13,164 @@ use std::path::PathBuf;
 ///
 /// The runtime evaluates the function of MODEL in single precision.
 ///
-/// QUERIES is JSON, rows of numbers (also as `queries`), or CSV whose columns have the inputs' names.
-/// The result is CSV: a line a query, the outputs and the confidence.
+/// QUERIES is JSON, rows of numbers (also as `queries`), or CSV whose columns have the inputs' names. The result is
+/// CSV: a line for each query with the outputs and the confidence.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A file that `sinew kernel train` wrote
-    model: PathBuf,
-    /// Where to evaluate: .json or .csv
+#[command(after_help = "Example:\n  sinew kernel eval wrist.sinew queries.json --jacobian")]
+pub(in crate::cli) struct Eval {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Places to evaluate: .json or .csv
     queries: PathBuf,
-    /// Name of the function, where MODEL has several
+    /// Name of the function, if MODEL has several
     #[arg(long)]
     name: Option<String>,
-    /// Also the derivatives of the values by a query's numbers
+    /// Print derivatives of the values by the query's numbers too
     #[arg(long)]
     jacobian: bool,
-    /// Also the variance of the values
+    /// Print the variance of the values too
     #[arg(long)]
     variance: bool,
 }
 
-/// What the function gives at a query.
-struct Answer {
-    numbers: Vec<f32>,
-    confidence: f32,
-    jacobian: Option<Vec<f32>>,
-    variance: Option<Vec<f32>>,
+impl Run for Eval {
+    fn run(&self, _: Output) -> anyhow::Result<Report> {
+        let model = self.model.load()?;
+        let map = match &self.name {
+            Some(name) => model.kernels().find(|map| map.name() == name.as_str()),
+            None => model.kernels().next(),
+        };
+        let map = map.with_context(|| {
+            let file = self.model.file.display();
+            match &self.name {
+                Some(name) => format!("{file}: it has no function \"{}\"", printable(name)),
+                None => format!("{file}: it has no function; `sinew eval` evaluates envelopes"),
+            }
+        })?;
+        let inputs = inputs_of(&map);
+        let queries = read_queries(&self.queries, &inputs).of(&self.queries)?;
+        let (mut results, mut csv) = (Vec::new(), String::new());
+        for (row, query) in queries.iter().enumerate() {
+            let at = || format!("{}: row {row}", self.queries.display());
+            let query: Vec<f32> =
+                query_numbers(&inputs, query).with_context(at)?.iter().map(|x| *x as f32).collect();
+            let (result, numbers) = self.evaluate(&map, &query).with_context(at)?;
+            results.push(result);
+            csv += &numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(",");
+            csv += "\n";
+        }
+        let (values, row) = (map.counts().value_len as usize, map.query_len());
+        let mut head = columns(&map);
+        head.push("confidence".to_owned());
+        if self.jacobian {
+            let all = (0..values).flat_map(|value| (0..row).map(move |at| (value, at)));
+            head.extend(all.map(|(value, at)| format!("d{value}/d{at}")));
+        }
+        if self.variance {
+            head.extend((0..values).map(|value| format!("variance {value}")));
+        }
+        Ok(Report::default()
+            .json("name", map.name())
+            .json("columns", columns(&map))
+            .json("results", results)
+            .text(head.join(","))
+            .text(csv))
+    }
 }
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let about = || arguments.model.display().to_string();
-    let model = Model::from_bytes(input::read_model(&arguments.model)?).with_context(about)?;
-    let map = match &arguments.name {
-        Some(name) => model.kernels().find(|map| map.name() == name.as_str()),
-        None => model.kernels().next(),
-    };
-    let map = map.with_context(|| match &arguments.name {
-        Some(name) => format!("{}: it has no function \"{}\"", about(), printable(name)),
-        None => format!("{}: it has no function; `sinew eval` evaluates envelopes", about()),
-    })?;
-    let inputs = inputs_of(&map);
-    let said = || arguments.queries.display().to_string();
-    let queries = read_queries(&arguments.queries, &inputs).with_context(said)?;
-    let mut answers = Vec::with_capacity(queries.len());
-    for (row, query) in queries.iter().enumerate() {
-        let at = || format!("{}: row {row}", said());
-        let numbers: Vec<f32> =
-            query_numbers(&inputs, query).with_context(at)?.iter().map(|x| *x as f32).collect();
-        answers.push(answer(&map, &numbers, arguments).with_context(at)?);
+impl Eval {
+    /// Evaluates a function at a query. Returns the result as JSON, and all its numbers.
+    fn evaluate(&self, map: &KernelMap<'_>, query: &[f32]) -> anyhow::Result<(Value, Vec<f32>)> {
+        let counts = map.counts();
+        let values = counts.value_len as usize;
+        let mut numbers = vec![0.0; map.result_len()];
+        let mut scratch = vec![0.0; counts.scratch_len()];
+        let confidence = map.evaluate(query, &mut scratch, &mut numbers)?;
+        let mut result = json!({ "outputs": numbers, "confidence": confidence });
+        numbers.push(confidence);
+        if self.jacobian {
+            let mut out = vec![0.0; values * query.len()];
+            scratch.resize(counts.jacobian_scratch_len(), 0.0);
+            map.jacobian(query, &mut scratch, &mut out)?;
+            result["jacobian"] = json!(out.chunks(query.len().max(1)).collect::<Vec<_>>());
+            numbers.extend(out);
+        }
+        if self.variance {
+            let mut out = vec![0.0; values];
+            scratch.resize(counts.variance_scratch_len(), 0.0);
+            map.variance(query, &mut scratch, &mut out)
+                .context("it holds no variance: train it with --variance")?;
+            result["variance"] = json!(out);
+            numbers.extend(out);
+        }
+        Ok((result, numbers))
     }
-    output.print(&as_json(&map, &answers), &as_csv(&map, &answers))
 }
 
-fn answer(map: &KernelMap<'_>, query: &[f32], asked: &Arguments) -> anyhow::Result<Answer> {
-    let counts = map.counts();
-    let values = counts.value_len as usize;
-    let mut numbers = vec![0.0; map.result_len()];
-    let mut scratch = vec![0.0; counts.scratch_len()];
-    let confidence = map.evaluate(query, &mut scratch, &mut numbers)?;
-    let mut jacobian = None;
-    if asked.jacobian {
-        let mut out = vec![0.0; values * query.len()];
-        scratch.resize(counts.jacobian_scratch_len(), 0.0);
-        map.jacobian(query, &mut scratch, &mut out)?;
-        jacobian = Some(out);
-    }
-    let mut variance = None;
-    if asked.variance {
-        let mut out = vec![0.0; values];
-        scratch.resize(counts.variance_scratch_len(), 0.0);
-        map.variance(query, &mut scratch, &mut out)
-            .context("it holds no variance: train it with --variance")?;
-        variance = Some(out);
-    }
-    Ok(Answer { numbers, confidence, jacobian, variance })
+/// Compares this solver with cases of another solver
+///
+/// FILE has `cases`, each with `sites`, `values`, `queries`, `expected` and `options` with the names of SciPy's
+/// RBFInterpolator.
+///
+/// The command fails if an output deviates by more than 1e-9 of its range although the system's reciprocal condition is
+/// above 1e-10.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  sinew kernel check scipy.json")]
+pub(in crate::cli) struct Check {
+    /// Cases, as JSON
+    file: PathBuf,
 }
 
-/// Names the numbers of all outputs.
-fn columns(map: &KernelMap<'_>) -> Vec<String> {
+impl Run for Check {
+    fn run(&self, _: Output) -> anyhow::Result<Report> {
+        let text = std::fs::read(&self.file).of(&self.file)?;
+        let found = Cases::read(&text).of(&self.file)?.check();
+        let row = |case: &CaseReport| {
+            let (figures, mark) = match (case.deviation, case.rcond) {
+                (Some(deviation), Some(rcond)) => {
+                    let mark = match (rcond > RCOND, deviation <= DEVIATION) {
+                        (true, true) => "",
+                        (true, false) => "<- too far",
+                        (false, _) => "(ill-conditioned: not compared)",
+                    };
+                    ([deviation, rcond].map(|x| format!("{x:.1e}")), mark)
+                }
+                _ => (["-", "-"].map(str::to_owned), "skipped"),
+            };
+            let [deviation, rcond] = figures;
+            vec![case.name.clone(), deviation, rcond, mark.to_owned()]
+        };
+        let skipped = found.cases.iter().filter_map(|case| {
+            let why = case.skipped.as_deref()?;
+            Some(printable(&format!("{} is skipped: {why}", case.name)) + "\n")
+        });
+        let rows = found.cases.iter().map(row).collect();
+        let failure = if found.failed > 0 {
+            Some(format!(
+                "{}: {} of {} cases are too far",
+                self.file.display(),
+                found.failed,
+                found.held
+            ))
+        } else if !found.passes() {
+            Some(format!("{}: no case could be held", self.file.display()))
+        } else {
+            None
+        };
+        let report = Report::of(&found)
+            .text(table(&["case", "deviation", "rcond", ""], rows))
+            .text(skipped.collect::<String>())
+            .show("held", "cases compared", "")
+            .text(format!("allowed deviation: {DEVIATION:.0e} of the range"))
+            .show("failed", "cases too far", "")
+            .show("ill_conditioned", "ill-conditioned", "")
+            .show("skipped", "skipped", "");
+        Ok(report.failing(failure))
+    }
+}
+
+/// Returns the names of all output numbers.
+pub(super) fn columns(map: &KernelMap<'_>) -> Vec<String> {
     let mut out = Vec::new();
     for (output, row) in map.outputs().enumerate() {
         let name = printable(map.output_name(output).unwrap_or_default());
@@ -101,42 +182,4 @@ fn columns(map: &KernelMap<'_>) -> Vec<String> {
         out.extend(parts.iter().map(|part| format!("{name}{part}")));
     }
     out
-}
-
-fn as_csv(map: &KernelMap<'_>, answers: &[Answer]) -> String {
-    let mut head = columns(map);
-    head.push("confidence".to_owned());
-    if let Some(first) = answers.first() {
-        let row = map.query_len().max(1);
-        let jacobian = first.jacobian.iter().flatten().enumerate();
-        head.extend(jacobian.map(|(at, _)| format!("d{}/d{}", at / row, at % row)));
-        let variance = first.variance.iter().flatten().enumerate();
-        head.extend(variance.map(|(at, _)| format!("variance {at}")));
-    }
-    let mut out = head.join(",") + "\n";
-    for Answer { numbers, confidence, jacobian, variance } in answers {
-        let all = numbers.iter().chain([confidence]);
-        let all = all.chain(jacobian.iter().flatten()).chain(variance.iter().flatten());
-        out += &(all.map(f32::to_string).collect::<Vec<_>>().join(",") + "\n");
-    }
-    out
-}
-
-fn as_json(map: &KernelMap<'_>, answers: &[Answer]) -> Value {
-    let row = map.query_len().max(1);
-    let answer = |answer: &Answer| {
-        let mut out = json!({ "outputs": answer.numbers, "confidence": answer.confidence });
-        if let Some(jacobian) = &answer.jacobian {
-            out["jacobian"] = json!(jacobian.chunks(row).collect::<Vec<_>>());
-        }
-        if let Some(variance) = &answer.variance {
-            out["variance"] = json!(variance);
-        }
-        out
-    };
-    json!({
-        "name": map.name(),
-        "columns": columns(map),
-        "results": answers.iter().map(answer).collect::<Vec<_>>(),
-    })
 }

@@ -1,11 +1,12 @@
 //! The commands of scattered data: `sinew kernel ...`.
 
-mod check;
-mod command;
-mod describe;
 mod eval;
 mod plot;
 mod train;
 
-pub(super) use command::Command;
-pub(super) use describe::describe;
+commands! {
+    Train(train::Train),
+    Eval(eval::Eval),
+    Check(eval::Check),
+    Plot(plot::PlotArgs),
+}

@@ -1,45 +1,46 @@
 //! `sinew kernel plot`: a function as a picture.
 
-use crate::cli::files::{OutputFile, ending, write};
-use crate::cli::{Output, counted, input, printable};
+use super::eval::columns;
+use crate::cli::files::drawn;
+use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, printable};
 use anyhow::{Context, bail};
-use serde_json::json;
-use sinew_runtime::Model;
-use sinew_runtime::kernel::{InputKind, KernelMap, OutputKind};
-use sinew_trainer::scattered::plot::{Panel, Plot, all_kernels};
+use sinew_runtime::kernel::{InputKind, KernelMap};
+use sinew_trainer::scattered::plot::all_kernels;
+use sinew_trainer::scattered::plot::{Panel, Plot};
 use std::path::PathBuf;
 
 /// Draws a function of one or two numbers, with its samples
 ///
 /// Each output has a picture; the samples are the centres of the function.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A file that `sinew kernel train` wrote
-    model: PathBuf,
-    /// The picture to write: .png or .svg
-    #[arg(short, long, value_name = "OUT")]
-    out: PathBuf,
-    /// Draw all kernels side by side, each through the same samples, of the first output
+#[command(after_help = "Example:\n  sinew kernel plot wrist.sinew -o wrist.png")]
+pub(in crate::cli) struct PlotArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Picture to write: .png or .svg
+    #[arg(short, long, alias = "out", value_name = "OUT")]
+    output: PathBuf,
+    /// Draw the first output with every kernel, each through the same samples
     #[arg(long)]
     all: bool,
 }
 
-/// How far beyond the centres a picture goes, over their range.
+/// Margin of a picture beyond the centres, as a share of their range.
 const ROOM: f64 = 0.25;
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
-    let is_svg = ending(&arguments.out, &["png", "svg"])? == "svg";
-    let about = || arguments.model.display().to_string();
-    let model = Model::from_bytes(input::read_model(&arguments.model)?).with_context(about)?;
-    let map = model.kernels().next().with_context(|| format!("{}: it has no function", about()))?;
-    let plot = plot(&map, arguments.all).with_context(about)?;
-    let drawing = plot.draw();
-    let bytes = if is_svg { drawing.svg()?.into_bytes() } else { drawing.picture().png()? };
-    write(&[(&target, &bytes)])?;
-    let (panels, place) = (plot.panels.len(), target.named().display());
-    let json = json!({ "panels": panels, "file": place.to_string() });
-    output.print(&json, &format!("{place}: {}\n", counted(panels, "picture", "pictures")))
+impl Run for PlotArgs {
+    fn run(&self, _: Output) -> anyhow::Result<Report> {
+        let target =
+            OutputFile::new(&self.output, [&self.model.file])?.ending_in(&["png", "svg"])?;
+        let model = self.model.load()?;
+        let map = model.kernels().next();
+        let map =
+            map.with_context(|| format!("{}: it has no function", self.model.file.display()))?;
+        let plot = plot(&map, self.all).of(&self.model.file)?;
+        let bytes = drawn(&plot.draw(), &self.output)?;
+        let panels = plot.panels.len();
+        Report::default().figure("panels", "pictures", panels, "").write(&target, &bytes)
+    }
 }
 
 fn plot(map: &KernelMap<'_>, all: bool) -> anyhow::Result<Plot> {
@@ -78,36 +79,18 @@ fn plot(map: &KernelMap<'_>, all: bool) -> anyhow::Result<Plot> {
         all_kernels(&sites, &values, &points).into_iter().map(panel).collect()
     } else {
         let found = at(&points)?;
-        let scalars = scalars(map);
         let column = |numbers: &[Vec<f32>], at: usize| -> Vec<f64> {
             numbers.iter().map(|numbers| f64::from(numbers[at])).collect()
         };
-        let panel = |(title, at): &(String, usize)| Panel {
-            title: title.clone(),
-            values: column(&found, *at),
-            samples: column(&own, *at),
+        let panel = |(at, title): (usize, String)| Panel {
+            title,
+            values: column(&found, at),
+            samples: column(&own, at),
         };
-        scalars.iter().map(panel).collect::<Vec<_>>()
+        columns(map).into_iter().enumerate().map(panel).collect::<Vec<_>>()
     };
     let name = |input| printable(map.input_name(input).unwrap_or_default());
     Ok(Plot { inputs: (0..kinds.len()).map(name).collect(), domain, sites, panels })
-}
-
-/// Names each number of the outputs, and tells its place.
-fn scalars(map: &KernelMap<'_>) -> Vec<(String, usize)> {
-    let mut out = Vec::new();
-    let mut place = 0;
-    for (number, row) in map.outputs().enumerate() {
-        let name = printable(map.output_name(number).unwrap_or_default());
-        let len = row.kind.number_len();
-        let title = |part: usize| match row.kind {
-            OutputKind::Scalar => name.clone(),
-            _ => format!("{name}.{}", ["x", "y", "z", "w"][part]),
-        };
-        out.extend((0..len).map(|part| (title(part), place + part)));
-        place += len;
-    }
-    out
 }
 
 /// Returns the centres as inputs.

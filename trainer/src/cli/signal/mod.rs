@@ -1,12 +1,13 @@
 //! The commands of signals and images: `sinew signal ...`.
 
-mod command;
-mod describe;
-mod fit;
-mod options;
 mod plot;
+mod process;
 mod superres;
 mod train;
 
-pub(super) use command::Command;
-pub(super) use describe::describe;
+commands! {
+    Train(train::Train),
+    Superres(superres::Superres),
+    Fit(train::Fit),
+    Plot(plot::PlotArgs),
+}

@@ -1,10 +1,9 @@
-//! `sinew signal plot`: a curve, its samples and how sure it is, as a picture.
+//! `sinew signal plot`: a picture of a curve, its samples and its deviation.
 
-use super::options::{ProcessArguments, sample};
-use crate::cli::files::{OutputFile, ending, write};
-use crate::cli::{Output, printable};
+use super::process::ProcessArguments;
+use crate::cli::files::drawn;
+use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, printable};
 use anyhow::Context;
-use serde_json::json;
 use sinew_trainer::signal::choose::variance;
 use sinew_trainer::signal::functional::Functional;
 use sinew_trainer::signal::grid::{Sample, Shape};
@@ -17,55 +16,54 @@ use std::path::{Path, PathBuf};
 ///
 /// The picture has the curve, the samples, and a band of two standard deviations.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A signal (.csv), or observations as `sinew signal fit` takes them (.json)
+#[command(after_help = "Example:\n  sinew signal plot sensor.csv --column angle -o curve.svg")]
+pub(in crate::cli) struct PlotArgs {
+    /// Signal (.csv), or observations as for `sinew signal fit` (.json)
     input: PathBuf,
-    /// The picture to write: .png or .svg
-    #[arg(short, long, value_name = "OUT")]
-    out: PathBuf,
-    /// The column of a CSV
+    /// Picture to write: .png or .svg
+    #[arg(short, long, alias = "out", value_name = "OUT")]
+    output: PathBuf,
+    /// Column of a CSV
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
-    /// Points of the curve of each sample of a CSV
-    #[arg(long, value_name = "F", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
-    factor: u16,
-    /// Samples of a CSV are means over the time between them, not values
-    #[arg(long)]
-    averages: bool,
+    /// Number of points of the curve for each sample of a CSV
+    #[arg(long, value_name = "F", default_value_t = 8, value_parser = count(1, 64))]
+    factor: usize,
     #[command(flatten)]
     process: ProcessArguments,
 }
 
-/// Points of the curve of a function, and how far beyond its observations it goes, over their range.
+/// Number of points of a function's curve.
 const POINTS: usize = 600;
+/// Margin beyond the observations, as a share of their range.
 const ROOM: f64 = 0.1;
 
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.input))?;
-    let is_svg = ending(&arguments.out, &["png", "svg"])? == "svg";
-    let plot = match ending(&arguments.input, &["csv", "json"])? {
-        "csv" => of_signal(arguments, output)?,
-        _ => of_observations(&arguments.input)?,
-    };
-    let drawing = plot.draw();
-    let bytes = if is_svg { drawing.svg()?.into_bytes() } else { drawing.picture().png()? };
-    write(&[(&target, &bytes)])?;
-    let place = target.named().display().to_string();
-    output.print(&json!({ "points": plot.places.len(), "file": place }), &format!("{place}\n"))
+impl Run for PlotArgs {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        let target = OutputFile::new(&self.output, [&self.input])?.ending_in(&["png", "svg"])?;
+        let plot = match ending(&self.input, &["csv", "json"])? {
+            "csv" => of_signal(self, output)?,
+            _ => of_observations(&self.input)?,
+        };
+        let bytes = drawn(&plot.draw(), &self.output)?;
+        let points = plot.places.len();
+        Report::default().figure("points", "points", points, "").write(&target, &bytes)
+    }
 }
 
-fn of_signal(arguments: &Arguments, output: Output) -> anyhow::Result<SignalPlot> {
-    let about = || arguments.input.display().to_string();
-    let column = arguments.column.as_ref().context("of a .csv --column NAME is needed")?;
-    let samples = read_signal(&arguments.input, column).with_context(about)?;
-    let (sample, n) = (sample(arguments.averages), samples.len());
-    let process =
-        arguments.process.process(&samples, sample, output, &about()).with_context(about)?;
-    let filter = arguments.process.filter(&process, arguments.factor.into(), sample)?;
-    let values = filter.apply(&samples, Shape { samples: n, lanes: 1 }).with_context(about)?;
+fn of_signal(arguments: &PlotArgs, output: Output) -> anyhow::Result<SignalPlot> {
+    let column = arguments.column.as_ref().context("a .csv needs --column NAME")?;
+    let samples = read_signal(&arguments.input, column).of(&arguments.input)?;
+    let (sample, n) = (arguments.process.sample(), samples.len());
+    let process = arguments
+        .process
+        .process(&samples, sample, output, &arguments.input.display())
+        .of(&arguments.input)?;
+    let filter = arguments.process.filter(&process, arguments.factor, sample)?;
+    let values = filter.apply(&samples, Shape { samples: n, lanes: 1 }).of(&arguments.input)?;
     let scale = variance(&samples, sample, &process.covariance);
     let middle = if sample == Sample::Average { 0.5 } else { 0.0 };
-    let place = |at: usize| (at as f64 + middle) / f64::from(arguments.factor);
+    let place = |at: usize| (at as f64 + middle) / arguments.factor as f64;
     let (mut own, mut boxes) = (Vec::new(), Vec::new());
     for (at, value) in samples.iter().enumerate() {
         match sample {
@@ -84,9 +82,8 @@ fn of_signal(arguments: &Arguments, output: Output) -> anyhow::Result<SignalPlot
 }
 
 fn of_observations(path: &Path) -> anyhow::Result<SignalPlot> {
-    let about = || path.display().to_string();
-    let observations = Observations::read(path, None).with_context(about)?;
-    let fit = observations.fit().with_context(about)?;
+    let observations = Observations::read(path, None).of(path)?;
+    let fit = observations.fit().of(path)?;
     let scale = observations.variance(&fit);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut samples, mut boxes) = (Vec::new(), Vec::new());

@@ -1,10 +1,9 @@
 //! `sinew views eval` and `report`: comparison of a model with views.
 
-use super::input::{SetArguments, load};
-use crate::cli::Output;
-use crate::cli::files::{OutputFile, write};
+use super::input::SetArguments;
+use crate::cli::report::figure;
+use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, load};
 use anyhow::Context;
-use serde_json::json;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::report::report;
 use std::path::PathBuf;
@@ -14,36 +13,40 @@ use std::path::PathBuf;
 /// The command takes the views under `test`, or those under `train` if there are no test views. Points are in pixels,
 /// visibility is the share of points with the right visibility, and pictures are in dB.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  sinew views eval head.sinew demo/head/views.json")]
 pub(in crate::cli) struct Eval {
-    /// A file that `sinew views train` wrote
-    model: PathBuf,
+    #[command(flatten)]
+    model: ModelArgs,
     #[command(flatten)]
     set: SetArguments,
 }
 
-pub(in crate::cli) fn eval(arguments: &Eval, output: Output) -> anyhow::Result<()> {
-    let model = load(&arguments.model)?;
-    let set = arguments.set.read()?;
-    let found =
-        evaluate(&model, &set).with_context(|| arguments.set.file().display().to_string())?;
-    let line = |name: &str, value: f64, unit: &str| format!("{name:<24}{value:>10.4}{unit}\n");
-    let views = if found.is_training { "views of the training" } else { "test views" };
-    let mut text = format!("{views:<24}{:>10}\n", found.views);
-    text += &match &found.points {
-        Some(points) => {
-            line("points, RMS", points.rms, " px")
-                + &line("points, most", points.max, " px")
-                + &line("visibility", points.visibility, "")
+impl Run for Eval {
+    fn run(&self, _: Output) -> anyhow::Result<Report> {
+        let model = self.model.load()?;
+        let set = self.set.read()?;
+        let found =
+            evaluate(&model, &set).with_context(|| self.set.file().display().to_string())?;
+        let views = if found.is_training { "views of the training" } else { "test views" };
+        let mut report = Report::of(&found).show("views", views, "");
+        report = match found.points {
+            Some(_) => report
+                .show("rms", "points, RMS", "px")
+                .show("max", "points, most", "px")
+                .show("visibility", "visibility", ""),
+            None => report.text("points: not known"),
+        };
+        for (key, label, psnr) in [
+            ("psnr", "PSNR, whole pictures", found.psnr),
+            ("psnr_opaque", "PSNR, where opaque", found.psnr_opaque),
+        ] {
+            // An infinite PSNR is null in JSON.
+            if let Some(psnr) = psnr {
+                report = report.shown(key, label, psnr, format!("{} dB", figure(psnr)));
+            }
         }
-        None => format!("{:<24}{:>10}\n", "points", "not known"),
-    };
-    let pictures =
-        [("PSNR, whole pictures", found.psnr), ("PSNR, where opaque", found.psnr_opaque)];
-    for (name, psnr) in pictures {
-        text += &psnr.map_or_else(String::new, |psnr| line(name, psnr, " dB"));
+        Ok(report.show("flipped", "elements turned over", ""))
     }
-    text += &format!("{:<24}{:>10}\n", "elements turned over", found.flipped);
-    output.print(&found, &text)
 }
 
 /// Writes a page about a model and its training views
@@ -51,29 +54,31 @@ pub(in crate::cli) fn eval(arguments: &Eval, output: Output) -> anyhow::Result<(
 /// The page has a sheet of views by their parameters, with the training views framed. It shows the parts of a view,
 /// networks over pixels, and the object that lent its motion.
 #[derive(clap::Args)]
-pub(in crate::cli) struct Report {
-    /// A file that `sinew views train` wrote
-    model: PathBuf,
+#[command(
+    after_help = "Example:\n  sinew views report head.sinew demo/head/views.json -o head.html"
+)]
+pub(in crate::cli) struct ReportArgs {
+    #[command(flatten)]
+    model: ModelArgs,
     #[command(flatten)]
     set: SetArguments,
-    /// The file that lent MODEL its motion, trained on VIEWS; both objects are drawn side by side
+    /// Model that lent MODEL its motion, trained on VIEWS; both objects are drawn side by side
     #[arg(long, value_name = "MODEL")]
     prototype: Option<PathBuf>,
-    /// The page to write, HTML
-    #[arg(short, long, value_name = "HTML")]
-    out: PathBuf,
+    /// Page to write
+    #[arg(short, long, alias = "out", value_name = "HTML")]
+    output: PathBuf,
 }
 
-pub(in crate::cli) fn write_report(arguments: &Report, output: Output) -> anyhow::Result<()> {
-    let file = arguments.set.file();
-    let mut taken = vec![arguments.model.clone(), file.to_owned()];
-    taken.extend(arguments.prototype.clone());
-    let target = OutputFile::new(&arguments.out, &taken)?.of_a_report()?;
-    let (model, set) = (load(&arguments.model)?, arguments.set.read()?);
-    let prototype = arguments.prototype.as_deref().map(load).transpose()?;
-    let page = report(&model, &set, prototype.as_ref());
-    let page = page.with_context(|| file.display().to_string())?;
-    write(&[(&target, page.as_bytes())])?;
-    let text = format!("{}: {} bytes\n", target.named().display(), page.len());
-    output.print(&json!({ "bytes": page.len() }), &text)
+impl Run for ReportArgs {
+    fn run(&self, _: Output) -> anyhow::Result<Report> {
+        let file = self.set.file();
+        let taken = [&*self.model.file, file].into_iter().chain(self.prototype.as_deref());
+        let target = OutputFile::new(&self.output, taken)?.of_a_report()?;
+        let (model, set) = (self.model.load()?, self.set.read()?);
+        let prototype = self.prototype.as_deref().map(load).transpose()?;
+        let page = report(&model, &set, prototype.as_ref());
+        let page = page.of(file)?;
+        Report::default().write(&target, page.as_bytes())
+    }
 }

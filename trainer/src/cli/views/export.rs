@@ -1,20 +1,20 @@
 //! `sinew views export`: a grid of parameters, or paths, for other tools.
 
-use super::input::{assignment, load, read_path, values};
-use crate::cli::files::{OutputFile, ending, make_folder, write};
-use crate::cli::{Output, counted};
-use anyhow::{Context, bail};
-use serde_json::json;
+use super::input::{MapArgs, assignment, read_path, values};
+use crate::cli::files::{make_folder, write};
+use crate::cli::{OfFile, Output, OutputFile, Report, Run};
+use anyhow::bail;
+use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
 use sinew_trainer::views::set::Values;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Usage, one line for each format.
 const USAGE: &str = "\
-sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
-       sinew views export [OPTIONS] --spine <PATH>... --out <JSON> <MODEL>
-       sinew views export [OPTIONS] --glb [<GRID>] --out <GLB> <MODEL>";
+sinew views export [OPTIONS] --inp <GRID> --output <INP> <MODEL>
+       sinew views export [OPTIONS] --spine <PATH>... --output <JSON> <MODEL>
+       sinew views export [OPTIONS] --glb [<GRID>] --output <GLB> <MODEL>";
 
 /// Writes views as an Inochi2D puppet, as Spine JSON, or as glTF
 ///
@@ -25,27 +25,26 @@ sinew views export [OPTIONS] --inp <GRID> --out <INP> <MODEL>
 /// range. All other parameters are given by --set.
 #[derive(clap::Args)]
 #[command(override_usage = USAGE)]
+#[command(after_help = "Example:\n  sinew views export head.sinew --glb yaw=-60..60:7 -o head.glb")]
 pub(in crate::cli) struct Export {
-    /// A file that `sinew views train` or `transfer` wrote
-    model: PathBuf,
-    /// Name of the map, if MODEL has several
-    #[arg(long)]
-    map: Option<String>,
-    /// A parameter without a side of the grid, and not in the paths; angles in degrees; once for each
+    #[command(flatten)]
+    views: MapArgs,
+    /// A parameter without a side of the grid, and not in the paths; angles in degrees; repeatable
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
+    /// File to write
+    #[arg(short, long, alias = "out", value_name = "INP|JSON|GLB")]
+    output: PathBuf,
     #[command(flatten)]
     format: Format,
-    /// The file to write
-    #[arg(short, long, value_name = "INP|JSON|GLB")]
-    out: PathBuf,
 }
 
 /// Format to write.
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
+#[command(next_help_heading = "Format")]
 struct Format {
-    /// An Inochi2D puppet with a parameter of this grid, interpolated linearly between its nodes
+    /// Inochi2D puppet with a parameter of this grid, interpolated linearly between its nodes
     #[arg(long, value_name = "GRID", value_parser = sides)]
     inp: Option<Sides>,
     /// Binary glTF with a morph target for each node, or for each key view without a grid
@@ -88,122 +87,96 @@ fn sides(text: &str) -> Result<Sides, String> {
     names.into_iter().zip(counts).map(side).collect::<Result<_, _>>().map(Sides)
 }
 
-pub(in crate::cli) fn export(arguments: &Export, output: Output) -> anyhow::Result<()> {
-    let about = || arguments.model.display().to_string();
-    if !arguments.format.spine.is_empty() {
-        return run_spine(arguments, output);
-    }
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
-    ending(&arguments.out, &[if arguments.format.inp.is_some() { "inp" } else { "glb" }])?;
-    let model = load(&arguments.model)?;
-    let (map, set) = (arguments.map.as_deref(), values(&arguments.set)?);
-    let grid = |sides: &Sides| Grid::of_sides(&model, map, &set, &sides.0).with_context(about);
-    let (grid, bytes) = match (&arguments.format.inp, &arguments.format.glb) {
-        (Some(sides), _) => {
-            let grid = grid(sides)?;
-            let bytes = puppet(&model, map, &grid).with_context(about)?;
-            (grid, bytes)
+impl Run for Export {
+    fn run(&self, output: Output) -> anyhow::Result<Report> {
+        if !self.format.spine.is_empty() {
+            return self.spine(output);
         }
-        (None, sides) => {
-            let grid = match sides.as_ref().and_then(Option::as_ref) {
-                Some(sides) => grid(sides)?,
-                None if !set.is_empty() => {
-                    bail!("key views have parameters of their own: set none")
+        let file = &self.views.model.file;
+        let known = if self.format.inp.is_some() { "inp" } else { "glb" };
+        let target = OutputFile::new(&self.output, [file])?.ending_in(&[known])?;
+        let model = self.views.model.load()?;
+        let (map, set) = (self.views.map.as_deref(), values(&self.set)?);
+        let sides = self.format.inp.as_ref().or(self.format.glb.iter().flatten().next());
+        let grid = match sides {
+            Some(Sides(sides)) => Grid::of_sides(&model, map, &set, sides).of(file)?,
+            None if !set.is_empty() => bail!("key views have parameters of their own: set none"),
+            None => Grid::of_key_views(&model, map).of(file)?,
+        };
+        let bytes = match self.format.inp {
+            Some(_) => puppet(&model, map, &grid).of(file)?,
+            None => glb(&model, map, &grid).of(file)?,
+        };
+        if self.format.inp.is_none() && model.views().is_some_and(|views| views.has_clips()) {
+            output.warn(file.display(), "clip masks are not written, glTF has none");
+        }
+        let ranges = grid.sides.iter().map(|(side, range)| (side.name.clone(), json!(range)));
+        let ranges = Value::Object(ranges.collect());
+        let nodes: Vec<_> = grid.nodes.iter().map(|node| &node.name).collect();
+        let report = Report::default().shown("nodes", "nodes", &nodes, nodes.len().to_string());
+        let report = grid.sides.iter().fold(report, |report, (side, [low, high])| {
+            report.text(format!("{} from {low} to {high}, {} nodes", side.name, side.nodes))
+        });
+        report.json("ranges", ranges).write(&target, &bytes)
+    }
+}
+
+impl Export {
+    /// Writes an animation for each path.
+    fn spine(&self, output: Output) -> anyhow::Result<Report> {
+        let paths = &self.format.spine;
+        let taken: Vec<PathBuf> = paths.iter().chain([&self.views.model.file]).cloned().collect();
+        let target = OutputFile::new(&self.output, &taken)?.ending_in(&["json"])?;
+        let folder = self.output.with_extension("");
+        let set = values(&self.set)?;
+        let model = self.views.model.load()?;
+        let mut animations = Vec::new();
+        for path in paths {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            if animations.iter().any(|(other, _)| *other == name) {
+                bail!("two paths are called \"{name}\": animations have the names of their files");
+            }
+            let grid = self.frames(&model, &set, path).of(path);
+            animations.push((name, grid?));
+        }
+        let named = folder.file_name().unwrap_or_default().to_string_lossy();
+        let map = self.views.map.as_deref();
+        let made =
+            spine(&model, map, &named, &animations, FRAME_TIME).of(&self.views.model.file)?;
+        if !made.unclipped.is_empty() {
+            let names = made.unclipped.join(", ");
+            let text = format!("clip masks are not written, Spine clips by polygons: {names}");
+            output.warn(self.views.model.file.display(), text);
+        }
+        make_folder(&folder)?;
+        let mut files = Vec::new();
+        for (name, bytes) in &made.pictures {
+            files.push((OutputFile::new(&folder.join(format!("{name}.png")), &taken)?, bytes));
+        }
+        files.push((target, &made.json));
+        let all: Vec<_> = files.iter().map(|(target, bytes)| (target, bytes.as_slice())).collect();
+        write(&all)?;
+        let frames = |(name, grid): &(String, Grid)| (name.clone(), json!(grid.nodes.len()));
+        let frames = Value::Object(animations.iter().map(frames).collect());
+        let slots: Vec<_> = made.pictures.iter().map(|(name, _)| name).collect();
+        Ok(Report::default()
+            .figure("frames", "frames of the animations", frames, "")
+            .shown("slots", "slots", &slots, slots.len().to_string())
+            .json("unclipped", &made.unclipped)
+            .wrote(&files[files.len() - 1].0, &made.json)
+            .text(format!("pictures are in {}", folder.display())))
+    }
+
+    /// Evaluates the object along a path.
+    fn frames(&self, model: &Model<Vec<u8>>, set: &Values, path: &Path) -> anyhow::Result<Grid> {
+        let mut frames = read_path(path, None)?;
+        for values in &mut frames {
+            for (name, value) in set {
+                if values.insert(name.clone(), *value).is_some() {
+                    bail!("parameter \"{name}\" is set, and in the path");
                 }
-                None => Grid::of_key_views(&model, map).with_context(about)?,
-            };
-            let bytes = glb(&model, map, &grid).with_context(about)?;
-            if model.views().is_some_and(|views| views.has_clips()) {
-                output.warn(about(), "clip masks are not written, glTF has none");
-            }
-            (grid, bytes)
-        }
-    };
-    write(&[(&target, &bytes)])?;
-    let mut text = format!(
-        "{}: {}, {} bytes\n",
-        target.named().display(),
-        counted(grid.nodes.len(), "node", "nodes"),
-        bytes.len()
-    );
-    let mut ranges = serde_json::Map::new();
-    for (side, [low, high]) in &grid.sides {
-        text += &format!("  {} from {low} to {high}, {} nodes\n", side.name, side.nodes);
-        ranges.insert(side.name.clone(), json!([low, high]));
-    }
-    let nodes: Vec<_> = grid.nodes.iter().map(|node| &node.name).collect();
-    output.print(&json!({ "bytes": bytes.len(), "ranges": ranges, "nodes": nodes }), &text)
-}
-
-/// Writes an animation for each path.
-fn run_spine(arguments: &Export, output: Output) -> anyhow::Result<()> {
-    let about = || arguments.model.display().to_string();
-    let paths = &arguments.format.spine;
-    let taken: Vec<PathBuf> = paths.iter().chain([&arguments.model]).cloned().collect();
-    ending(&arguments.out, &["json"])?;
-    let target = OutputFile::new(&arguments.out, &taken)?;
-    let folder = arguments.out.with_extension("");
-    let set = values(&arguments.set)?;
-    let model = load(&arguments.model)?;
-    let mut animations = Vec::new();
-    for path in paths {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if animations.iter().any(|(other, _)| *other == name) {
-            bail!("two paths are called \"{name}\": animations have the names of their files");
-        }
-        let grid =
-            frames(&model, arguments, &set, path).with_context(|| path.display().to_string());
-        animations.push((name, grid?));
-    }
-    let named = folder.file_name().unwrap_or_default().to_string_lossy();
-    let map = arguments.map.as_deref();
-    let made = spine(&model, map, &named, &animations, FRAME_TIME).with_context(about)?;
-    if !made.unclipped.is_empty() {
-        let names = made.unclipped.join(", ");
-        output
-            .warn(about(), format!("clip masks are not written, Spine clips by polygons: {names}"));
-    }
-    make_folder(&folder)?;
-    let mut files = Vec::new();
-    for (name, bytes) in &made.pictures {
-        files.push((OutputFile::new(&folder.join(format!("{name}.png")), &taken)?, bytes));
-    }
-    files.push((target, &made.json));
-    let all: Vec<_> = files.iter().map(|(target, bytes)| (target, bytes.as_slice())).collect();
-    write(&all)?;
-    let text = format!(
-        "{}: {}, {}, {} bytes; pictures are in {}\n",
-        arguments.out.display(),
-        counted(animations.len(), "animation", "animations"),
-        counted(made.pictures.len(), "slot", "slots"),
-        made.json.len(),
-        folder.display(),
-    );
-    let frames = |(name, grid): &(String, Grid)| (name.clone(), json!(grid.nodes.len()));
-    let frames: serde_json::Map<_, _> = animations.iter().map(frames).collect();
-    let json = json!({
-        "bytes": made.json.len(),
-        "slots": made.pictures.iter().map(|(name, _)| name).collect::<Vec<_>>(),
-        "frames": frames,
-        "unclipped": made.unclipped,
-    });
-    output.print(&json, &text)
-}
-
-/// Evaluates the object along a path.
-fn frames(
-    model: &Model<Vec<u8>>,
-    arguments: &Export,
-    set: &Values,
-    path: &std::path::Path,
-) -> anyhow::Result<Grid> {
-    let mut frames = read_path(path, None)?;
-    for values in &mut frames {
-        for (name, value) in set {
-            if values.insert(name.clone(), *value).is_some() {
-                bail!("parameter \"{name}\" is set, and in the path");
             }
         }
+        Ok(Grid::of_frames(model, self.views.map.as_deref(), &frames)?)
     }
-    Ok(Grid::of_frames(model, arguments.map.as_deref(), &frames)?)
 }

@@ -1,11 +1,32 @@
-//! Sets, models, parameters and paths as the command line names them.
+//! Sets of views, maps, parameters, paths and tracked points: arguments, and reading of their files.
 
-use crate::cli::input::read_model;
-use anyhow::{Context, bail};
+use crate::cli::{ModelArgs, OfFile};
+use anyhow::bail;
 use serde::Deserialize;
 use sinew_runtime::Model;
+use sinew_trainer::views::fit::FitError;
+use sinew_trainer::views::inverse::{Found, starts};
+use sinew_trainer::views::object::FileMap;
+use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, ViewSet, read, read_drawing};
 use std::path::{Path, PathBuf};
+
+/// Model with views, and one of its maps.
+#[derive(clap::Args)]
+pub(super) struct MapArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// Name of the map, if MODEL has several
+    #[arg(long)]
+    pub(super) map: Option<String>,
+}
+
+impl MapArgs {
+    /// Opens the map of a model.
+    pub(super) fn player<'a>(&self, model: &'a Model<Vec<u8>>) -> anyhow::Result<Player<'a>> {
+        Player::new(model, self.map.as_deref()).of(&self.model.file)
+    }
+}
 
 /// Arguments that name a set of views.
 #[derive(clap::Args)]
@@ -32,13 +53,8 @@ impl SetArguments {
         } else {
             read(&self.views, self.mesh.as_deref())
         };
-        set.with_context(|| self.views.display().to_string())
+        set.of(&self.views)
     }
-}
-
-/// Loads a model file.
-pub(super) fn load(path: &Path) -> anyhow::Result<Model<Vec<u8>>> {
-    Model::from_bytes(read_model(path)?).with_context(|| path.display().to_string())
 }
 
 /// Parses `name=number`.
@@ -80,12 +96,11 @@ const fn frames() -> usize {
 /// # Errors
 /// The file cannot be read, or is not a path.
 pub(super) fn read_path(file: &Path, frames: Option<usize>) -> anyhow::Result<Vec<Values>> {
-    let about = || file.display().to_string();
-    let text = std::fs::read(file).with_context(about)?;
-    let written: WrittenPath = serde_json::from_slice(&text).with_context(about)?;
+    let text = std::fs::read(file).of(file)?;
+    let written: WrittenPath = serde_json::from_slice(&text).of(file)?;
     let (keys, len) = (written.keys, frames.unwrap_or(written.frames));
     if keys.is_empty() || len == 0 {
-        bail!("{}: expected `keys`, and `frames` above 0", about());
+        bail!("{}: expected `keys`, and `frames` above 0", file.display());
     }
     let at = |frame: usize| {
         let way = (keys.len() - 1) as f64 * frame as f64 / (len - 1).max(1) as f64;
@@ -97,4 +112,68 @@ pub(super) fn read_path(file: &Path, frames: Option<usize>) -> anyhow::Result<Ve
         from.iter().map(between).collect()
     };
     Ok((0..len).map(at).collect())
+}
+
+/// Positions of points in a frame; `None` if hidden.
+pub(super) type Points = Vec<Option<[f64; 2]>>;
+
+/// Finds the parameters of tracked points, frame by frame.
+pub(super) struct Follower {
+    map: FileMap,
+    near: Vec<Values>,
+}
+
+impl Follower {
+    /// Makes a follower that starts its search anywhere.
+    pub(super) fn new(player: &Player<'_>) -> Self {
+        let map = FileMap::new(player);
+        Self { near: starts(map.object().model), map }
+    }
+
+    /// Returns the number of points in a frame.
+    pub(super) fn point_len(&self) -> usize {
+        self.map.object().outputs.points
+    }
+
+    /// Finds the parameters of a frame. The search of the next frame starts from them.
+    pub(super) fn find(&mut self, points: &Points) -> Result<Found, FitError> {
+        let found = self.map.object().find(points, &self.near)?;
+        self.near = vec![found.values.clone()];
+        Ok(found)
+    }
+}
+
+/// Reads frames as CSV: a line for each frame with x and y of each point, empty if a point is hidden. A first line of
+/// names is skipped.
+pub(super) fn read_track(file: &Path, points: usize) -> anyhow::Result<Vec<Points>> {
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).flexible(true).from_path(file).of(file)?;
+    let mut out = Vec::new();
+    for (line, record) in reader.records().enumerate() {
+        let record = record.of(file)?;
+        let cells: Vec<&str> = record.iter().map(str::trim).collect();
+        let is_number = |cell: &&str| cell.is_empty() || cell.parse::<f64>().is_ok();
+        if line == 0 && !cells.iter().all(is_number) {
+            continue;
+        }
+        let at = format!("{}: line {}", file.display(), line + 1);
+        let (expected, found) = (2 * points, cells.len());
+        if found != expected {
+            bail!("{at}: expected {expected} numbers, found {found}");
+        }
+        let mut own = Points::new();
+        for pair in cells.chunks(2) {
+            let numbers = pair.iter().filter_map(|cell| cell.parse().ok());
+            own.push(match (pair, &numbers.collect::<Vec<f64>>()[..]) {
+                (["", ""], _) => None,
+                (_, &[x, y]) if x.is_finite() && y.is_finite() => Some([x, y]),
+                _ => bail!("{at}: point {} is no pair of numbers", own.len()),
+            });
+        }
+        if own.iter().flatten().count() < 3 {
+            bail!("{at}: fewer than 3 points are seen");
+        }
+        out.push(own);
+    }
+    if out.is_empty() { bail!("{}: there are no frames", file.display()) } else { Ok(out) }
 }

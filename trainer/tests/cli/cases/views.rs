@@ -18,7 +18,7 @@ fn one_hidden_point_opens_no_hole() {
     }
     // The model reproduces the picture of the key view.
     let exact = run(&folder, "views eval v.sinew views-hidden-hole.json").out;
-    assert!(exact.contains("PSNR, whole pictures           inf dB"), "{exact}");
+    assert!(exact.contains("PSNR, whole pictures   inf dB"), "{exact}");
 }
 
 /// Elements 0 and 4 of the file have more than four corners, so they become triangles.

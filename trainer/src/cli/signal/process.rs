@@ -1,7 +1,6 @@
-//! What signals and images are thought to be, as the command line says it.
+//! The process of a signal, as the command line states it.
 
-use crate::cli::Output;
-use anyhow::Context;
+use crate::cli::{OfFile, Output, named};
 use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::error::{SignalError, Subject};
@@ -12,27 +11,37 @@ use sinew_trainer::signal::table::read_table;
 use std::fmt::Display;
 use std::path::Path;
 
-/// What a signal is thought to be.
+/// Assumed process of a signal.
 #[derive(clap::Args)]
+#[command(next_help_heading = "Process")]
 pub(super) struct ProcessArguments {
-    /// How alike samples are by their distance, in samples: auto (the family that predicts left-out samples best; of images
-    /// ornstein-uhlenbeck:3), "squared exponential:L", "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L",
-    /// "oscillating:L,T", estimated (from the signal), or a .csv of covariances at lags 0, 1, 2, ...
+    /// Covariance of samples by their distance in samples
+    ///
+    /// auto (the family that predicts left-out samples best; ornstein-uhlenbeck:3 for images), "squared exponential:L",
+    /// "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L", "oscillating:L,T", estimated (from the signal), or a
+    /// .csv of covariances at lags 0, 1, 2, ...
     #[arg(long, default_value = "auto")]
-    covariance: String,
-    /// What samples are about: zero, constant or linear
-    #[arg(long, default_value = "constant", value_parser = mean)]
-    mean: Mean,
-    /// How noisy samples are: the variance of their noise over the signal's; above 0 they are smoothed
+    pub(super) covariance: String,
+    /// Mean of the samples
+    #[arg(long, default_value = "constant", value_parser = named(MEANS))]
+    pub(super) mean: Mean,
+    /// Variance of the noise over that of the signal; above 0 samples are smoothed
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    noise: f64,
-    /// Coarse samples that each fine one is made of: odd
+    pub(super) noise: f64,
+    /// Samples of a CSV are means over the time between them, not values
+    #[arg(long)]
+    pub(super) averages: bool,
+    /// Number of coarse samples that make a fine sample, odd
     #[arg(long, value_name = "N", default_value_t = TAPS)]
-    taps: usize,
+    pub(super) taps: usize,
 }
 
+/// Mean functions.
+const MEANS: [(&str, Mean); 3] =
+    [("zero", Mean::Zero), ("constant", Mean::Constant), ("linear", Mean::Linear)];
+
 impl ProcessArguments {
-    /// Makes the process of a signal, and tells of a table what had to be clipped.
+    /// Returns the process of a signal; warns of a covariance that was clipped.
     pub(super) fn process(
         &self,
         samples: &[f64],
@@ -48,7 +57,7 @@ impl ProcessArguments {
         Ok(self.of(covariance))
     }
 
-    /// Makes that of images.
+    /// Returns the process of images.
     pub(super) fn process_of_images(&self, output: Output) -> anyhow::Result<Process> {
         Ok(self.of(match self.covariance.as_str() {
             "auto" => of_images(),
@@ -56,7 +65,7 @@ impl ProcessArguments {
         }))
     }
 
-    /// Makes the filter of a process.
+    /// Returns the filter of a process.
     pub(super) fn filter(
         &self,
         process: &Process,
@@ -66,26 +75,31 @@ impl ProcessArguments {
         GridFilter::new(process, self.grid(factor, sample))
     }
 
-    /// Returns what the filter is asked to be.
-    pub(super) const fn grid(&self, factor: usize, sample: Sample) -> Grid {
+    /// Returns the requested size of the filter.
+    const fn grid(&self, factor: usize, sample: Sample) -> Grid {
         Grid { factor, taps: self.taps, sample }
     }
 
-    fn of(&self, covariance: Covariance) -> Process {
+    /// Returns the kind of the samples.
+    pub(super) fn sample(&self) -> Sample {
+        if self.averages { Sample::Average } else { Sample::Value }
+    }
+
+    pub(super) fn of(&self, covariance: Covariance) -> Process {
         Process { covariance, mean: self.mean, noise: self.noise }
     }
 
-    fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
+    pub(super) fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
         let path = Path::new(&self.covariance);
         if path.extension().is_none_or(|ending| ending != "csv") {
             return Ok(Covariance::parse(&self.covariance, subject)?);
         }
-        let found = read_table(path).with_context(|| path.display().to_string())?;
+        let found = read_table(path).of(path)?;
         Ok(clipped(found, output, &path.display()))
     }
 }
 
-/// Tells how much of a covariance's spectrum was negative.
+/// Warns of a covariance with a spectrum that was partly negative.
 fn clipped(
     (covariance, share): (Covariance, f64),
     output: Output,
@@ -99,16 +113,4 @@ fn clipped(
         output.warn(about, what);
     }
     covariance
-}
-
-/// Returns what samples are, by whether they are said to be averages.
-pub(super) const fn sample(averages: bool) -> Sample {
-    if averages { Sample::Average } else { Sample::Value }
-}
-
-/// Parses the name of a mean.
-fn mean(text: &str) -> Result<Mean, String> {
-    let all = [Mean::Zero, Mean::Constant, Mean::Linear];
-    let found = all.into_iter().find(|mean| mean.name() == text);
-    found.ok_or_else(|| "expected zero, constant or linear".to_owned())
 }
