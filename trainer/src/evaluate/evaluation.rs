@@ -1,9 +1,8 @@
 //! The result of a measurement, and the choice of its frames.
 
-use super::baselines::Baselines;
 use super::character::{Baseline, Character, TrainingRecord};
 use super::error::EvaluateError;
-use super::measured::{Confidence, Errors, Measured};
+use super::measured::{Baselines, Confidence, Errors, Measured};
 use crate::examples::{Examples, Split};
 use serde::Serialize;
 

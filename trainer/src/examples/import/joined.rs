@@ -1,9 +1,20 @@
 //! Joins examples of one character from several files.
 
 use super::error::ImportError;
-use crate::examples::{Clip, Examples, LoadError, Skeleton};
+use crate::examples::{Clip, Examples, LoadError, Skeleton, Warning};
 use crate::numeric::affine::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
+
+/// Result of an importer.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Valid examples.
+    pub examples: Examples,
+    /// Consecutive clips that cover all frames.
+    pub clips: Vec<Clip>,
+    /// Repaired or ignored content, and content that a fit will ignore.
+    pub warnings: Vec<Warning>,
+}
 
 /// Largest distance of equal rest meshes and joint origins, relative to the diagonal: covers rounding to f32 and to
 /// text.

@@ -2,7 +2,7 @@
 
 use super::align;
 use super::error::ImportError;
-use super::loaded::Loaded;
+use super::joined::Loaded;
 use super::scene::{rest_frame, rows, unscale};
 use crate::examples::data::spread;
 use crate::examples::joints::idle;

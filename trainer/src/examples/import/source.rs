@@ -1,7 +1,7 @@
 //! Loads examples from every supported format.
 
 use super::error::ImportError;
-use super::loaded::Loaded;
+use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{Examples, ExamplesError, LoadError};

@@ -42,7 +42,7 @@ use self::fields::{
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
 use super::error::ImportError;
-use super::loaded::Loaded;
+use super::joined::Loaded;
 use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
 use crate::examples::validate::same;
