@@ -192,7 +192,7 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     assert!((10.0..21.0).contains(&percent), "{percent}");
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     // Empty sections are left out.
-    for absent in ["More or fewer proxies", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
+    for absent in ["More or fewer helpers", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
         assert!(!html.contains(absent), "{absent}");
     }
     for record in

@@ -334,7 +334,7 @@ fn a_missing_layer_and_a_missing_driver_say_what_to_install() {
         Ok("layer") => assert!(missing(true).contains("vulkan-validationlayers")),
         Ok(_) => assert!(missing(false).contains("mesa-vulkan-drivers")),
         Err(_) => {
-            let name = "refusals::a_missing_layer_and_a_missing_driver_say_what_to_install";
+            let name = "vulkan::refusals::a_missing_layer_and_a_missing_driver_say_what_to_install";
             for (child, variable) in [("layer", "VK_LAYER_PATH"), ("driver", "VK_DRIVER_FILES")] {
                 let output = Command::new(std::env::current_exe().unwrap())
                     .args(["--exact", name])

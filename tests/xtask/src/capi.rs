@@ -1,6 +1,6 @@
 //! Compilers and the emulator for the tests of the C ABI, and its header.
 
-use super::call::cargo;
+use super::call::{cargo_with, run, target_folder};
 use super::components::{self, Component, starts};
 use std::path::Path;
 use std::process::Command;
@@ -39,7 +39,24 @@ pub(super) fn prepare() -> Result<(), String> {
 
 /// Writes the C header generated from the sources.
 pub(super) fn header() -> Result<(), String> {
-    cargo("test --locked -p native the_header_is", &[("SINEW_WRITE_HEADER", "1".into())])
+    run(native_cargo("test --locked")?.arg("the_header_is").env("SINEW_WRITE_HEADER", "1"))
+}
+
+/// Formats, lints and runs the C ABI's tests from outside Rust.
+pub(super) fn native() -> Result<(), String> {
+    run(&mut native_cargo("fmt --check")?)?;
+    run(native_cargo("clippy --locked --all-targets")?.args(["--", "-D", "warnings"]))?;
+    run(&mut native_cargo("test --locked")?)
+}
+
+/// Makes a call of cargo on `tests/native`, in the target folder of nested builds.
+fn native_cargo(arguments: &str) -> Result<Command, String> {
+    let mut command = cargo_with(arguments, &[]);
+    command.args(["--manifest-path", "tests/native/Cargo.toml"]);
+    if !arguments.starts_with("fmt") {
+        command.env("CARGO_TARGET_DIR", target_folder()?.join("nested"));
+    }
+    Ok(command)
 }
 
 #[cfg(test)]

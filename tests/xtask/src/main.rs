@@ -95,14 +95,20 @@ fn full() -> Result<(), String> {
     cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
     let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
     environment.extend(vulkan::drivers());
+    environment.push(("SINEW_DEVICES", "all".into()));
+    // Always the whole workspace: a part of it would have other features, and be built again.
     cargo("test --workspace --locked --no-run", &environment)?;
     // Images are linked and run on one core each, beside tests that seldom need both.
     let images = thread::spawn(firmware::firmware);
-    environment.push(("SINEW_DEVICES", "all".into()));
-    let packages = "-p hostile -p native -p pages -p shaders -p tools";
-    let tests = cargo(&format!("test {packages} --locked"), &environment)
+    let tests = capi::native()
         .and_then(|()| {
-            cargo("test -p conformance -p sinew-gpu --locked -- devices:: vulkan::", &environment)
+            let targets = "--test harm --test pages --test shaders --test tools";
+            cargo(&format!("test --workspace --locked {targets}"), &environment)
+        })
+        .and_then(|()| {
+            let targets = "--test conformance --test gpu";
+            let devices = format!("test --workspace --locked {targets} -- devices:: vulkan::");
+            cargo(&devices, &environment)
         })
         .and_then(|()| {
             cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])

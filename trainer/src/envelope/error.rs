@@ -79,7 +79,7 @@ pub enum FitError {
     NoTriangles,
     /// No number of proxies reaches the requested error.
     #[error(
-        "{} % is out of reach: {proxies} proxies, the most there can be, come to {:.4} % of the \
+        "{} % is out of reach: {proxies} helpers, the most there can be, come to {:.4} % of the \
          diagonal",
         100.0 * limit,
         100.0 * reached

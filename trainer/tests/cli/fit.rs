@@ -123,7 +123,7 @@ fn max_error_takes_the_fewest_proxies_that_meet_it() {
     corners.truncate(24);
     set.write(&folder.path("few.npz"));
     let line = folder.sinew("train few.npz -o none.sinew --max-error 1e-9").failed();
-    assert!(line.starts_with("few.npz: 0.000000001 % is out of reach: 8 proxies"), "{line}");
+    assert!(line.starts_with("few.npz: 0.000000001 % is out of reach: 8 helpers"), "{line}");
     assert!(!folder.path("none.sinew").exists());
 }
 

@@ -221,7 +221,7 @@ const FIRST_OF_FILES: i32 = 100;
 
 /// Lists the statuses other than 0 that each function may return, by the name of the function. The
 /// sentence "Returns ..." of its comment lists them.
-pub(super) fn promises() -> &'static BTreeMap<&'static str, BTreeSet<i32>> {
+pub fn promises() -> &'static BTreeMap<&'static str, BTreeSet<i32>> {
     static PROMISES: LazyLock<BTreeMap<&str, BTreeSet<i32>>> = LazyLock::new(|| {
         let numbers = numbers();
         let (functions, _) = HEADER.split_once("}  // extern").unwrap_or_default();

@@ -2,6 +2,7 @@
 //! and random bakes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod calls;
 mod goldens;
 mod promises;
 mod replay;

@@ -53,9 +53,9 @@ fn bare_library(target: &str) -> PathBuf {
         .join("embed/libsinew_capi.a")
 }
 
-/// Runs cargo in the target folder of nested builds, because the folder of the tests is locked while they run.
+/// Runs cargo in a separate target folder, because the folder of the tests is locked while they run.
 fn cargo(arguments: &[&str]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../nested");
+    let folder = scratch().join("target");
     let mut cargo = Command::new(env!("CARGO"));
     cargo.current_dir(package()).args(arguments);
     cargo.args(["--package", "sinew-capi", "--lib", "--profile", "embed", "--locked"]);

@@ -57,7 +57,7 @@ impl EnvelopeModel {
         Ok(EnvelopeCounts {
             predictor: self.predictor(),
             joint_len: narrow("joints", j)?,
-            proxy_len: narrow("proxies", p)?,
+            proxy_len: narrow("helpers", p)?,
             root: narrow("root", self.skeleton.root())?,
             group_len: narrow("groups", self.groups.len())?,
             correction_len: narrow("scratch", correction_len)?,
@@ -141,7 +141,7 @@ fn group_sections(groups: &[Group]) -> Result<GroupSections, BakeError> {
     let mut out = GroupSections { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
     let mut proxies = 0;
     for group in groups {
-        check_len("proxies before a group", proxies, group.proxies.start)?;
+        check_len("helpers before a group", proxies, group.proxies.start)?;
         proxies = group.proxies.end;
         let row = group.row(out.words.len() / 4)?;
         group.check()?;
@@ -165,7 +165,7 @@ impl Group {
             input_len: narrow("inputs of a group", self.inputs.len())?,
             centre_len: narrow("centres of a group", self.map.centres.ncols())?,
             rank: narrow("rank of a group", self.outputs.ncols())?,
-            proxy_len: narrow("proxies of a group", self.proxies.len())?,
+            proxy_len: narrow("helpers of a group", self.proxies.len())?,
             offset: narrow("correction words", offset)?,
             confidence: GroupConfidence {
                 reach: confidence.reach as f32,

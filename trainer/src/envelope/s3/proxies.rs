@@ -12,7 +12,7 @@ use faer::Mat;
 use serde::Serialize;
 
 /// Name of the progress step.
-const STEP: &str = "proxies";
+const STEP: &str = "helpers";
 /// Rounds from each start.
 const FIRST: Alternation = Alternation { choices: 6, every: 3, rounds: 0, momentum: 0.9 };
 /// Further rounds from the best start.

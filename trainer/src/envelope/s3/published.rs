@@ -85,11 +85,11 @@ pub fn fit_proxies(
     let (mut groups, min, limit) = match options.proxies {
         ProxyCount::Fixed(proxies) => {
             let proxies = proxies.clamp(1, max);
-            progress.step("proxies", proxies);
+            progress.step("helpers", proxies);
             (from((2 * proxies).min(all)), proxies, f64::INFINITY)
         }
         ProxyCount::MaxError(limit) => {
-            progress.step("proxies", 1);
+            progress.step("helpers", 1);
             let mut groups = from(FIRST.min(max));
             while groups.rms() > limit {
                 if groups.len() == max {

@@ -54,7 +54,7 @@ impl Page<'_> {
             section("How errors are distributed", &errors::histogram(comparison)),
             section("Confidence", &frames::confidence(comparison)),
             sizes.as_ref().map_or(String::new(), |sizes| {
-                section("More or fewer proxies", &sizes::errors(comparison, sizes))
+                section("More or fewer helpers", &sizes::errors(comparison, sizes))
             }),
             section(
                 "Transforms that move each vertex",

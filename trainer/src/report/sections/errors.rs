@@ -18,7 +18,7 @@ pub(super) fn accuracy(comparison: &Comparison<'_>) -> String {
                     (series.measured.confidence(), &model.character.envelope);
                 let proxies = match envelope.proxy_len() {
                     0 => "joints alone".to_owned(),
-                    count => format!("{}, {count} proxies", envelope.predictor().name()),
+                    count => format!("{}, {count} helpers", envelope.predictor().name()),
                 };
                 let bytes = format!("{} B", grouped(model.file.bytes.len()));
                 [format!("{:.3}", confidence.mean), proxies, bytes]

@@ -208,7 +208,7 @@ pub(super) fn palette(
 fn describe_palette(envelope: &Envelope<'_>) -> String {
     let proxies = envelope.proxy_len();
     match envelope.palette_len() - proxies {
-        0 => format!("{proxies} proxies"),
+        0 => format!("{proxies} helpers"),
         joints => format!("{joints} joints and {proxies} helpers"),
     }
 }

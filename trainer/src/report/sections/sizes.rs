@@ -27,7 +27,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
             ));
         }
         Ok(sizes) if sizes.trials.is_empty() => {
-            return paragraph("The model has no proxies: its palette is the joints alone.");
+            return paragraph("The model has no helpers: its palette is the joints alone.");
         }
         Ok(sizes) => sizes,
     };
@@ -76,7 +76,7 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     let every = every.chain(baselines.iter().map(|baseline| baseline.1));
     let every = every.chain(other.map(|of| of[0].1));
     let mut errors = Chart::new(SIZE, along(), Range::log(every));
-    errors.sides("proxies (logarithmic)", "RMS error, % (logarithmic)");
+    errors.sides("helpers (logarithmic)", "RMS error, % (logarithmic)");
     if let (Some(first), Some(last)) = (rms.first(), rms.last()) {
         for &(class, rms) in &baselines {
             errors.line(class, &[(first.0, rms), (last.0, rms)]);
@@ -89,7 +89,7 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     let every = bytes.iter().chain(other.as_ref().map(|of| &of[1]));
     let most = every.map(|point| point.1).fold(0.0, f64::max);
     let mut size = Chart::new(SIZE, along(), Range::linear(0.0, 1.1 * most));
-    size.sides("proxies (logarithmic)", "file, kB");
+    size.sides("helpers (logarithmic)", "file, kB");
     size.line("model", &bytes);
     size.dots("model", &bytes);
     for (chart, place) in [(&mut errors, 0), (&mut size, 1)] {
@@ -98,14 +98,14 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     }
     legend(comparison)
         + "<div class=\"pair\">"
-        + &errors.finish("RMS error against the number of proxies")
-        + &size.finish("size of the file against the number of proxies")
+        + &errors.finish("RMS error against the number of helpers")
+        + &size.finish("size of the file against the number of helpers")
         + "</div>\n"
         + &paragraph("Dashed: forecast for more of the training clips.")
 }
 
 fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
-    let head = [&["proxies"][..], &ERROR_HEADS, &["forecast", "file", "training"]].concat();
+    let head = [&["helpers"][..], &ERROR_HEADS, &["forecast", "file", "training"]].concat();
     let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let row = |name: String, errors: &Errors, forecast: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
@@ -140,7 +140,7 @@ fn times(sizes: &Sizes, outcomes: &[&Outcome]) -> String {
         }
     }
     let mut head = vec!["seconds of each step".to_owned()];
-    head.extend(outcomes.iter().map(|o| format!("{} proxies", o.proxies)));
+    head.extend(outcomes.iter().map(|o| format!("{} helpers", o.proxies)));
     let row = |name: &&str| {
         let mut row = vec![text(name)];
         row.extend(outcomes.iter().map(|outcome| {
