@@ -337,7 +337,7 @@ fn training_frames_are_reported_as_such() {
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
     let comparison = Comparison::new(source(&examples, &clips), Some(train), file(&bytes)).unwrap();
-    assert!(page(&comparison, false).contains("than on what it will meet"));
+    assert!(page(&comparison, false).contains("than on new frames"));
     // Without training frames nothing can be trained; the rest of the page is still complete.
     examples.split.fill(Split::HeldOut);
     let comparison =
@@ -397,7 +397,7 @@ fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
 fn other_sizes_that_only_measured_frames_could_train_are_reported_or_left_out() {
     let (examples, clips) = arm();
     let bytes = model(&examples, Predictor::Kernel);
-    let told = "trained on frames that are measured here";
+    let told = "trained on the measured frames";
     // All measured frames are training frames of the model: the errors are training errors.
     let (read, walk) = only(&examples, Split::Train);
     let comparison = Comparison::new(source(&read, &walk), None, file(&bytes)).unwrap();

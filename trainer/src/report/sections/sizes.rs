@@ -36,12 +36,12 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
     let seen = match sizes.seen {
         true => {
             "They were trained on the measured frames, because the model has read no others: on these frames the error falls \
-             with every proxy. The forecast shows the gain in new poses."
+             with every helper. The forecast shows the gain in new poses."
         }
         false => "They have not read the measured frames.",
     };
     paragraph(&format!(
-        "The predictor of {}, <b>{predictor}</b>, with other numbers of proxies: each trained on the training frames of \
+        "The predictor of {}, <b>{predictor}</b>, with other numbers of helpers: each trained on the training frames of \
          the model, as train does with --predictor {predictor} and no further options, and measured on the frames above. \
          {seen}",
         text(comparison.model.file.name)
