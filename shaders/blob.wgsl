@@ -20,7 +20,7 @@ fn blob_vec4(word: u32) -> vec4<f32> {
     return bitcast<vec4<f32>>(vec4<u32>(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
 }
 
-// Element `index` of an array of u16 that starts at a word.
+// Element index of an array of u16 that starts at a word.
 fn blob_half(word: u32, index: u32) -> u32 {
     return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
 }

@@ -5,7 +5,7 @@
 
 const ROTATIONAL: u32 = 1u;
 
-// 1 up to the angle `most`; falls to 0 where the angle exceeds it by half the range plus 0.1.
+// 1 up to the angle most; falls to 0 where the angle exceeds it by half the range plus 0.1.
 fn within(angle: f32, most: f32, range: f32) -> f32 {
     let excess = max(angle - most, 0.0) / (0.5 * range + 0.1);
     return 1.0 - smooth_step(min(excess, 1.0));

@@ -14,7 +14,7 @@ fn has_direction(v: vec3<f32>) -> bool {
     return square >= 1.17549435e-38 && square <= 3.4028234e+38;
 }
 
-// A vector scaled to length 1, times `side` (1 or -1); `rest` if the vector has no direction.
+// A vector scaled to length 1, times side (1 or -1); rest if the vector has no direction.
 fn unit(v: vec3<f32>, side: f32, rest: vec3<f32>) -> vec3<f32> {
     if has_direction(v) {
         return v * (side * (1.0 / sqrt(dot3(v, v))));
@@ -39,7 +39,7 @@ fn frame_of_tangent(normal: vec3<f32>, tangent: vec3<f32>) -> Frame {
     return Frame(cross3(h, normal), h);
 }
 
-// Frame of a normal without a tangent; `up` is the z of the file's own normal.
+// Frame of a normal without a tangent; up is the z of the file's own normal.
 fn frame_of_normal(n: vec3<f32>, up: f32) -> Frame {
     let side = bitcast<f32>(0x3f800000u | (bitcast<u32>(up) & 0x80000000u));
     let sided = side * n.x;

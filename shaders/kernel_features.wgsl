@@ -73,7 +73,7 @@ fn put_row(u: u32, feature: u32, row: vec3<f32>) {
 }
 
 // Computes the features of one input, given by its row in the file, from the query's numbers at
-// `number`.
+// number.
 fn put_features(row: u32, number: u32, u: u32, feature: u32) {
     let kind = blob[row] & 0xffu;
     for (var i = 0u; i < number_len(kind); i++) {

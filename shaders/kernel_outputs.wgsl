@@ -63,7 +63,7 @@ fn is_marked(row: u32) -> bool {
     return (blob[row] & 0xff00u) != 0u;
 }
 
-// Divisor of the normalised outputs, which start at `first`; 0 if they are not divided.
+// Divisor of the normalised outputs, which start at first; 0 if they are not divided.
 fn divisor_of(first: u32) -> f32 {
     var sum = 0.0;
     var at = first;

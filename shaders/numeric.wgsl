@@ -76,7 +76,7 @@ fn matern(kernel: u32, s: f32) -> f32 {
     if kernel == 10u {
         return (1.0 + a) * exp_negative(a);
     }
-    // The square is always the lesser operand; `min` forces the compiler to compute it before the
+    // The square is always the lesser operand; min forces the compiler to compute it before the
     // product.
     return (1.0 + a + min(a * a, EXP_MAX * EXP_MAX) * (1.0 / 3.0)) * exp_negative(a);
 }

@@ -13,7 +13,7 @@ fn put(at: u32, v: vec3<f32>) {
 const ELEMENT_F16: u32 = 4u;
 const ELEMENT_I8: u32 = 5u;
 
-// Number `index` of a section of deltas or slopes.
+// Number index of a section of deltas or slopes.
 fn number(section: u32, index: u32) -> f32 {
     if params.element == ELEMENT_I8 {
         let word = blob[section + index / 4u];
