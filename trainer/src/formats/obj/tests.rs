@@ -1,7 +1,7 @@
 //! Tests of OBJ: meshes read and written, faulty lines, folders of shapes.
 
 use super::*;
-use crate::formats::testing::{Folder, spoil};
+use crate::formats::testing::{Folder, shared, spoil};
 
 const SQUARE: &str = "\
 # a comment
@@ -157,13 +157,7 @@ fn spoiled_files_do_not_panic() {
 
 #[test]
 fn a_real_head_is_as_another_reader_sees_it() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    if !data.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
-        eprintln!("not run: there is no {}", data.display());
-        return;
-    }
-    let file = data.join("ict-facekit/generic_neutral_mesh.obj");
+    let Some(file) = shared("ict-facekit/generic_neutral_mesh.obj") else { return };
     let mesh = load(&file).unwrap();
     let options = ufbx::LoadOpts {
         file_format: ufbx::FileFormat::Obj,

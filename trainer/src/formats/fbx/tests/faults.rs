@@ -173,17 +173,9 @@ fn a_mesh_without_channels_is_refused() {
     assert_eq!(error, "has no blendshape: export the face with its shape keys (morph targets)");
 }
 
-const DATA: &str = "../../shared/data/dem-bones";
-
 /// Returns the folder of the real scenes; `None` if there is none, which is a failure in CI.
 fn data() -> Option<std::path::PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join(DATA);
-    if !data.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
-        eprintln!("not run: there is no {}", data.display());
-        return None;
-    }
-    Some(data)
+    crate::formats::testing::shared("dem-bones")
 }
 
 /// Reads a scene, and the arrays that Blender's importers of Alembic and FBX made of it.
