@@ -367,7 +367,7 @@ fn parts_that_do_not_fit_are_refused() {
     let outputs = refused(&|p, _| p.groups[1].outputs.truncate(2, 11));
     assert_eq!(outputs, length("rows of a group's outputs", 12, 2));
     let gap = refused(&|p, _| p.groups[1].proxies = 3..4);
-    assert_eq!(gap, length("proxies before a group", 2, 3));
+    assert_eq!(gap, length("helpers before a group", 2, 3));
     let joint = refused(&|p, _| p.groups[0].joint = 70_000);
     assert_eq!(joint, BakeError::Size { what: "joint of a group", found: 70_000 });
     assert_eq!(refused(&|_, s| s.rest_normals.truncate(1)), length("rest normals", 24, 1));
