@@ -16,6 +16,7 @@
 pub mod bake;
 pub mod check;
 pub mod envelope;
+mod error;
 pub mod evaluate;
 pub mod examples;
 pub mod export;
@@ -33,3 +34,5 @@ pub mod settings;
 pub mod signal;
 pub mod space;
 pub mod views;
+
+pub use error::{Error, ErrorKind};
