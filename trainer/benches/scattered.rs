@@ -26,11 +26,11 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
+use sinew_trainer::Error;
 use sinew_trainer::bake::bake;
 use sinew_trainer::scattered::bake::part;
 use sinew_trainer::scattered::model::{Input, InputKind, Output, OutputKind};
 use sinew_trainer::scattered::problem::{Problem, ProblemOptions};
-use sinew_trainer::scattered::solver::error::KernelError;
 use sinew_trainer::scattered::solver::fit::Fit;
 use sinew_trainer::scattered::solver::options::Options;
 use sinew_trainer::scattered::solver::report::FitReport;
@@ -109,7 +109,7 @@ fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
 }
 
 /// Prints the times of fits and of their reports.
-fn fits() -> Result<(), KernelError> {
+fn fits() -> Result<(), Error> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut uniform = |rows: usize, columns: usize| {
         Mat::from_fn(rows, columns, |_, _| 2.0 * random.random::<f64>() - 1.0)
@@ -133,7 +133,7 @@ fn fits() -> Result<(), KernelError> {
 }
 
 /// Runs a function several times; returns its result and the minimum time in seconds.
-fn least<T>(run: impl Fn() -> Result<T, KernelError>) -> Result<(T, f64), KernelError> {
+fn least<T>(run: impl Fn() -> Result<T, Error>) -> Result<(T, f64), Error> {
     let timed = || {
         let start = Instant::now();
         run().map(|result| (result, start.elapsed()))

@@ -2,13 +2,12 @@
 //! values must agree.
 
 use crate::evaluate::{evaluate, read};
-use arbitrary::{Error, Result, Unstructured};
+use arbitrary::{Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor, TWIST_MAX};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
-use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
@@ -25,11 +24,11 @@ use std::ops::Range;
 ///
 /// # Panics
 /// If the file gives other values than the description.
-pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
+pub fn round_trip(data: &[u8]) -> std::result::Result<(), sinew_trainer::Error> {
     let mut u = Unstructured::new(data);
     // Missing bytes are read as zeros, so all bytes are a description.
     let Ok(parts) = file_model(&mut u) else { return Ok(()) };
-    let model = Model::from_bytes(parts.bake()?).map_err(BakeError::Refused)?;
+    let model = Model::from_bytes(parts.bake()?)?;
     read(&model);
     assert_eq!(model.space(), parts.space);
     let counts = (model.envelopes().count(), model.skins().count());
@@ -185,7 +184,8 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
     let [d, r] = [u.int_in_range(1..=10)?, u.int_in_range(1..=9)?];
     let n = u.int_in_range(0..=10)?;
     let len = u.int_in_range(0..=9)?;
-    let share = |u: &mut Unstructured<'_>| Ok::<_, Error>(float(u, CORRECTION_MAX)?.abs());
+    let share =
+        |u: &mut Unstructured<'_>| Ok::<_, arbitrary::Error>(float(u, CORRECTION_MAX)?.abs());
     let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
     let reach = 0.5 * share(u)? + 1.0;
     Ok(Group {

@@ -3,12 +3,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use sinew_trainer::Error;
 use sinew_trainer::envelope::lbs::blend::Weights;
 use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
 use sinew_trainer::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
 use sinew_trainer::envelope::s3::Method;
 use sinew_trainer::envelope::s3::keys::GradientPredictor;
-use sinew_trainer::envelope::s3::poisson::{Poisson, PoissonError};
+use sinew_trainer::envelope::s3::poisson::{Poisson, floating};
 use sinew_trainer::envelope::s3::surface::gradient;
 use sinew_trainer::envelope::s3::validation::near_rigid;
 use sinew_trainer::examples::{Examples, Split};
@@ -27,11 +28,8 @@ impl<'a> Full<'a> {
     /// near-rigid vertex gets one.
     ///
     /// # Errors
-    /// [`PoissonError::Factorisation`]: the factorisation failed.
-    pub(crate) fn fit(
-        examples: &'a Examples,
-        near_rigid_fraction: f64,
-    ) -> Result<Self, PoissonError> {
+    /// The sparse system of the reconstruction could not be factored.
+    pub(crate) fn fit(examples: &'a Examples, near_rigid_fraction: f64) -> Result<Self, Error> {
         let triangles = examples.solid_triangles();
         let frames = examples.frames_of(Split::Train);
         let poses = Poses::new(examples, &frames);
@@ -50,12 +48,10 @@ impl<'a> Full<'a> {
             })
             .collect();
         let mut fixed = near_rigid(&errors, near_rigid_fraction);
-        let poisson = loop {
-            match Poisson::new(rest, &triangles, &fixed) {
-                Err(PoissonError::Floating { vertex }) => fixed[vertex] = true,
-                other => break other?,
-            }
-        };
+        while let Some(vertex) = floating(&triangles, &fixed) {
+            fixed[vertex] = true;
+        }
+        let poisson = Poisson::new(rest, &triangles, &fixed)?;
         Ok(Self { examples, predictors, poisson, joints })
     }
 

@@ -4,8 +4,9 @@
 
 pub(crate) mod sections;
 
-pub use sections::{BakeError, Sections};
+pub use sections::Sections;
 
+use crate::Error;
 use sections::narrow;
 use sinew_runtime::Model;
 use sinew_runtime::format::{
@@ -26,16 +27,18 @@ pub struct Part {
 /// Writes a file of parts, and loads it once to make sure that the runtime accepts it.
 ///
 /// # Errors
-/// - [`BakeError::Size`]: an index or a size does not fit the file.
-/// - [`BakeError::Refused`]: the runtime refuses the file, for example for a number that is not finite.
-pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
+/// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): an index or a size does not fit the file.
+/// - [`ErrorKind::Damaged`](crate::ErrorKind::Damaged): the runtime refuses the file, for example for a number that is
+///   not finite.
+pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, Error> {
     let bytes = assemble(space, parts)?;
-    Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
+    Model::from_bytes(&bytes)
+        .map_err(|error| Error::from(error).within("the runtime refuses the baked model"))?;
     Ok(bytes)
 }
 
 /// Lays out the sections in a blob, writes the message, and seals it with its checksum.
-fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
+fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, Error> {
     let (mut part_rows, mut rows, mut blob) = (Vec::new(), Vec::new(), Vec::new());
     for (part, Part { kind, sections, element }) in parts.iter().enumerate() {
         part_rows.extend(PartRow::new(*kind).to_bytes());

@@ -1,74 +1,15 @@
-//! Encoders for the contents of sections, and the errors of baking.
+//! Encoders and checks for the contents of sections.
 
+use crate::Error;
 use faer::{Mat, MatRef};
 use half::f16;
-use sinew_runtime::FileError;
 use sinew_runtime::format::SectionKind;
 
 /// Sections of a part: kind, whether a reader must know the section, and content.
 pub type Sections = Vec<(SectionKind, bool, Vec<u8>)>;
 
-/// Why a model could not be baked.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum BakeError {
-    /// An array does not fit the others.
-    #[error("{what}: expected {expected} elements, found {found}")]
-    Length {
-        /// The array.
-        what: &'static str,
-        /// Length that the other arrays imply.
-        expected: usize,
-        /// Length of the array.
-        found: usize,
-    },
-    /// A number is too large for its field in the file.
-    #[error("{what}: {found} does not fit the file")]
-    Size {
-        /// Name of the count or index.
-        what: &'static str,
-        /// The number.
-        found: usize,
-    },
-    /// A joint does not descend from the root.
-    #[error("joint {joint} does not descend from the root")]
-    Hierarchy {
-        /// The joint.
-        joint: usize,
-    },
-    /// A rest frame has no inverse.
-    #[error("the rest frame of joint {joint} cannot be inverted")]
-    RestFrame {
-        /// The joint.
-        joint: usize,
-    },
-    /// The weights of a vertex do not have a positive sum.
-    #[error("the weights of vertex {vertex} sum to {sum}, expected 1")]
-    Weights {
-        /// The vertex.
-        vertex: usize,
-        /// Their sum.
-        sum: f64,
-    },
-    /// The covariance of a prior has no inverse.
-    #[error("the covariance of the weights has no inverse")]
-    Covariance,
-    /// A skin names an envelope that does not exist.
-    #[error("skin {skin} follows envelope {envelope}, of {found}")]
-    NoEnvelope {
-        /// Index of the skin.
-        skin: usize,
-        /// Index of the envelope that the skin names.
-        envelope: usize,
-        /// Number of envelopes.
-        found: usize,
-    },
-    /// The runtime refuses the written file.
-    #[error("the runtime refuses the baked model: {0}")]
-    Refused(FileError),
-}
-
 /// Writes the end offset of each name, then all names.
-pub(crate) fn names<'a>(all: impl Iterator<Item = &'a String>) -> Result<Vec<u8>, BakeError> {
+pub(crate) fn names<'a>(all: impl Iterator<Item = &'a String>) -> Result<Vec<u8>, Error> {
     let (mut ends, mut text) = (Vec::new(), Vec::<u8>::new());
     for name in all {
         text.extend(name.as_bytes());
@@ -110,26 +51,29 @@ pub(crate) fn half(x: f64) -> f16 {
     if half.is_normal() || half.is_infinite() || half.is_nan() { half } else { f16::ZERO }
 }
 
-pub(crate) fn check_len(
-    what: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), BakeError> {
-    if found == expected { Ok(()) } else { Err(BakeError::Length { what, expected, found }) }
+/// Checks that an array has the length that other arrays imply.
+pub(crate) fn check_len(what: &str, expected: usize, found: usize) -> Result<(), Error> {
+    match found == expected {
+        true => Ok(()),
+        false => {
+            Err(Error::mismatch(format!("{what}: expected {expected} elements, found {found}")))
+        }
+    }
 }
 
 /// Checks the rows and columns of a matrix against expected counts; `what` names both.
 pub(crate) fn check_shape(
-    what: [&'static str; 2],
+    what: [&str; 2],
     expected: [usize; 2],
     found: &Mat<f64>,
-) -> Result<(), BakeError> {
+) -> Result<(), Error> {
     check_len(what[0], expected[0], found.nrows())?;
     check_len(what[1], expected[1], found.ncols())
 }
 
-pub(crate) fn narrow<T: TryFrom<usize>>(what: &'static str, found: usize) -> Result<T, BakeError> {
-    T::try_from(found).map_err(|_| BakeError::Size { what, found })
+/// Converts a count or an index, called `what`, to the type of its field in the file.
+pub(crate) fn narrow<T: TryFrom<usize>>(what: &str, found: usize) -> Result<T, Error> {
+    T::try_from(found).map_err(|_| Error::limit(format!("{what}: {found} does not fit the file")))
 }
 
 #[cfg(test)]

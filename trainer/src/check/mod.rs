@@ -15,13 +15,14 @@ pub mod rest;
 mod step;
 pub mod thresholds;
 
-use crate::envelope::FitError;
+use crate::Error;
 use crate::envelope::clean::Inliers;
 use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::lbs::targets::Targets;
 use crate::envelope::lbs::training::Training;
+use crate::envelope::one_pose;
 use crate::evaluate::NOTHING;
-use crate::examples::{Clip, Examples, ExamplesError, Importance};
+use crate::examples::{Clip, Examples, Importance};
 use crate::progress::Progress;
 use context::{Context, worst_first};
 use finding::{Finding, FrameName, Kind, Severity};
@@ -72,30 +73,14 @@ pub struct Floor {
     pub vertices: Vec<(usize, f64)>,
 }
 
-/// Reasons why a check fails.
-#[derive(Debug, thiserror::Error)]
-pub enum CheckError {
-    /// The examples are invalid.
-    #[error(transparent)]
-    Examples(#[from] ExamplesError),
-    /// LBS cannot be fitted.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-}
-
 /// Number of worst frames, and of worst vertices, in a result.
 const WORST: usize = 5;
 
 /// Checks examples whose frames come from these clips.
 ///
 /// # Errors
-/// [`CheckError::Examples`] if the examples are invalid, [`CheckError::Fit`] if LBS cannot be fitted to the training
-/// frames.
-pub fn check(
-    examples: &Examples,
-    clips: &[Clip],
-    progress: &dyn Progress,
-) -> Result<Check, CheckError> {
+/// The examples are invalid, or LBS cannot be fitted to the training frames.
+pub fn check(examples: &Examples, clips: &[Clip], progress: &dyn Progress) -> Result<Check, Error> {
     judge(examples, clips, progress).map(|(check, _)| check)
 }
 
@@ -108,7 +93,7 @@ pub fn judge<'a>(
     examples: &'a Examples,
     clips: &[Clip],
     progress: &dyn Progress,
-) -> Result<(Check, Inliers<'a>), CheckError> {
+) -> Result<(Check, Inliers<'a>), Error> {
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = rest::size(examples, &mut findings);
@@ -171,7 +156,7 @@ pub fn judge<'a>(
         findings.push(Finding {
             kind: Kind::OnePose,
             severity: Severity::Warning,
-            text: FitError::OnePose { found: context.frames.len() }.to_string(),
+            text: one_pose(context.frames.len()).to_string(),
             places: Vec::new(),
         });
     }

@@ -7,7 +7,7 @@ use super::thresholds::{FAR, GROUND, NEAR_REST, REST_ERROR, ROUNDED, TALL, VISIB
 use crate::envelope::clean::HOPS;
 use crate::envelope::correction::features::near;
 use crate::envelope::lbs::weights::Lbs;
-use crate::envelope::{COARSE, FitError};
+use crate::envelope::{COARSE, too_far};
 use crate::examples::Examples;
 use crate::space::{millimetres, written};
 use serde::Serialize;
@@ -53,7 +53,7 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
         units: candidates.into_iter().filter(|m| is_usual(m.1)).collect(),
         bits_lost: (distance / diagonal).max(1.0).log2(),
     };
-    if let Some(error) = FitError::too_far(examples, COARSE.1) {
+    if let Some(error) = too_far(examples, COARSE.1) {
         findings.push(Finding {
             kind: Kind::TooFar,
             severity: Severity::Warning,

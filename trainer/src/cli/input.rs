@@ -5,9 +5,10 @@ use super::output::Bars;
 use super::{OfFile, Output};
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
+use sinew_trainer::Error;
 use sinew_trainer::examples::{
-    self, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, Warning, hash_file,
-    load, load_importance,
+    self, Examples, Loaded, RATES, Source, Split, Warning, check_share, hash_file, load,
+    load_importance,
 };
 use std::path::{Path, PathBuf};
 
@@ -210,7 +211,7 @@ pub(super) fn move_to(
 fn read(
     source: Source<'_>,
     output: Output,
-    load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
+    load: impl Fn(&Source<'_>) -> Result<Loaded, Error>,
 ) -> anyhow::Result<Loaded> {
     check(source.file)?;
     let _reading = Bars::busy(output, "reading examples");
@@ -254,10 +255,8 @@ fn check(examples: &Path) -> anyhow::Result<()> {
 /// Parses a share of the frames.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if share > 0.0 && share < 1.0 {
-        return Ok(share);
-    }
-    Err(ExamplesError::BadShare { share }.to_string())
+    check_share(share).map_err(|error| error.to_string())?;
+    Ok(share)
 }
 
 /// Describes examples in a line.

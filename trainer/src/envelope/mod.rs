@@ -32,13 +32,12 @@ pub mod posed;
 pub mod s3;
 
 pub use choose::Trained;
-pub(crate) use error::COARSE;
-pub use error::{FitError, TrainError};
+pub(crate) use error::{COARSE, one_pose, too_far};
 pub use options::{FileSkins, Options, Predict};
 
-use crate::bake::BakeError;
 use crate::examples::Examples;
 use crate::progress::Progress;
+use crate::{Error, ErrorKind};
 use clean::Inliers;
 
 /// Fits an envelope to the training frames of the examples and bakes it. Outlier frames are left out and reported.
@@ -46,31 +45,36 @@ use clean::Inliers;
 /// Equal examples give equal bytes for any number of threads.
 ///
 /// # Errors
-/// Every [`TrainError`].
+/// - There are too few training poses, or all are one pose; no triangle of the rest mesh has an area.
+/// - The character is too far from the origin for single precision.
+/// - The budget is too small, or the requested accuracy is out of reach.
+/// - The reduced reconstruction is singular for every choice.
+/// - A further mesh has the name of another, or does not lie on the surface.
+/// - The runtime refuses the fitted model or a frame.
 pub fn train(
     examples: &Examples,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<Trained, TrainError> {
+) -> Result<Trained, Error> {
     train_on(Inliers::new(examples, progress)?, options, progress)
 }
 
 /// Trains like [`train`], with the outliers already found.
 ///
 /// # Errors
-/// Every [`TrainError`].
+/// Those of [`train`].
 pub fn train_on(
     inliers: Inliers<'_>,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<Trained, TrainError> {
+) -> Result<Trained, Error> {
     let examples = inliers.training.examples;
-    if let Some(error) = FitError::too_far(examples, COARSE.1) {
-        return Err(error.into());
+    if let Some(error) = too_far(examples, COARSE.1) {
+        return Err(error);
     }
     let poses = &inliers.training.poses;
     if poses.are_equal() {
-        return Err(FitError::OnePose { found: poses.len() }.into());
+        return Err(one_pose(poses.len()));
     }
     let left_out = inliers.left_out().to_vec();
     let mut training = inliers.weighted(progress)?;
@@ -79,10 +83,9 @@ pub fn train_on(
         training.lbs = training.free_lbs();
     }
     let trained = choose::choose(&training, options, progress);
-    let mut trained = trained.map_err(|error| match error {
-        TrainError::Bake(BakeError::Refused(_)) => {
-            FitError::too_far(examples, COARSE.0).map_or(error, TrainError::Fit)
-        }
+    let mut trained = trained.map_err(|error| match error.kind() {
+        // The runtime refuses the model, such as for numbers that are too large.
+        ErrorKind::Damaged => too_far(examples, COARSE.0).unwrap_or(error),
         _ => error,
     })?;
     trained.report.left_out = left_out;

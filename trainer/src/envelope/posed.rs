@@ -1,30 +1,9 @@
 //! Palettes and skins of frames of the examples, computed by the runtime.
 
-use crate::examples::{self, Clip, Examples, called};
+use crate::Error;
+use crate::examples::{self, Examples};
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
-
-/// Call of the runtime that failed for a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("frame {frame}: {error}")]
-pub struct FrameError {
-    /// Index of the frame, or the frame number in the source.
-    pub frame: i64,
-    /// Error of the call.
-    pub error: CallError,
-}
-
-impl FrameError {
-    /// Creates the error of a frame from its index.
-    fn at(frame: usize) -> impl Fn(CallError) -> Self {
-        move |error| Self { frame: frame as i64, error }
-    }
-
-    /// Replaces the frame index with the frame number in the source.
-    pub fn called(self, clips: &[Clip]) -> Self {
-        Self { frame: called(self.frame, clips), ..self }
-    }
-}
+use sinew_runtime::{Envelope, Matrix3x4, Skin, SkinJob};
 
 /// Lists the rest positions of a skin, V.
 pub fn rest(skin: &Skin<'_>) -> Vec<[f64; 3]> {
@@ -45,17 +24,18 @@ pub fn influences(skin: &Skin<'_>) -> Vec<Vec<(usize, f64)>> {
 /// - `frame`: frame index for errors.
 ///
 /// # Errors
-/// [`FrameError`] if the runtime refuses the pose.
+/// The runtime refuses the pose; the error has the frame.
 pub fn palette(
     envelope: &Envelope<'_>,
     pose: &[examples::Matrix3x4],
     frame: usize,
-) -> Result<(Vec<Matrix3x4>, f32), FrameError> {
+) -> Result<(Vec<Matrix3x4>, f32), Error> {
     let pose = narrow(pose);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    let confidence =
-        envelope.palette(&pose, &mut scratch, &mut palette).map_err(FrameError::at(frame))?;
+    let confidence = envelope
+        .palette(&pose, &mut scratch, &mut palette)
+        .map_err(|error| Error::from(error).in_frame(frame))?;
     Ok((palette, confidence))
 }
 
@@ -79,12 +59,12 @@ fn narrow(pose: &[examples::Matrix3x4]) -> Vec<Matrix3x4> {
 /// Skins a mesh by the palette of a frame. Returns positions and normals, 3V floats each.
 ///
 /// # Errors
-/// [`FrameError`] if the runtime refuses the palette.
+/// The runtime refuses the palette; the error has the frame.
 pub fn skin_on(
     skin: &Skin<'_>,
     palette: &[Matrix3x4],
     frame: usize,
-) -> Result<[Vec<f32>; 2], FrameError> {
+) -> Result<[Vec<f32>; 2], Error> {
     let [mut positions, mut normals] = [0, 1].map(|_| vec![0.0; 3 * skin.vertex_len()]);
     SkinJob {
         skin: *skin,
@@ -97,6 +77,6 @@ pub fn skin_on(
         tangents: None,
     }
     .run()
-    .map_err(FrameError::at(frame))?;
+    .map_err(|error| Error::from(error).in_frame(frame))?;
     Ok([positions, normals])
 }

@@ -1,6 +1,6 @@
 //! What is measured: an envelope with a skin, the skinned mesh of a frame, a baseline, and the record of the training.
 
-use super::error::EvaluateError;
+use crate::Error;
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::weights;
 use crate::envelope::posed::{joint_confidences, palette, rest, skin_on};
@@ -32,11 +32,12 @@ impl<'a> Character<'a> {
     /// Finds a skin by name, or the first skin, and the envelope that the skin follows.
     ///
     /// # Errors
-    /// - [`EvaluateError::Format`]: the model is refused.
-    /// - [`EvaluateError::NoEnvelope`], [`EvaluateError::PaletteAlone`] and [`EvaluateError::NoSkin`]: the model does
-    ///   not hold the skin or an envelope.
-    pub fn find(model: &'a [u8], skin: Option<&str>) -> Result<Self, EvaluateError> {
-        let loaded = Model::from_bytes(model)?;
+    /// - [`ErrorKind::Damaged`](crate::ErrorKind::Damaged): the runtime refuses the model.
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): the model does not hold the skin, or an envelope that moves
+    ///   it.
+    pub fn find(model: &'a [u8], skin: Option<&str>) -> Result<Self, Error> {
+        let loaded = Model::from_bytes(model)
+            .map_err(|error| Error::from(error).within("the model is refused"))?;
         let found = match skin {
             None => loaded.skin(),
             Some(name) => loaded.skin_named(name),
@@ -44,17 +45,20 @@ impl<'a> Character<'a> {
         let Some(found) = found else {
             let has: Vec<&str> = loaded.skins().map(|skin| skin.name()).collect();
             return Err(match (skin, has.is_empty()) {
-                (Some(name), false) => {
-                    EvaluateError::NoSkin { name: name.to_owned(), has: has.join(", ") }
-                }
-                _ if loaded.envelope().is_some() => EvaluateError::PaletteAlone,
-                _ => EvaluateError::NoEnvelope,
+                (Some(name), false) => Error::missing(format!(
+                    "the model holds no skin called {name}; it has: {}",
+                    has.join(", ")
+                )),
+                _ if loaded.envelope().is_some() => Error::missing(
+                    "the model holds a palette alone, without a skin to measure or to play: train one without \
+                     --no-skin for that",
+                ),
+                _ => no_envelope(),
             });
         };
         // The views borrow the loaded model; opening their layouts borrows the bytes instead.
         let envelope = loaded.envelope_of(&found).and_then(|e| e.layout().open(model));
-        let (envelope, skin) =
-            envelope.zip(found.layout().open(model)).ok_or(EvaluateError::NoEnvelope)?;
+        let (envelope, skin) = envelope.zip(found.layout().open(model)).ok_or_else(no_envelope)?;
         Ok(Self { envelope, skin, space: loaded.space() })
     }
 
@@ -62,29 +66,30 @@ impl<'a> Character<'a> {
     ///
     /// # Errors
     /// - The errors of [`Character::find`].
-    /// - [`EvaluateError::Vertices`], [`EvaluateError::Joints`] and [`EvaluateError::JointName`]: a number or name
-    ///   differs.
-    /// - [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`]: the rest mesh differs.
-    pub fn open(
-        model: &'a [u8],
-        skin: Option<&str>,
-        examples: &Examples,
-    ) -> Result<Self, EvaluateError> {
+    /// - [`ErrorKind::Mismatch`](crate::ErrorKind::Mismatch): the number of vertices or joints, the name of a joint, or
+    ///   the rest mesh differs.
+    pub fn open(model: &'a [u8], skin: Option<&str>, examples: &Examples) -> Result<Self, Error> {
         let character = Self::find(model, skin)?;
         let Self { envelope, skin, .. } = &character;
         let (expected, found) = (skin.vertex_len(), examples.surface().engine_len());
         if expected != found {
-            return Err(EvaluateError::Vertices { expected, found });
+            return Err(Error::mismatch(format!(
+                "the model has {expected} vertices, the examples have {found}: give examples of the file that training had, \
+                 with its texture's seams where that has them"
+            )));
         }
         let (expected, found) = (envelope.joint_len(), examples.joint_len());
         if expected != found {
-            return Err(EvaluateError::Joints { expected, found });
+            return Err(Error::mismatch(format!(
+                "the model has {expected} joints, the examples have {found}: give examples of the skeleton that training had"
+            )));
         }
         for (joint, found) in examples.skeleton.names.iter().enumerate() {
             let expected = envelope.joint_name(joint).unwrap_or_default();
             if expected != found {
-                let (expected, found) = (expected.to_owned(), found.clone());
-                return Err(EvaluateError::JointName { joint, expected, found });
+                return Err(Error::mismatch(format!(
+                    "joint {joint} is called {expected} in the model, {found} in the examples"
+                )));
             }
         }
         let expected = examples.surface().copied(&examples.rest);
@@ -92,12 +97,24 @@ impl<'a> Character<'a> {
         let apart = apart(&found_rest, &expected);
         if apart > SAME_SPACE * diagonal {
             if apart_unordered(&found_rest, &expected) <= SAME_PLACES * diagonal {
-                return Err(EvaluateError::VertexOrder);
+                return Err(Error::mismatch(
+                    "the model's rest mesh has the vertices of the examples in another order, as FBX and glTF of one character \
+                     do: give the file that training had, or one that has its order",
+                ));
             }
-            return Err(EvaluateError::RestMesh { percent: 100.0 * apart / diagonal });
+            return Err(Error::mismatch(format!(
+                "the model's rest mesh is not that of the examples: off by {:.1} % of the diagonal; \
+                 give the examples as they were given in training, with the same --targets, and say what their \
+                 file does not by --up, --forward and --unit",
+                100.0 * apart / diagonal
+            )));
         }
         Ok(character)
     }
+}
+
+fn no_envelope() -> Error {
+    Error::missing("the model holds no envelope that moves a skin")
 }
 
 /// The skinned mesh of one frame, as the runtime writes it.
@@ -136,12 +153,12 @@ impl SkinnedFrame {
 /// Skins one frame of the examples with the runtime.
 ///
 /// # Errors
-/// [`EvaluateError::Frame`].
+/// The runtime refuses the frame.
 pub fn skin(
     character: &Character<'_>,
     examples: &Examples,
     frame: usize,
-) -> Result<SkinnedFrame, EvaluateError> {
+) -> Result<SkinnedFrame, Error> {
     let (palette, confidence) = palette(&character.envelope, examples.pose(frame), frame)?;
     let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
     Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })

@@ -1,8 +1,8 @@
 //! The result of a measurement, and the choice of its frames.
 
 use super::character::{Baseline, Character, TrainingRecord};
-use super::error::EvaluateError;
 use super::measured::{Baselines, Confidence, Errors, Measured};
+use crate::Error;
 use crate::examples::{Examples, Split};
 use serde::Serialize;
 
@@ -125,15 +125,16 @@ impl Frames {
     /// Lists the indices of the frames, and checks that there are frames and that their joints are rigid.
     ///
     /// # Errors
-    /// [`EvaluateError::NoFrames`] and [`EvaluateError::Examples`].
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): there is no frame.
+    /// - A joint is not rigid in a frame.
     pub fn measurable(
         self,
         examples: &Examples,
         record: &TrainingRecord,
-    ) -> Result<Vec<usize>, EvaluateError> {
+    ) -> Result<Vec<usize>, Error> {
         let frames = self.of(examples, record);
         if frames.is_empty() {
-            return Err(EvaluateError::NoFrames { split: self.name() });
+            return Err(Error::missing(format!("the examples have no {} frame", self.name())));
         }
         examples.check_rigid_in(&frames)?;
         Ok(frames)
@@ -143,14 +144,13 @@ impl Frames {
 /// Measures a skin of a model on frames of the examples; the first skin if `skin` is `None`.
 ///
 /// # Errors
-/// The errors of [`Character::open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
-/// [`EvaluateError::Frame`].
+/// Those of [`Character::open`], [`Frames::measurable`] and [`Measured::model`].
 pub fn evaluate(
     model: &[u8],
     skin: Option<&str>,
     examples: &Examples,
     frames: Frames,
-) -> Result<Evaluation, EvaluateError> {
+) -> Result<Evaluation, Error> {
     let character = Character::open(model, skin, examples)?;
     let record = TrainingRecord::of(model, &character, examples);
     Evaluation::of((&character, model.len()), &record, examples, frames)
@@ -163,13 +163,13 @@ impl Evaluation {
     /// - `record`: record of the character's training.
     ///
     /// # Errors
-    /// [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and [`EvaluateError::Frame`].
+    /// Those of [`Frames::measurable`] and [`Measured::model`].
     pub fn of(
         (character, model_bytes): (&Character<'_>, usize),
         record: &TrainingRecord,
         examples: &Examples,
         frames: Frames,
-    ) -> Result<Self, EvaluateError> {
+    ) -> Result<Self, Error> {
         let chosen = frames.measurable(examples, record)?;
         let measured = Measured::model(character, examples, &chosen)?;
         let baselines = Baselines::new(record, examples, &chosen);

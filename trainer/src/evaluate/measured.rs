@@ -2,7 +2,7 @@
 //! the same frames: LBS with fitted weights, and LBS with the artist's own weights.
 
 use super::character::{Baseline, Character, TrainingRecord, skin};
-use super::error::EvaluateError;
+use crate::Error;
 use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::normals::TrueNormals;
 use crate::examples::{Examples, Importance};
@@ -99,19 +99,19 @@ impl Measured {
     /// Measures a model with the runtime.
     ///
     /// # Errors
-    /// [`EvaluateError::Frame`].
+    /// The runtime refuses a frame.
     pub fn model(
         character: &Character<'_>,
         examples: &Examples,
         frames: &[usize],
-    ) -> Result<Self, EvaluateError> {
+    ) -> Result<Self, Error> {
         let truth = TrueNormals::new(examples.surface());
         let frames = frames.par_iter().map(|&frame| {
             let skin = skin(character, examples, frame)?;
             let measured = MeasuredFrame::new(examples, &truth, frame, |v| skin.vertex(v));
             Ok(MeasuredFrame { confidence: skin.confidence(), ..measured })
         });
-        Ok(Self::new(examples, frames.collect::<Result<_, EvaluateError>>()?))
+        Ok(Self::new(examples, frames.collect::<Result<_, Error>>()?))
     }
 
     /// Measures a baseline.

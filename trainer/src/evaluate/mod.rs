@@ -2,14 +2,12 @@
 //! frames.
 
 mod character;
-mod error;
 mod evaluation;
 mod measured;
 
 pub use character::{
     Baseline, Character, SkinnedFrame, TrainingRecord, least_confident_joint, skin,
 };
-pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, Region, evaluate};
 pub use measured::{
     Baselines, Confidence, Errors, LBS, Measured, MeasuredBaseline, MeasuredFrame, Millimetres,

@@ -1,7 +1,8 @@
 //! Names of frames, and the choice of held-out frames.
 
-use super::{Clip, Examples, ExamplesError, Split, Warning};
-use crate::formats::{FormatError, SceneError};
+use super::{Clip, Examples, Split, Warning};
+use crate::Error;
+use crate::formats::scene::faults::unknown_clip;
 use serde::Serialize;
 use std::fmt;
 
@@ -41,6 +42,30 @@ impl fmt::Display for FrameName {
     }
 }
 
+/// Returns the source's number of a frame; the frame index if the source has no number.
+pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
+    let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
+    clips.iter().find_map(within).unwrap_or(frame)
+}
+
+/// Replaces the frame index of an error by the source's frame number.
+pub fn numbered(error: Error, clips: &[Clip]) -> Error {
+    error.with_frame(|frame| called(frame, clips))
+}
+
+/// Checks a share of held-out frames.
+///
+/// # Errors
+/// The share is not between 0 and 1.
+pub fn check_share(share: f64) -> Result<(), Error> {
+    if share > 0.0 && share < 1.0 {
+        return Ok(());
+    }
+    Err(Error::value(format!(
+        "the share of held-out frames must lie between 0 and 1, found {share}"
+    )))
+}
+
 impl Examples {
     /// Holds out about `share` of the frames, in contiguous blocks. Replaces the split, except for extreme frames.
     ///
@@ -49,16 +74,18 @@ impl Examples {
     /// % of 400 frames holds out every fourth block of 20. Returns a warning if the runs are too short for the share.
     ///
     /// # Errors
-    /// - [`ExamplesError::BadShare`] unless `0 < share < 1`.
-    /// - [`ExamplesError::TooFewPoses`] if there are fewer than two frames to divide.
-    pub fn hold_out(&mut self, share: f64) -> Result<Option<Warning>, ExamplesError> {
-        if !(share > 0.0 && share < 1.0) {
-            return Err(ExamplesError::BadShare { share });
-        }
+    /// - The share is not between 0 and 1.
+    /// - There are fewer than two frames to divide.
+    pub fn hold_out(&mut self, share: f64) -> Result<Option<Warning>, Error> {
+        check_share(share)?;
         let frames: Vec<usize> =
             (0..self.frame_len()).filter(|&frame| self.split[frame] != Split::Extreme).collect();
-        if frames.len() < 2 {
-            return Err(ExamplesError::TooFewPoses { found: frames.len(), needed: 2 });
+        if frames.is_empty() {
+            let words = "no frame is left to train: all are held out or extreme";
+            return Err(Error::missing(words));
+        }
+        if frames.len() == 1 {
+            return Err(Error::missing("1 frames are too few, 2 are needed"));
         }
         let runs = RUNS.min(frames.len() / 2);
         for run in 0..runs {
@@ -80,20 +107,15 @@ impl Examples {
     /// (`FILE:CLIP`) or not.
     ///
     /// # Errors
-    /// [`SceneError::UnknownClip`] if no clip has a name.
-    pub fn hold_out_clips(
-        &mut self,
-        clips: &[Clip],
-        names: &[String],
-    ) -> Result<(), ExamplesError> {
+    /// No clip has one of the names.
+    pub fn hold_out_clips(&mut self, clips: &[Clip], names: &[String]) -> Result<(), Error> {
         for name in names {
             let bare = |clip: &Clip| clip.name.rsplit_once(':').is_some_and(|(_, own)| own == name);
             let is_named = |clip: &&Clip| clip.name == *name || bare(clip);
             let named: Vec<&Clip> = clips.iter().filter(is_named).collect();
             if named.is_empty() {
-                let known = clips.iter().map(|clip| clip.name.clone()).collect();
-                let unknown = SceneError::UnknownClip { name: name.clone(), known };
-                return Err(FormatError::from(unknown).into());
+                let known: Vec<String> = clips.iter().map(|clip| clip.name.clone()).collect();
+                return Err(unknown_clip(name, &known));
             }
             for clip in named {
                 self.split[clip.first..][..clip.times.len()].fill(Split::HeldOut);
@@ -108,6 +130,7 @@ impl Examples {
 mod tests {
     use super::super::testing::triangle;
     use super::*;
+    use crate::ErrorKind;
 
     #[test]
     fn a_frame_is_named_by_its_clip_where_there_are_several() {
@@ -176,12 +199,17 @@ mod tests {
 
     #[test]
     fn bad_shares_and_single_frames_are_refused() {
-        use ExamplesError::{BadShare, TooFewPoses};
         for share in [0.0, 1.0, -1.0, f64::NAN] {
-            assert!(matches!(triangle(9).hold_out(share), Err(BadShare { .. })));
+            let refused = triangle(9).hold_out(share).unwrap_err();
+            assert_eq!(refused.kind(), ErrorKind::Value);
+            assert!(refused.message().ends_with(&format!("between 0 and 1, found {share}")));
         }
-        let refused = triangle(1).hold_out(0.5);
-        assert!(matches!(refused, Err(TooFewPoses { found: 1, needed: 2 })));
+        let refused = triangle(1).hold_out(0.5).unwrap_err();
+        assert_eq!(refused.message(), "1 frames are too few, 2 are needed");
+        let mut none = triangle(1);
+        none.split.fill(Split::Extreme);
+        let refused = none.hold_out(0.5).unwrap_err();
+        assert_eq!(refused.message(), "no frame is left to train: all are held out or extreme");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Weights of vertices and frames: how much each counts in fits and in measured errors.
 
+use super::Examples;
 use super::validate::{is_weight, same};
-use super::{Examples, ExamplesError, LoadError};
+use crate::Error;
 use crate::formats::npz::read_numbers;
 use std::path::Path;
 
@@ -43,20 +44,22 @@ impl Examples {
     /// - `numbers`: V, or one per engine vertex; then the first copy of each vertex counts.
     ///
     /// # Errors
-    /// [`ExamplesError::Mismatch`] for a wrong count; [`ExamplesError::Importance`] for a number that is negative or
-    /// not finite; [`ExamplesError::NothingCounts`] if all numbers are 0.
-    pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), ExamplesError> {
+    /// The count is wrong, a number is negative or not finite, or all numbers are 0.
+    pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), Error> {
         if numbers.len() == self.surface().engine_len() {
             numbers = self.surface().of_first_copies(&numbers);
         }
         same("vertices", "rest", self.vertex_len(), "importance", numbers.len())?;
         if let Some(vertex) = numbers.iter().position(|&number| !is_weight(number)) {
-            return Err(ExamplesError::Importance { vertex, number: numbers[vertex] });
+            let number = numbers[vertex];
+            return Err(Error::value(format!(
+                "the importance of vertex {vertex} must be finite and not negative, found {number}"
+            )));
         }
         // Dividing by the largest number first keeps the sum finite.
         let largest = numbers.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
-            return Err(ExamplesError::NothingCounts);
+            return Err(Error::value("the importance of every vertex is 0"));
         }
         numbers.iter_mut().for_each(|number| *number /= largest);
         let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
@@ -72,13 +75,17 @@ impl Examples {
     /// - `numbers`: whole numbers from 1 to 100, N.
     ///
     /// # Errors
-    /// [`ExamplesError::Mismatch`] for a wrong count; [`ExamplesError::FrameWeight`] for a number that is not allowed.
-    pub fn repeat(&mut self, numbers: &[f64]) -> Result<(), ExamplesError> {
+    /// The count is wrong, or a number is not allowed.
+    pub fn repeat(&mut self, numbers: &[f64]) -> Result<(), Error> {
         same("frames", "vertices", self.frame_len(), "frame_weights", numbers.len())?;
         let is_whole = |number: &f64| number.fract() == 0.0 && (1.0..=MOST).contains(number);
         if let Some(frame) = numbers.iter().position(|number| !is_whole(number)) {
-            let (number, most) = (numbers[frame], MOST);
-            return Err(ExamplesError::FrameWeight { frame: frame as i64, number, most });
+            let number = numbers[frame];
+            let error = Error::value(format!(
+                "array frame_weights has {number}, expected a whole number from 1 to {MOST}; to leave a frame out, \
+                 give it split 1 or 2"
+            ));
+            return Err(error.in_frame(frame));
         }
         self.frame_weights = Some(numbers.iter().map(|&number| number as u8).collect());
         Ok(())
@@ -95,10 +102,9 @@ impl Examples {
 /// or line ends.
 ///
 /// # Errors
-/// [`LoadError`] if the file cannot be read or contains anything else.
-pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
-    let numbers = read_numbers(path, "importance");
-    numbers.map_err(|error| LoadError { file: path.to_owned(), error: error.into() })
+/// The file cannot be read, or contains anything else.
+pub fn load_importance(path: &Path) -> Result<Vec<f64>, Error> {
+    read_numbers(path, "importance").map_err(|error| error.in_file(path))
 }
 
 #[cfg(test)]
@@ -193,8 +199,10 @@ mod tests {
     #[test]
     fn invalid_frame_weights_are_refused_by_frame() {
         for bad in [0.0, -1.0, 1.5, 101.0, f64::NAN, f64::INFINITY] {
-            let found = triangle(3).repeat(&[1.0, bad, 1.0]);
-            assert!(matches!(found, Err(ExamplesError::FrameWeight { frame: 1, .. })), "{bad}");
+            let found = triangle(3).repeat(&[1.0, bad, 1.0]).unwrap_err();
+            let words =
+                format!("array frame_weights has {bad}, expected a whole number from 1 to 100");
+            assert!(found.frame() == Some(1) && found.message().starts_with(&words), "{found}");
         }
         let short = triangle(3).repeat(&[1.0]).unwrap_err().to_string();
         assert!(short.contains("frame_weights"), "{short}");

@@ -1,14 +1,60 @@
 //! Final checks of every importer. Fits rely on them and do not check again.
 
 use super::distortion::{Distortion, REPAIRABLE, RIGID, deviation};
-use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
+use super::{Examples, Matrix3x4, Split, Warning};
+use crate::Error;
 use crate::space::SpaceRequest;
 use nalgebra::Vector3;
 use sinew_runtime::format::MAGNITUDE_MAX;
+use std::fmt::Display;
+use std::path::Path;
 
 /// Least height of a triangle relative to its longest side. Below this ratio an f32 normal is noise, so the triangle
 /// counts as having no area.
 const LEAST_HEIGHT: f64 = 1e-7;
+
+/// Origin of examples, for errors: names of the checked numbers, and the file of the posed positions.
+#[derive(Clone, Copy)]
+pub(super) struct Origin<'a> {
+    /// The rest positions.
+    pub(super) rest: &'a str,
+    /// The posed positions.
+    vertices: &'a str,
+    /// The rest frames of the joints.
+    rest_pose: &'a str,
+    /// The posed joints.
+    pub(super) pose: &'a str,
+    normals: &'a str,
+    tangents: &'a str,
+    uv: &'a str,
+    /// File of the posed positions, if it is not that of the joints.
+    pub(super) posed_file: Option<&'a Path>,
+}
+
+impl Origin<'_> {
+    /// Arrays.
+    const ARRAYS: Self = Self {
+        rest: "array rest",
+        vertices: "array vertices",
+        rest_pose: "array joint_world_rest",
+        pose: "array bone_transforms",
+        normals: "array normals",
+        tangents: "array tangents",
+        uv: "array uv",
+        posed_file: None,
+    };
+    /// A scene, which has no arrays.
+    pub(super) const SCENE: Self = Self {
+        rest: "the rest mesh",
+        vertices: "the posed mesh",
+        rest_pose: "the rest pose",
+        pose: "the animated pose",
+        normals: "the normal of the mesh",
+        tangents: "the tangent of the mesh",
+        uv: "the texture coordinate of the mesh",
+        posed_file: None,
+    };
+}
 
 impl Examples {
     /// Checks counts, joints, finiteness, faces and rigidity, in this order.
@@ -17,28 +63,27 @@ impl Examples {
     /// Beyond 1e-2 a training frame gives an error. Other frames, which no fit reads, give a warning.
     ///
     /// # Errors
-    /// - [`ExamplesError::Mismatch`] and [`ExamplesError::Empty`] for counts that differ or are 0,
-    ///   [`ExamplesError::NothingTrains`] without a training frame.
-    /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and [`ExamplesError::JointCycle`] if the
-    ///   skeleton is not a tree.
-    /// - [`ExamplesError::Space`] for parallel axes, [`ExamplesError::Range`] for a named range.
-    /// - [`ExamplesError::NotFinite`] for NaN and infinity in any frame, [`ExamplesError::TooLarge`] for numbers
-    ///   outside the range of a model.
-    /// - [`ExamplesError::JointWeight`] for a joint weight that is negative or not finite.
-    /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
-    /// - [`ExamplesError::VertexOutOfRange`], [`ExamplesError::Mismatch`], [`ExamplesError::NotFinite`],
-    ///   [`ExamplesError::NoCopy`] and [`ExamplesError::OtherCopy`] for engine vertices.
-    /// - [`ExamplesError::NonRigidJoint`] for a map that is not rigid.
-    pub fn validate(&self) -> Result<Vec<Warning>, ExamplesError> {
+    /// - [`Mismatch`](crate::ErrorKind::Mismatch): counts differ, a vertex has no engine vertex, or an engine triangle
+    ///   differs from the mesh's.
+    /// - [`Missing`](crate::ErrorKind::Missing): a count is 0, no frame trains, or a joint has no parent.
+    /// - [`Value`](crate::ErrorKind::Value): two joints have one name, or joints are their own ancestors; axes are
+    ///   parallel; a named range is wrong; a number is not finite in any frame, or outside the range of a model; a
+    ///   joint weight is negative or not finite; a face names a vertex that does not exist; no face has an area; a map
+    ///   is not rigid.
+    pub fn validate(&self) -> Result<Vec<Warning>, Error> {
+        self.validate_of(&Origin::ARRAYS)
+    }
+
+    /// Checks as [`Examples::validate`] does; errors name the parts of the origin.
+    pub(super) fn validate_of(&self, origin: &Origin<'_>) -> Result<Vec<Warning>, Error> {
         self.check_counts()?;
         self.check_joints()?;
-        self.check_numbers()?;
+        self.check_numbers(origin)?;
         let mut warnings = self.check_faces()?;
-        self.check_engine()?;
-        for (map, name) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
+        self.check_engine(origin)?;
+        for (map, joint) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
             if deviation(map) > REPAIRABLE {
-                let (joint, distortion) = (name.clone(), Distortion::of(map));
-                return Err(ExamplesError::NonRigidJoint { frame: None, joint, distortion });
+                return Err(not_rigid(joint, &Distortion::of(map), None));
             }
         }
         self.check_rigid_in(&self.frames_of(Split::Train))?;
@@ -51,14 +96,12 @@ impl Examples {
     /// frames.
     ///
     /// # Errors
-    /// [`ExamplesError::NonRigidJoint`]
-    pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), ExamplesError> {
+    /// A joint is not rigid in a frame.
+    pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), Error> {
         for &frame in frames {
             for (map, joint) in self.pose(frame).iter().zip(&self.skeleton.names) {
                 if deviation(map) > REPAIRABLE {
-                    let (frame, joint, distortion) =
-                        (Some(frame as i64), joint.clone(), Distortion::of(map));
-                    return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
+                    return Err(not_rigid(joint, &Distortion::of(map), Some(frame)));
                 }
             }
         }
@@ -78,7 +121,7 @@ impl Examples {
         (0..self.triangles.len()).filter(|&triangle| !self.has_area(triangle)).collect()
     }
 
-    fn check_counts(&self) -> Result<(), ExamplesError> {
+    fn check_counts(&self) -> Result<(), Error> {
         for (array, len) in [
             ("rest", self.vertex_len()),
             ("triangles", self.triangles.len()),
@@ -86,7 +129,7 @@ impl Examples {
             ("vertices", self.frame_len()),
         ] {
             if len == 0 {
-                return Err(ExamplesError::Empty { array });
+                return Err(empty(array));
             }
         }
         let (vertices, joints) = (self.vertex_len(), self.joint_len());
@@ -106,37 +149,44 @@ impl Examples {
             same("vertices", "rest", vertices, "importance", importance.len())?;
         }
         if !self.split.contains(&Split::Train) {
-            return Err(ExamplesError::NothingTrains { frame_len: self.frame_len() });
+            let frame_len = self.frame_len();
+            return Err(Error::missing(format!(
+                "every frame of {frame_len} is held out or extreme: none is left to train"
+            )));
         }
         Ok(())
     }
 
     /// Checks that the named ranges of vertices are within the mesh and do not overlap.
-    fn check_ranges(&self) -> Result<(), ExamplesError> {
+    fn check_ranges(&self) -> Result<(), Error> {
         let vertex_len = self.vertex_len();
         let mut least = 0;
         for (name, range) in &self.ranges {
             if range.start < least || range.end < range.start || range.end > vertex_len {
-                let (name, range) = (name.clone(), range.clone());
-                return Err(ExamplesError::Range { name, range, least, vertex_len });
+                return Err(Error::value(format!(
+                    "mesh {name} has the vertices {} to {} (exclusive), expected them from {least} to {vertex_len}",
+                    range.start, range.end
+                )));
             }
             least = range.end;
         }
         Ok(())
     }
 
-    fn check_joints(&self) -> Result<(), ExamplesError> {
+    fn check_joints(&self) -> Result<(), Error> {
         let names = &self.skeleton.names;
         for (second, name) in names.iter().enumerate() {
             if let Some(first) = names[..second].iter().position(|other| other == name) {
-                return Err(ExamplesError::DuplicateJoint { name: name.clone(), first, second });
+                return Err(Error::value(format!(
+                    "joints {first} and {second} are both called {name}"
+                )));
             }
         }
         let parents = &self.skeleton.parents;
         for (joint, parent) in parents.iter().enumerate() {
             if parent.is_some_and(|parent| parent >= parents.len()) {
                 let parent = parent.map(|parent| parent.to_string()).unwrap_or_default();
-                return Err(ExamplesError::MissingParent { joint: names[joint].clone(), parent });
+                return Err(missing_parent(&names[joint], &parent));
             }
         }
         for start in 0..parents.len() {
@@ -146,8 +196,9 @@ impl Examples {
                 if let Some(begin) = chain.iter().position(|&seen| seen == parent) {
                     chain.drain(..begin);
                     chain.push(parent);
-                    let joints = chain.iter().map(|&joint| names[joint].clone()).collect();
-                    return Err(ExamplesError::JointCycle { joints });
+                    let joints: Vec<_> = chain.iter().map(|&joint| names[joint].as_str()).collect();
+                    let joints = joints.join(" -> ");
+                    return Err(Error::value(format!("joints are their own ancestors: {joints}")));
                 }
                 chain.push(parent);
                 joint = parent;
@@ -155,50 +206,49 @@ impl Examples {
         }
         let mut roots = (0..parents.len()).filter(|&joint| parents[joint].is_none());
         if let (Some(_), Some(second)) = (roots.next(), roots.next()) {
-            let (joint, parent) = (names[second].clone(), "none".to_owned());
-            return Err(ExamplesError::MissingParent { joint, parent });
+            return Err(missing_parent(&names[second], "none"));
         }
         Ok(())
     }
 
     /// Checks that all numbers are finite, and that the rest pose and training frames are within the range of a model.
-    fn check_numbers(&self) -> Result<(), ExamplesError> {
-        let vertex = |number: usize| Element::Vertex(number);
-        let joint = |number: usize| Element::Joint(self.skeleton.names[number].clone());
+    fn check_numbers(&self, origin: &Origin<'_>) -> Result<(), Error> {
+        let joint = |number: usize| format!("joint {}", self.skeleton.names[number]);
         let trained = |frame: usize| self.split[frame] == Split::Train;
         let rest = |_| true;
-        numbers("rest", self.rest.iter().map(<[_; 3]>::as_slice), None, vertex, rest)?;
+        numbers(origin.rest, self.rest.iter().map(<[_; 3]>::as_slice), None, vertex, rest)?;
         let count = Some(self.vertex_len());
         let vertices = self.vertices.iter().map(<[_; 3]>::as_slice);
-        numbers("vertices", vertices, count, vertex, trained)?;
+        let posed = numbers(origin.vertices, vertices, count, vertex, trained);
+        posed.map_err(|error| match origin.posed_file {
+            Some(file) => error.in_file(file),
+            None => error,
+        })?;
         let frames = self.skeleton.rest.iter().map(|map| map.as_flattened());
-        numbers("joint_world_rest", frames, None, joint, rest)?;
+        numbers(origin.rest_pose, frames, None, joint, rest)?;
         let maps = self.transforms.iter().map(|map| map.as_flattened());
-        numbers("bone_transforms", maps, Some(self.joint_len()), joint, trained)?;
+        numbers(origin.pose, maps, Some(self.joint_len()), joint, trained)?;
         self.check_joint_weights()
     }
 
-    fn check_joint_weights(&self) -> Result<(), ExamplesError> {
+    fn check_joint_weights(&self) -> Result<(), Error> {
         let mut all = self.joint_weights.iter().flatten().enumerate();
         let Some((place, &number)) = all.find(|(_, number)| !is_weight(**number)) else {
             return Ok(());
         };
         let (vertex, joint) = (place / self.joint_len(), place % self.joint_len());
-        let joint = self.skeleton.names[joint].clone();
-        Err(ExamplesError::JointWeight { vertex, joint, number })
+        let joint = &self.skeleton.names[joint];
+        Err(Error::value(format!(
+            "array joint_weights has {number} at vertex {vertex}, joint {joint}, expected a number that is finite and not \
+             negative"
+        )))
     }
 
-    fn check_faces(&self) -> Result<Vec<Warning>, ExamplesError> {
+    fn check_faces(&self) -> Result<Vec<Warning>, Error> {
         let vertex_len = self.vertex_len();
         for (face, triangle) in self.triangles.iter().enumerate() {
-            if let Some(&vertex) = triangle.iter().find(|&&vertex| vertex >= vertex_len) {
-                let vertex = vertex.try_into().unwrap_or(i64::MAX);
-                return Err(ExamplesError::VertexOutOfRange {
-                    array: "triangle",
-                    face,
-                    vertex,
-                    vertex_len,
-                });
+            if let Some(vertex) = triangle.iter().find(|&&vertex| vertex >= vertex_len) {
+                return Err(out_of_range("triangle", face, vertex, vertex_len));
             }
         }
         let (repeated, flat): (Vec<_>, Vec<_>) =
@@ -207,7 +257,10 @@ impl Examples {
                 a == b || b == c || c == a
             });
         if repeated.len() + flat.len() == self.triangles.len() {
-            return Err(ExamplesError::NoArea { triangle_len: self.triangles.len() });
+            let triangle_len = self.triangles.len();
+            return Err(Error::value(format!(
+                "none of the {triangle_len} rest triangles has an area"
+            )));
         }
         let mut warnings = Vec::new();
         if !repeated.is_empty() {
@@ -220,7 +273,7 @@ impl Examples {
     }
 
     /// Checks the engine vertices: every vertex has a copy, the triangles match the mesh, and all numbers are finite.
-    fn check_engine(&self) -> Result<(), ExamplesError> {
+    fn check_engine(&self, origin: &Origin<'_>) -> Result<(), Error> {
         let Some(engine) = &self.engine else { return Ok(()) };
         let (engine_len, vertex_len) = (engine.copy_of.len(), self.vertex_len());
         for (array, len) in [
@@ -233,43 +286,36 @@ impl Examples {
         }
         let mut has_copy = vec![false; vertex_len];
         for (face, &vertex) in engine.copy_of.iter().enumerate() {
-            let outside = ExamplesError::VertexOutOfRange {
-                array: "engine vertex",
-                face,
-                vertex: vertex.try_into().unwrap_or(i64::MAX),
-                vertex_len,
-            };
-            *has_copy.get_mut(vertex).ok_or(outside)? = true;
+            let outside = || out_of_range("engine vertex", face, vertex, vertex_len);
+            *has_copy.get_mut(vertex).ok_or_else(outside)? = true;
         }
         if let Some(vertex) = has_copy.iter().position(|has| !has) {
-            return Err(ExamplesError::NoCopy { vertex });
+            return Err(Error::mismatch(format!(
+                "vertex {vertex} has no copy among the engine's vertices"
+            )));
         }
         let (mesh, own) = (self.triangles.len(), engine.triangles.len());
         same("triangles", "rest", mesh, "the engine's mesh", own)?;
         for (triangle, (&expected, corners)) in
             self.triangles.iter().zip(&engine.triangles).enumerate()
         {
-            if let Some(&corner) = corners.iter().find(|&&corner| corner >= engine_len) {
-                return Err(ExamplesError::VertexOutOfRange {
-                    array: "engine triangle",
-                    face: triangle,
-                    vertex: corner.try_into().unwrap_or(i64::MAX),
-                    vertex_len: engine_len,
-                });
+            if let Some(corner) = corners.iter().find(|&&corner| corner >= engine_len) {
+                return Err(out_of_range("engine triangle", triangle, corner, engine_len));
             }
             let found = corners.map(|corner| engine.copy_of[corner]);
             if found != expected {
-                return Err(ExamplesError::OtherCopy { triangle, expected, found });
+                return Err(Error::mismatch(format!(
+                    "triangle {triangle} has the vertices {expected:?}, but its engine vertices are copies of {found:?}"
+                )));
             }
         }
-        let vertex = |number: usize| Element::Vertex(number);
         let all = |_| true;
         let normals = engine.normals.iter().flatten().map(<[_; 3]>::as_slice);
-        numbers("normals", normals, None, vertex, all)?;
+        numbers(origin.normals, normals, None, vertex, all)?;
         let tangents = engine.tangents.iter().flatten().map(<[_; 4]>::as_slice);
-        numbers("tangents", tangents, None, vertex, all)?;
+        numbers(origin.tangents, tangents, None, vertex, all)?;
         let uv = engine.uv.iter().flatten().map(<[_; 2]>::as_slice);
-        numbers("uv", uv, None, vertex, all)
+        numbers(origin.uv, uv, None, vertex, all)
     }
 
     fn has_area(&self, triangle: usize) -> bool {
@@ -305,40 +351,84 @@ pub(super) fn is_weight(number: f64) -> bool {
     number.is_finite() && number >= 0.0
 }
 
+/// Checks that two arrays have as many items.
 pub(super) fn same(
-    what: &'static str,
-    first: &'static str,
+    what: &str,
+    first: &str,
     first_len: usize,
-    second: &'static str,
+    second: &str,
     second_len: usize,
-) -> Result<(), ExamplesError> {
+) -> Result<(), Error> {
     if first_len == second_len {
         return Ok(());
     }
-    Err(ExamplesError::Mismatch { what, first, first_len, second, second_len })
+    Err(Error::mismatch(format!("{first} has {first_len} {what}, {second} has {second_len}")))
 }
 
+/// Checks that numbers are finite, and within the range of a model.
+///
+/// - `name`: name of the numbers in errors.
+/// - `per_frame`: rows of a frame; `None` for numbers without frames.
+/// - `element`: names the element of a row in errors, by its number in the frame.
+/// - `bounded`: whether the numbers of a frame must be within the range of a model.
 pub(super) fn numbers<'a>(
-    array: &'static str,
+    name: &str,
     rows: impl Iterator<Item = &'a [f64]>,
     per_frame: Option<usize>,
-    element: impl Fn(usize) -> Element,
+    element: impl Fn(usize) -> String,
     bounded: impl Fn(usize) -> bool,
-) -> Result<(), ExamplesError> {
+) -> Result<(), Error> {
     for (number, row) in rows.enumerate() {
         let frame = per_frame.map(|len| number / len);
-        let place = || element(per_frame.map_or(number, |len| number % len));
         let within = |x: &f64| x.abs() <= f64::from(MAGNITUDE_MAX);
-        let fits = row.iter().all(within) || !frame.is_none_or(&bounded);
-        let frame = frame.map(|frame| frame as i64);
-        if !row.iter().all(|x| x.is_finite()) {
-            return Err(ExamplesError::NotFinite { array, frame, element: place() });
-        }
-        if !fits {
-            return Err(ExamplesError::TooLarge { array, frame, element: place() });
-        }
+        let fault = if !row.iter().all(|x| x.is_finite()) {
+            "is not finite".to_owned()
+        } else if !row.iter().all(within) && frame.is_none_or(&bounded) {
+            format!("exceeds {MAGNITUDE_MAX:e}, the most a model can hold,")
+        } else {
+            continue;
+        };
+        let place = element(per_frame.map_or(number, |len| number % len));
+        let error = Error::value(format!("{name} {fault} at {place}"));
+        return Err(match frame {
+            Some(frame) => error.in_frame(frame),
+            None => error,
+        });
     }
     Ok(())
+}
+
+/// Names a vertex in errors.
+pub(super) fn vertex(number: usize) -> String {
+    format!("vertex {number}")
+}
+
+/// Creates the error of an empty array.
+pub(super) fn empty(array: &str) -> Error {
+    Error::missing(format!("array {array} is empty"))
+}
+
+/// Creates the error of a face with a vertex number out of range.
+pub(super) fn out_of_range(
+    array: &str,
+    face: usize,
+    vertex: impl Display,
+    vertex_len: usize,
+) -> Error {
+    Error::value(format!("{array} {face} names vertex {vertex} of {vertex_len}"))
+}
+
+/// Creates the error of a joint whose parent does not exist.
+pub(super) fn missing_parent(joint: &str, parent: &str) -> Error {
+    Error::missing(format!("joint {joint} has parent {parent}, which does not exist"))
+}
+
+/// Creates the error of a joint that is not rigid in a frame, or in the rest pose.
+pub(super) fn not_rigid(joint: &str, distortion: &Distortion, frame: Option<usize>) -> Error {
+    match frame {
+        Some(frame) => Error::value(format!("joint {joint} {distortion}")).in_frame(frame),
+        None => Error::value(format!("in the rest pose, joint {joint} {distortion}")),
+    }
 }
 
 #[cfg(test)]

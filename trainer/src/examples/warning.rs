@@ -1,7 +1,7 @@
 //! Warnings: problems in examples that do not stop a fit.
 
 use super::Clip;
-use super::error::called;
+use super::frames::called;
 use crate::formats::FormatWarning;
 use crate::formats::scene::RATE;
 use std::fmt;

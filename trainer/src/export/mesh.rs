@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::ops::Range;
 
-use super::error::ExportError;
 use super::played::Played;
+use crate::Error;
 use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
-use crate::envelope::posed::{FrameError, rest, skin_on};
+use crate::envelope::posed::{rest, skin_on};
 use crate::evaluate::Character;
 use crate::examples::Examples;
 use crate::formats::appearance::{Appearance, Image, image_kind};
@@ -207,12 +207,12 @@ impl FurtherMeshes {
     /// Computes the weights of further meshes. Meshes in other axes or units are converted.
     ///
     /// # Errors
-    /// [`ExportError::Level`] and [`ExportError::Frame`].
+    /// A mesh does not lie on the model's skin, or the runtime refuses a frame.
     pub(super) fn new(
         played: &Played<'_>,
         examples: &Examples,
         levels: &[Level],
-    ) -> Result<Self, ExportError> {
+    ) -> Result<Self, Error> {
         if levels.is_empty() {
             return Ok(Self::default());
         }
@@ -225,7 +225,7 @@ impl FurtherMeshes {
                 let [positions, _] = skin_on(skin, palette, key)?;
                 Ok(own.of_first_copies(positions.as_chunks().0))
             })
-            .collect::<Result<Vec<_>, FrameError>>()?;
+            .collect::<Result<Vec<_>, Error>>()?;
         let surface = SkinSurface {
             rest: &own.of_first_copies(&rest(skin)),
             triangles: &examples.solid_triangles(),

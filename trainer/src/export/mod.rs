@@ -5,7 +5,6 @@
 //! for the animations.
 
 mod between;
-mod error;
 mod into;
 mod mesh;
 mod played;
@@ -14,6 +13,6 @@ mod scene;
 mod skeleton;
 mod stretch;
 
-pub use error::{ExportError, IntoError};
 pub use into::{ExportInto, Grafted};
 pub use scene::{Export, Exported, Stand, by_use, demo_glb};
+pub use skeleton::check_clips;

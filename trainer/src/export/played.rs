@@ -5,12 +5,12 @@ use sinew_runtime::Envelope;
 use sinew_runtime::format::{Handedness, Space};
 
 use super::between::{Between, Key};
-use super::error::ExportError;
 use super::proxies;
-use super::skeleton::key_times;
+use super::skeleton::{check_clips, key_times};
+use crate::Error;
 use crate::envelope::levels::Influences;
-use crate::envelope::posed::{FrameError, influences, palette, rest};
-use crate::evaluate::{Character, EvaluateError};
+use crate::envelope::posed::{influences, palette, rest};
+use crate::evaluate::Character;
 use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
 use crate::space::{Conversion, SpaceRequest};
 
@@ -55,26 +55,25 @@ impl<'a> Played<'a> {
     /// Predicts every frame of the clips and, with `between`, the keys that the motion between frames needs.
     ///
     /// # Errors
-    /// [`ExportError::Model`], [`ExportError::Frame`], [`ExportError::NoFrames`] and [`ExportError::Times`].
+    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, or the
+    /// runtime refuses a frame.
     pub(super) fn new(
         model: &'a [u8],
         skin: Option<&str>,
         examples: &Examples,
         clips: &[Clip],
         between: bool,
-    ) -> Result<Self, ExportError> {
+    ) -> Result<Self, Error> {
         let character = Character::open(model, skin, examples)?;
+        check_clips(clips)?;
         let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
-        if clips.is_empty() {
-            return Err(ExportError::NoFrames { clip: "the examples have no clip".to_owned() });
-        }
         let frames: Vec<usize> =
             clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
-        examples.check_rigid_in(&frames).map_err(EvaluateError::Examples)?;
+        examples.check_rigid_in(&frames)?;
         let palettes = frames
             .par_iter()
             .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
-            .collect::<Result<Vec<_>, FrameError>>()?;
+            .collect::<Result<Vec<_>, Error>>()?;
         let poses = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
         let influences = influences(&character.skin);
         let mut played = Self { character, times, poses, palettes, influences };
@@ -85,7 +84,7 @@ impl<'a> Played<'a> {
     }
 
     /// Adds keys where the motion of helpers is not even between keys.
-    fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), FrameError> {
+    fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), Error> {
         let Character { envelope, skin, .. } = &self.character;
         let (rest, diagonal) = (rest(skin), examples.diagonal());
         let centres = centres(envelope, &rest, &self.influences);
@@ -117,8 +116,8 @@ impl<'a> Played<'a> {
     /// Converts the clips to a right-handed space.
     ///
     /// # Errors
-    /// [`ExportError::Space`]
-    pub(super) fn right_handed(&self, examples: &Examples) -> Result<RightHanded, ExportError> {
+    /// The model's space is impossible.
+    pub(super) fn right_handed(&self, examples: &Examples) -> Result<RightHanded, Error> {
         let Character { envelope, skin, space } = &self.character;
         let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
         let (space, mirror) = Conversion::to(*space, &hand)?;

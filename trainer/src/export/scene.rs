@@ -1,11 +1,11 @@
 //! Whole scenes: a character that plays a model, with skeleton, proxies, meshes and an animation for each clip; and the
 //! demo character as an artist would deliver it.
 
-use super::error::ExportError;
 use super::mesh::{FurtherMeshes, SkinnedMesh, parts};
 use super::played::Played;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
+use crate::Error;
 use crate::envelope::lbs::weights;
 use crate::envelope::levels::{Level, LevelReport};
 use crate::examples::{Clip, Examples, Split};
@@ -65,13 +65,15 @@ impl Export<'_> {
     /// Writes the file.
     ///
     /// # Errors
-    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, belongs to another character, or
-    ///   refuses a pose.
-    /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
-    /// - [`ExportError::Level`]: a further mesh does not lie on the model's skin.
-    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: the requested space is impossible.
-    /// - [`ExportError::Glb`]: the file cannot be written.
-    pub fn run(&self) -> Result<Exported, ExportError> {
+    /// - The model is refused or belongs to another character, as in
+    ///   [`Character::open`](crate::evaluate::Character::open).
+    /// - A clip cannot be played, as in [`check_clips`](super::check_clips).
+    /// - A joint is not rigid in a frame, or the runtime refuses a frame.
+    /// - A further mesh does not lie on the model's skin.
+    /// - The requested space is impossible; [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported) if it is
+    ///   left-handed.
+    /// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): the file would be too large.
+    pub fn run(&self) -> Result<Exported, Error> {
         let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
         let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
@@ -125,7 +127,7 @@ impl Export<'_> {
 }
 
 /// Returns the armature's transform, which puts the right-handed model into the requested space.
-fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
+fn armature(model: &Space, stand: Stand) -> Result<Placed, Error> {
     let conversion = match stand {
         Stand::AsModel => None,
         Stand::Upright => {
@@ -134,7 +136,9 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
             Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
         }
         Stand::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
-            return Err(ExportError::LeftHanded);
+            return Err(Error::unsupported(
+                "glTF is right-handed: leave out --to-hand left, engines mirror it as they import it",
+            ));
         }
         Stand::In(request) => Conversion::to(*model, &request)?.1,
     };
@@ -172,8 +176,8 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
 /// training frames, and an animation for each clip. The rest pose is the bind pose.
 ///
 /// # Errors
-/// [`ExportError::NoFrames`], [`ExportError::Times`] and [`ExportError::Glb`].
-pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
+/// A clip cannot be played, or the file would be too large.
+pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, Error> {
     let weights = weights::baseline(examples);
     let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
 
@@ -196,5 +200,5 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
         let times = key_times(clip)?;
         document.animation(&clip.name, &times, joints.tracks(&poses, &times).0);
     }
-    Ok(document.finish()?)
+    document.finish()
 }

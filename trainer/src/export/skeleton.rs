@@ -1,8 +1,9 @@
 //! Joints as nodes: a skeleton in its rest pose, the keys of its joints, and their times.
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::fmt::Display;
 
-use super::error::ExportError;
+use crate::Error;
 use crate::examples::{Clip, Matrix3x4, Skeleton};
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track, before_jumps};
 use crate::numeric::so3;
@@ -163,21 +164,40 @@ const HELD: f32 = 4e-6;
 /// Rounds the times of a clip's frames to single precision.
 ///
 /// # Errors
-/// [`ExportError::NoFrames`] and [`ExportError::Times`].
-pub(super) fn key_times(clip: &Clip) -> Result<Vec<f32>, ExportError> {
-    let name = || clip.name.clone();
+/// The clip has no frames, or its times do not ascend from 0 in single precision.
+pub(super) fn key_times(clip: &Clip) -> Result<Vec<f32>, Error> {
+    let name = &clip.name;
     if clip.times.is_empty() {
-        return Err(ExportError::NoFrames { clip: format!("clip {} has none", name()) });
+        return Err(no_frames(format_args!("clip {name} has none")));
     }
     let times: Vec<f32> = clip.times.iter().map(|&time| time as f32).collect();
     let bad = (0..times.len()).find(|&key| {
         let after = key == 0 || times[key] > times[key - 1];
         !(after && times[key] >= 0.0 && times[key].is_finite())
     });
-    match bad {
-        Some(frame) => Err(ExportError::Times { clip: name(), frame, time: clip.times[frame] }),
-        None => Ok(times),
+    let Some(frame) = bad else { return Ok(times) };
+    // The frame is counted from the clip's first frame.
+    let time = clip.times[frame];
+    Err(Error::value(format!(
+        "clip {name}: frame {frame} plays at {time} s, expected times from 0 on that ascend by more \
+         than single precision rounds"
+    )))
+}
+
+/// Checks that clips can be played: there is a clip, and each has frames at times that ascend from 0 in single
+/// precision.
+///
+/// # Errors
+/// Names the clip.
+pub fn check_clips(clips: &[Clip]) -> Result<(), Error> {
+    if clips.is_empty() {
+        return Err(no_frames("the examples have no clip"));
     }
+    clips.iter().try_for_each(|clip| key_times(clip).map(|_| ()))
+}
+
+fn no_frames(why: impl Display) -> Error {
+    Error::missing(format!("there is no frame to export: {why}"))
 }
 
 /// Makes the track of a joint. If the clip jumps, and the values are constant except at the jumps, the track has steps.

@@ -1,7 +1,7 @@
 //! A loaded face, evaluated by the runtime.
 
 use super::basis::diagonal;
-use super::error::FaceError;
+use crate::Error;
 use sinew_runtime::prior::{Anchor, Edit, Pin, PinJob, Pins, Prior, Temporal};
 use sinew_runtime::skin::{Output, ShapesJob, cells};
 use sinew_runtime::{CallError, Model, Skin};
@@ -47,10 +47,15 @@ impl<'a> BakedFace<'a> {
     /// Finds the first face in a file: a prior and its skin.
     ///
     /// # Errors
-    /// [`FaceError::NoFace`]
-    pub fn open<B: AsRef<[u8]>>(model: &'a Model<B>) -> Result<Self, FaceError> {
-        let prior = model.prior().ok_or(FaceError::NoFace)?;
-        let skin = model.skin_of(&prior).ok_or(FaceError::NoFace)?;
+    /// [`ErrorKind::Missing`](crate::ErrorKind::Missing): the file has no face.
+    pub fn open<B: AsRef<[u8]>>(model: &'a Model<B>) -> Result<Self, Error> {
+        let missing = || {
+            Error::missing(
+                "has no face: no prior over the shapes of a skin; `sinew face train` makes one",
+            )
+        };
+        let prior = model.prior().ok_or_else(missing)?;
+        let skin = model.skin_of(&prior).ok_or_else(missing)?;
         Ok(Self { skin, prior })
     }
 

@@ -1,6 +1,6 @@
 //! A face's basis: the neutral mesh, its shapes and identities.
 
-use super::error::FaceError;
+use crate::Error;
 use crate::envelope::model::{ShapeNumbers, Shapes, SkinModel};
 use crate::formats::ShapedMesh;
 use crate::formats::npz::read_numbers;
@@ -55,11 +55,15 @@ impl Basis {
     /// Adds an identity to the neutral mesh, at weight `by`.
     ///
     /// # Errors
-    /// [`FaceError::Identity`]
-    pub fn apply_identity(&mut self, identity: usize, by: f64) -> Result<(), FaceError> {
+    /// [`ErrorKind::Missing`](crate::ErrorKind::Missing): the identity does not exist.
+    pub fn apply_identity(&mut self, identity: usize, by: f64) -> Result<(), Error> {
         let len = self.identities.len();
-        let deltas =
-            self.identities.get(identity).ok_or(FaceError::Identity { found: identity, len })?;
+        let missing = || {
+            Error::missing(format!(
+                "there is no identity {identity}: there are {len}, the first is 0"
+            ))
+        };
+        let deltas = self.identities.get(identity).ok_or_else(missing)?;
         for (position, delta) in self.mesh.positions.iter_mut().zip(deltas) {
             *position = [0, 1, 2].map(|axis| position[axis] + by * delta[axis]);
         }
@@ -71,14 +75,12 @@ impl Basis {
     /// Reads the landmarks: vertex numbers in a `.npy`, `.txt` or `.csv` file.
     ///
     /// # Errors
-    /// Errors of the format; [`FaceError::Vertex`]
-    pub fn read_landmarks(&mut self, path: &Path) -> Result<(), FaceError> {
+    /// The file cannot be read, has another ending, or is damaged; or a number is not a vertex.
+    pub fn read_landmarks(&mut self, path: &Path) -> Result<(), Error> {
         let len = self.vertex_len();
         let vertex = |x: f64| match x >= 0.0 && x.fract() == 0.0 && x < len as f64 {
             true => Ok(x as usize),
-            false => {
-                Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len })
-            }
+            false => Err(no_vertex("a landmark", x as i64, len)),
         };
         let numbers = read_numbers(path, "landmarks")?;
         self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;
@@ -119,15 +121,16 @@ impl Basis {
     /// Checks the shapes: at least one, unique names and finite numbers.
     ///
     /// # Errors
-    /// [`FaceError::NoShapes`], [`FaceError::Twice`] and [`FaceError::NotFinite`].
-    pub(super) fn check(self) -> Result<Self, FaceError> {
+    /// There is no shape, two shapes have the same name, or a number is not finite.
+    pub(super) fn check(self) -> Result<Self, Error> {
         let shapes = &self.mesh.shapes;
         if shapes.is_empty() {
-            return Err(FaceError::NoShapes);
+            let text = "has no shape: a face needs a neutral mesh and at least one";
+            return Err(Error::missing(text));
         }
         let mut known = HashSet::new();
         if let Some(shape) = shapes.iter().find(|shape| !known.insert(&shape.name)) {
-            return Err(FaceError::Twice { name: shape.name.clone() });
+            return Err(Error::value(format!("two shapes are named {:?}", shape.name)));
         }
         let finite = |all: &[[f64; 3]]| all.as_flattened().iter().all(|x| x.is_finite());
         for (array, sound) in [
@@ -136,11 +139,23 @@ impl Basis {
             ("identity_deltas", self.identities.iter().all(|deltas| finite(deltas))),
         ] {
             if !sound {
-                return Err(FaceError::NotFinite { array });
+                return Err(not_finite(array));
             }
         }
         Ok(self)
     }
+}
+
+/// Makes the error of an array with a number that is not finite.
+pub(super) fn not_finite(array: &str) -> Error {
+    Error::value(format!("array {array} holds a number that is not finite"))
+}
+
+/// Makes the error of a vertex number out of range.
+///
+/// - `place`: location of the number.
+pub(super) fn no_vertex(place: &str, found: i64, len: usize) -> Error {
+    Error::value(format!("{place} names vertex {found} of {len}"))
 }
 
 /// A mesh whose coincident vertices with equal deltas are merged. Files for engines split vertices along seams.

@@ -2,7 +2,7 @@
 //! faces.
 
 use super::baked::{BakedFace, SolveOptions, moved};
-use super::error::FaceError;
+use crate::Error;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -107,8 +107,9 @@ impl Protocol<'_> {
     /// Measures the accuracy for each number of handles.
     ///
     /// # Errors
-    /// [`FaceError::Handles`] for 0 handles or more than there are landmarks; errors of the runtime.
-    pub fn run(&self, handles: &[usize]) -> Result<Evaluation, FaceError> {
+    /// [`ErrorKind::Value`](crate::ErrorKind::Value) for 0 handles or more than there are landmarks; errors of the
+    /// runtime.
+    pub fn run(&self, handles: &[usize]) -> Result<Evaluation, Error> {
         let gram = Gram::new(&self.face, self.vertices.clone());
         let owned =
             |frames: &[&[f64]]| frames.iter().map(|frame| frame.to_vec()).collect::<Vec<_>>();
@@ -117,7 +118,7 @@ impl Protocol<'_> {
         for &count in handles {
             let len = self.landmarks.len();
             if count == 0 || count > len {
-                return Err(FaceError::Handles { found: count, len });
+                return Err(wrong_handles(count, len));
             }
             rows.insert(count, self.row(count, &gram, &frames)?);
         }
@@ -135,7 +136,7 @@ impl Protocol<'_> {
         })
     }
 
-    fn row(&self, count: usize, gram: &Gram, frames: &[Vec<f64>]) -> Result<Row, FaceError> {
+    fn row(&self, count: usize, gram: &Gram, frames: &[Vec<f64>]) -> Result<Row, Error> {
         let handles: Vec<Vec<usize>> = (0..DRAWS).map(|draw| self.draw(count, draw)).collect();
         let chosen_on: Vec<Vec<f64>> = self.chosen_on.iter().map(|frame| frame.to_vec()).collect();
         let methods = [
@@ -174,7 +175,7 @@ impl Protocol<'_> {
         handles: &[Vec<usize>],
         gram: &Gram,
         frames: &[Vec<f64>],
-    ) -> Result<f32, FaceError> {
+    ) -> Result<f32, Error> {
         let mut best = (f64::INFINITY, self.face.prior.fit().beta);
         if frames.is_empty() {
             return Ok(best.1);
@@ -211,7 +212,7 @@ impl Method<'_> {
         beta: f32,
         gram: &Gram,
         frames: &[Vec<f64>],
-    ) -> Result<(f64, Figures), FaceError> {
+    ) -> Result<(f64, Figures), Error> {
         let draws = handles.par_iter().map(|handles| {
             let solved = self.solve(handles, beta, frames)?;
             let outside = |weight: &&f64| !(0.0..=1.0).contains(*weight);
@@ -224,7 +225,7 @@ impl Method<'_> {
             };
             Ok((rms(gram, &solved, frames), figures))
         });
-        let draws: Vec<(f64, Figures)> = draws.collect::<Result<_, FaceError>>()?;
+        let draws: Vec<(f64, Figures)> = draws.collect::<Result<_, Error>>()?;
         let mean = |of: &dyn Fn(&(f64, Figures)) -> f64| {
             draws.iter().map(of).sum::<f64>() / draws.len().max(1) as f64
         };
@@ -243,7 +244,7 @@ impl Method<'_> {
         handles: &[usize],
         beta: f32,
         frames: &[Vec<f64>],
-    ) -> Result<Vec<Vec<f64>>, FaceError> {
+    ) -> Result<Vec<Vec<f64>>, Error> {
         let Self { anchor, is_bounded, .. } = *self;
         let options =
             SolveOptions { anchor, beta, is_bounded, ..SolveOptions::edit(&self.face.prior) };
@@ -261,6 +262,11 @@ impl Method<'_> {
         };
         frames.iter().map(solve).collect()
     }
+}
+
+/// Makes the error of too few or too many handles.
+pub(super) fn wrong_handles(found: usize, len: usize) -> Error {
+    Error::value(format!("{found} handles: expected 1 to {len}, as many as the face has landmarks"))
 }
 
 /// Computes the RMS distance over vertices and frames.

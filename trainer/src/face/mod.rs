@@ -14,7 +14,6 @@
 
 pub mod baked;
 pub mod basis;
-mod error;
 pub mod evaluate;
 pub mod names;
 pub mod outline;
@@ -29,4 +28,4 @@ mod tests;
 pub mod track;
 pub mod train;
 
-pub use error::{FaceError, listed};
+pub use names::listed;

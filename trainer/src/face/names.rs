@@ -1,6 +1,7 @@
 //! Matches the columns of a take with the shapes of a face.
 
-use super::error::{FaceError, Unknown};
+use crate::Error;
+use std::fmt::Display;
 
 /// ARKit's rotation angles of head and eyes. Joints carry these rotations, so no shape has these names.
 const ANGLES: [&str; 9] = [
@@ -94,6 +95,8 @@ pub struct Columns {
     pub driven: Vec<Vec<usize>>,
     /// Names of expressions and angles without a shape.
     pub skipped: Vec<String>,
+    /// Names that are not shapes, and not known as columns without a shape.
+    pub unknown: Vec<String>,
 }
 
 impl Expression {
@@ -152,49 +155,90 @@ pub(super) fn is_count(name: &str) -> bool {
     Expression::without_prefix(name).stem == COUNT
 }
 
-/// Finds the shapes that columns drive. The first rule that matches applies: equal name; equal expression and side;
-/// equal expression, if the column has no side (`BrowInnerUp` drives both sides). Names are compared with their
-/// prefixes first, then without.
+/// Finds the shapes that columns drive, as [`Columns::of`], and checks them, as [`Columns::check`].
 ///
 /// # Errors
-/// - [`FaceError::Names`]: columns that are not shapes, and not known as columns without a shape.
-/// - [`FaceError::NoColumns`]: no column drives a shape.
-pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError> {
-    let readings: [fn(&str) -> Expression; 2] = [Expression::of, Expression::without_prefix];
-    let own = readings.map(|read| shapes.iter().map(|shape| read(shape)).collect::<Vec<_>>());
-    let (mut driven, mut skipped, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
-    for name in names {
-        let which = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
-            (0..shapes.len()).filter(|&shape| is(shape)).collect()
-        };
-        let mut found = which(&|shape| shapes[shape] == *name);
-        for (read, own) in readings.iter().zip(&own) {
-            let expression = read(name);
-            if found.is_empty() {
-                found = which(&|shape| own[shape] == expression);
-            }
-            if found.is_empty() && expression.side.is_none() {
-                found = which(&|shape| own[shape].stem == expression.stem);
-            }
-        }
-        let read = readings.map(|read| read(name));
-        if found.is_empty() && !read.iter().any(Expression::is_other) {
-            match read.iter().any(Expression::is_known) {
-                true => skipped.push(name.clone()),
-                false => {
-                    unknown.push(Unknown { name: name.clone(), nearest: nearest(name, shapes) })
+/// Those of [`Columns::check`].
+pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, Error> {
+    let columns = Columns::of(names, shapes);
+    columns.check(shapes)?;
+    Ok(columns)
+}
+
+impl Columns {
+    /// Finds the shapes that columns drive. The first rule that matches applies: equal name; equal expression and side;
+    /// equal expression, if the column has no side (`BrowInnerUp` drives both sides). Names are compared with their
+    /// prefixes first, then without.
+    pub fn of(names: &[String], shapes: &[String]) -> Self {
+        let readings: [fn(&str) -> Expression; 2] = [Expression::of, Expression::without_prefix];
+        let own = readings.map(|read| shapes.iter().map(|shape| read(shape)).collect::<Vec<_>>());
+        let (mut driven, mut skipped, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
+        for name in names {
+            let which = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
+                (0..shapes.len()).filter(|&shape| is(shape)).collect()
+            };
+            let mut found = which(&|shape| shapes[shape] == *name);
+            for (read, own) in readings.iter().zip(&own) {
+                let expression = read(name);
+                if found.is_empty() {
+                    found = which(&|shape| own[shape] == expression);
+                }
+                if found.is_empty() && expression.side.is_none() {
+                    found = which(&|shape| own[shape].stem == expression.stem);
                 }
             }
+            let read = readings.map(|read| read(name));
+            if found.is_empty() && !read.iter().any(Expression::is_other) {
+                match read.iter().any(Expression::is_known) {
+                    true => skipped.push(name.clone()),
+                    false => unknown.push(name.clone()),
+                }
+            }
+            driven.push(found);
         }
-        driven.push(found);
+        Self { driven, skipped, unknown }
     }
-    if !unknown.is_empty() {
-        return Err(FaceError::Names { unknown });
+
+    /// Checks the columns.
+    ///
+    /// # Errors
+    /// - [`ErrorKind::Value`](crate::ErrorKind::Value): columns are not shapes, and not known as columns without a
+    ///   shape.
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): no column drives a shape.
+    pub fn check(&self, shapes: &[String]) -> Result<(), Error> {
+        if !self.unknown.is_empty() {
+            let unknown = listed(self.unknown.iter().map(|name| suggested(name, shapes)));
+            return Err(Error::value(format!(
+                "unknown {unknown}: name each column after a shape of the face, or remove the column"
+            )));
+        }
+        if self.driven.iter().all(Vec::is_empty) {
+            let known = listed(shapes.iter());
+            return Err(Error::missing(format!(
+                "no column drives a shape of the face; its shapes are {known}"
+            )));
+        }
+        Ok(())
     }
-    if driven.iter().all(Vec::is_empty) {
-        return Err(FaceError::NoColumns { known: shapes.to_vec() });
+}
+
+/// Items that a message lists; further items are counted.
+const LISTED: usize = 5;
+
+/// Joins the first items of a list and counts the rest.
+pub fn listed(items: impl ExactSizeIterator<Item = impl Display>) -> String {
+    let more = items.len().saturating_sub(LISTED);
+    let first: Vec<String> = items.take(LISTED).map(|item| item.to_string()).collect();
+    let first = first.join(", ");
+    if more == 0 { first } else { format!("{first} and {more} more") }
+}
+
+/// Quotes an unknown name, and suggests similar names.
+fn suggested(name: &str, shapes: &[String]) -> String {
+    match nearest(name, shapes).as_slice() {
+        [] => format!("{name:?}"),
+        nearest => format!("{name:?} (did you mean {}?)", nearest.join(", ")),
     }
-    Ok(Columns { driven, skipped })
 }
 
 /// Lists the most similar names; empty if no name is similar.

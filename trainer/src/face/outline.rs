@@ -2,9 +2,8 @@
 //! The runtime does not need this mesh.
 
 use super::basis::Basis;
-use super::error::FaceError;
-use crate::formats::obj::{self, ObjError};
-use crate::formats::{FileError, FormatError, Mesh};
+use crate::Error;
+use crate::formats::{Mesh, obj};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -43,20 +42,17 @@ impl Outline {
     /// - `vertex_len`: number of the face's vertices, V.
     ///
     /// # Errors
-    /// [`FaceError::File`], with the path, if the mesh cannot be read or is damaged; [`FaceError::Beside`] if the
-    /// number of vertices differs from V.
-    pub fn read(face: &Path, vertex_len: usize) -> Result<Self, FaceError> {
+    /// The error names the mesh: the mesh cannot be read or is damaged, or its number of vertices differs from V.
+    pub fn read(face: &Path, vertex_len: usize) -> Result<Self, Error> {
         let file = beside(face);
-        let mesh = match obj::load(&file) {
-            Ok(mesh) => Some(mesh),
-            Err(FileError { error: FormatError::Obj(ObjError::NoFaces), .. }) => None,
-            Err(error) => return Err(error.into()),
-        };
-        let text = std::fs::read_to_string(&file)
-            .map_err(|error| FileError { file: file.clone(), error: FormatError::Read(error) })?;
+        let mesh = obj::load_optional(&file)?;
+        let text =
+            std::fs::read_to_string(&file).map_err(|error| Error::read(error).in_file(&file))?;
         let found = text.lines().filter(|line| line.starts_with("v ")).count();
         if found != vertex_len {
-            return Err(FaceError::Beside { file, expected: vertex_len, found });
+            let text =
+                format!("expected {vertex_len} vertices, as the face beside it has, found {found}");
+            return Err(Error::mismatch(text).in_file(file));
         }
         let points = text.lines().filter_map(|line| line.strip_prefix("p "));
         let numbers = points.flat_map(str::split_ascii_whitespace).filter_map(|n| n.parse().ok());
@@ -68,9 +64,10 @@ impl Outline {
     /// Returns the mesh.
     ///
     /// # Errors
-    /// [`FaceError::NoFaces`] without faces.
-    pub fn faces(&self) -> Result<&Mesh, FaceError> {
-        self.mesh.as_ref().ok_or(FaceError::NoFaces)
+    /// [`ErrorKind::Missing`](crate::ErrorKind::Missing) without faces.
+    pub fn faces(&self) -> Result<&Mesh, Error> {
+        let text = "has points alone, no faces: give an .obj to write, not a picture or a scene";
+        self.mesh.as_ref().ok_or_else(|| Error::missing(text))
     }
 
     /// Formats the mesh with new positions, V.

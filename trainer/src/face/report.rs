@@ -1,13 +1,12 @@
 //! An HTML page that shows the prior's effect: a face by a few handles, with and without the prior, and a drag.
 
 use super::baked::{BakedFace, Shaped, SolveOptions};
-use super::error::FaceError;
-use super::evaluate::{Evaluation, Gram, Protocol, Row};
+use super::evaluate::{Evaluation, Gram, Protocol, Row, wrong_handles};
 use super::picture::{Paint, Photographer};
+use crate::Error;
 use crate::page::chart::colour_bar;
 use crate::page::colour::Scale;
 use crate::page::html::{self, figure, paragraph, section, side_by_side, table, text};
-use png::EncodingError;
 use sinew_runtime::prior::{Anchor, Pin};
 
 /// Pictures of the drag.
@@ -39,10 +38,10 @@ impl Report<'_> {
     /// Renders the page as one HTML file without scripts or external resources.
     ///
     /// # Errors
-    /// Errors of the runtime; [`FaceError::Picture`].
-    pub fn html(&self) -> Result<String, FaceError> {
+    /// Nothing was measured, a picture cannot be encoded, or the runtime refuses a call.
+    pub fn html(&self) -> Result<String, Error> {
         let Some((&handles, row)) = self.evaluation.handles.iter().next() else {
-            return Err(FaceError::Handles { found: 0, len: self.protocol.landmarks.len() });
+            return Err(wrong_handles(0, self.protocol.landmarks.len()));
         };
         let name = self.protocol.face.skin.name();
         let share = 100.0 * row.prior / row.slider;
@@ -88,7 +87,7 @@ impl Report<'_> {
     }
 
     /// Shows the most expressive frames: the take, the slider norm and the prior.
-    fn frames(&self, handles: usize, row: &Row) -> Result<String, FaceError> {
+    fn frames(&self, handles: usize, row: &Row) -> Result<String, Error> {
         let pinned = self.protocol.draw(handles, 0);
         let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
         let mut out = paragraph(&format!(
@@ -129,7 +128,7 @@ impl Report<'_> {
                 clay(&prior.shaped, &prior.pins, &of_prior),
             ];
             out += &side_by_side(3, &pictures.into_iter().collect::<Result<Vec<_>, _>>()?);
-            let heat = |solved: &Solved, caption: &str| -> Result<String, EncodingError> {
+            let heat = |solved: &Solved, caption: &str| -> Result<String, Error> {
                 let paint = Paint::Heat(&solved.errors, scale);
                 let picture = self.photographer.take(&solved.shaped, &paint, &[]);
                 figure(&picture, caption, "", &(colour_bar(&scale, "") + "error"))
@@ -147,7 +146,7 @@ impl Report<'_> {
     }
 
     /// Shows one landmark dragged from the neutral face to its place in an expression.
-    fn drag(&self, row: &Row) -> Result<String, FaceError> {
+    fn drag(&self, row: &Row) -> Result<String, Error> {
         let face = &self.protocol.face;
         let gram = Gram::new(face, self.protocol.vertices.clone());
         let Some(frame) = self.strongest(&gram).into_iter().next() else {
@@ -215,7 +214,7 @@ impl Report<'_> {
         pinned: &[usize],
         frame: &[f64],
         gram: &Gram,
-    ) -> Result<Solved, FaceError> {
+    ) -> Result<Solved, Error> {
         let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
         let options =
             SolveOptions { anchor, beta, is_bounded: false, ..SolveOptions::edit(&solver.prior) };

@@ -1,7 +1,7 @@
 //! A face as binary glTF: a mesh with morph targets and their weights, still or animated.
 
 use super::baked::BakedFace;
-use super::error::FaceError;
+use crate::Error;
 use crate::formats::Mesh;
 use crate::formats::gltf::write::{ArrayKind, ChannelKeys, Document, F32, Placed, Track};
 use crate::mesh::Surface;
@@ -23,8 +23,8 @@ pub enum Weights<'a> {
 /// - `mesh`: the mesh beside the file, with the skin's vertices.
 ///
 /// # Errors
-/// [`FaceError::Glb`]; errors of the runtime.
-pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<Vec<u8>, FaceError> {
+/// The scene is too large; errors of the runtime.
+pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<Vec<u8>, Error> {
     let surface = Surface { positions: &mesh.positions, ..mesh.surface() };
     let shape_len = face.skin.shape_len();
     let rest = face.shaped(&vec![0.0; shape_len])?;
@@ -88,5 +88,5 @@ pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<V
             vec![Track { node, keys: ChannelKeys::Weights(keys), holds: false }],
         );
     }
-    document.finish().map_err(FaceError::Glb)
+    document.finish()
 }

@@ -6,12 +6,12 @@
 //!
 //! Example meshes have `meshes` (N, V, 3), or (N, V, 2) for points in a plane, and faces `quads` and `tris`.
 
-use super::basis::{Basis, ExampleMeshes};
-use super::error::FaceError;
+use super::basis::{Basis, ExampleMeshes, no_vertex, not_finite};
+use crate::Error;
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::npz::{Archive, Rows};
+use crate::formats::npz::{self, Archive, Rows};
 use crate::formats::obj::read_folder;
-use crate::formats::{ArrayError, FormatError, NamedShape, ShapedMesh, fbx, gltf};
+use crate::formats::{NamedShape, ShapedMesh, fbx, gltf};
 use serde_json::Value;
 use std::path::Path;
 
@@ -33,9 +33,9 @@ pub enum Source {
 /// Reads a face: a `.npz`, a scene with morph targets (`.glb`, `.gltf`, `.fbx`), or a folder of OBJ files.
 ///
 /// # Errors
-/// [`FaceError::Format`] and [`FaceError::File`]; errors in the arrays of a `.npz`; [`FaceError::NoShapes`],
-/// [`FaceError::Twice`] and [`FaceError::NotFinite`].
-pub fn read(path: &Path) -> Result<Source, FaceError> {
+/// The file cannot be read, has another ending, or is damaged; an array of a `.npz` is missing, or does not fit the
+/// others; there is no shape, two shapes have the same name, or a number is not finite.
+pub fn read(path: &Path) -> Result<Source, Error> {
     if path.is_dir() {
         return Basis::of(read_folder(path)?).check().map(Source::Shapes);
     }
@@ -44,20 +44,20 @@ pub fn read(path: &Path) -> Result<Source, FaceError> {
         "npz" => return read_meshes(path).map(Source::Meshes),
         "glb" | "gltf" => gltf::read_shapes(path)?,
         "fbx" => fbx::read_shapes(path)?,
-        _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder").into()),
+        _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder")),
     };
     Basis::of(mesh).check().map(Source::Shapes)
 }
 
 /// Returns whether the arrays describe a face with shapes, not example meshes.
-fn has_shapes(path: &Path) -> Result<bool, FaceError> {
+fn has_shapes(path: &Path) -> Result<bool, Error> {
     let mut archive = Archive::open(path)?;
     let names = archive.texts("expression_names")?;
     Ok(names.is_some() || archive.rows::<f64, 3>("neutral", &[3])?.is_some())
 }
 
 /// Reads a face from arrays.
-fn read_face(path: &Path) -> Result<Basis, FaceError> {
+fn read_face(path: &Path) -> Result<Basis, Error> {
     let mut archive = Archive::open(path)?;
     let positions = archive.required::<f64, 3>("neutral", &[3])?.data;
     let len = positions.len();
@@ -97,31 +97,26 @@ fn read_face(path: &Path) -> Result<Basis, FaceError> {
 }
 
 /// Reads example meshes from arrays; points in a plane get z = 0.
-fn read_meshes(path: &Path) -> Result<ExampleMeshes, FaceError> {
+fn read_meshes(path: &Path) -> Result<ExampleMeshes, Error> {
     let mut archive = Archive::open(path)?;
     let in_space = archive.rows::<f64, 3>("meshes", &[0, 3]);
     let (lead, points) = match in_space {
         Ok(Some(rows)) => (rows.lead, rows.data),
         Ok(None) => {
             let array = "neutral, with expression_deltas and expression_names, or meshes";
-            return Err(FormatError::from(ArrayError::Missing { array }).into());
+            return Err(npz::missing(array));
         }
         Err(error) => match archive.rows::<f64, 2>("meshes", &[0, 2]) {
             Ok(Some(rows)) => (rows.lead, rows.data.iter().map(|&[x, y]| [x, y, 0.0]).collect()),
-            _ => return Err(error.into()),
+            _ => return Err(error),
         },
     };
     let (n, len) = (lead[0], lead[1]);
     if n < 2 {
-        return Err(FaceError::Count {
-            array: "meshes",
-            what: "meshes or more",
-            expected: 2,
-            found: n,
-        });
+        return Err(wrong_count("meshes", "meshes or more", 2, n));
     }
     if !points.as_flattened().iter().all(|x| x.is_finite()) {
-        return Err(FaceError::NotFinite { array: "meshes" });
+        return Err(not_finite("meshes"));
     }
     let positions: Vec<Vec<[f64; 3]>> = points.chunks(len.max(1)).map(<[_]>::to_vec).collect();
     count("meshes", "meshes with vertices", n, positions.len())?;
@@ -135,7 +130,7 @@ fn faces(
     archive: &mut Archive,
     [quads, tris]: [&'static str; 2],
     len: usize,
-) -> Result<Vec<Vec<usize>>, FaceError> {
+) -> Result<Vec<Vec<usize>>, Error> {
     let mut out = Vec::new();
     let of_quads = archive.rows::<i64, 4>(quads, &[4])?.map(|rows| rows.data);
     for (face, corners) in of_quads.iter().flatten().enumerate() {
@@ -148,14 +143,10 @@ fn faces(
     Ok(out)
 }
 
-fn checked(
-    place: impl Fn() -> String,
-    numbers: &[i64],
-    len: usize,
-) -> Result<Vec<usize>, FaceError> {
+fn checked(place: impl Fn() -> String, numbers: &[i64], len: usize) -> Result<Vec<usize>, Error> {
     let check = |&found: &i64| match usize::try_from(found) {
         Ok(vertex) if vertex < len => Ok(vertex),
-        _ => Err(FaceError::Vertex { place: place(), found, len }),
+        _ => Err(no_vertex(&place(), found, len)),
     };
     numbers.iter().map(check).collect()
 }
@@ -164,7 +155,7 @@ fn vertices(
     array: &'static str,
     rows: Option<Rows<i64, 1>>,
     len: usize,
-) -> Result<Vec<usize>, FaceError> {
+) -> Result<Vec<usize>, Error> {
     let numbers = rows.map(|rows| rows.data).unwrap_or_default();
     checked(|| format!("array {array}"), numbers.as_flattened(), len)
 }
@@ -173,28 +164,28 @@ fn deltas(
     archive: &mut Archive,
     array: &'static str,
     len: usize,
-) -> Result<Vec<Vec<[f64; 3]>>, FaceError> {
+) -> Result<Vec<Vec<[f64; 3]>>, Error> {
     let Some(rows) = archive.rows::<f64, 3>(array, &[0, 3])? else { return Ok(Vec::new()) };
     count(array, "vertices", len, rows.lead[1])?;
     Ok(rows.data.chunks(len.max(1)).map(<[_]>::to_vec).collect())
 }
 
-pub(super) fn count(
-    array: &'static str,
-    what: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), FaceError> {
+/// Checks the length of an array.
+pub(super) fn count(array: &str, what: &str, expected: usize, found: usize) -> Result<(), Error> {
     if expected == found {
         return Ok(());
     }
-    Err(FaceError::Count { array, what, expected, found })
+    Err(wrong_count(array, what, expected, found))
+}
+
+fn wrong_count(array: &str, what: &str, expected: usize, found: usize) -> Error {
+    Error::mismatch(format!("array {array}: expected {expected} {what}, found {found}"))
 }
 
 /// Reads ICT-FaceKit's landmarks from the file beside its head; empty without that file.
 fn ict_landmarks(path: &Path, len: usize) -> Vec<usize> {
     let (file, list) = ICT_LANDMARKS;
-    let text = std::fs::read(path.with_file_name(file)).map_err(FormatError::Read);
+    let text = std::fs::read(path.with_file_name(file));
     let json = text.ok().and_then(|text| serde_json::from_slice::<Value>(&text).ok());
     let list = json.as_ref().and_then(|json| json[list].as_array());
     let numbers = list.into_iter().flatten().filter_map(Value::as_u64);

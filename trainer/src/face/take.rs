@@ -1,11 +1,12 @@
 //! Takes: weights of a face's shapes, frame by frame.
 
-use super::error::FaceError;
+use super::basis::not_finite;
 use super::names::{Columns, columns, is_count};
 use super::source::count;
+use crate::Error;
+use crate::formats::csv;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::npz::Archive;
-use crate::formats::{CsvError, FormatError, csv};
 use std::ops::Range;
 use std::path::Path;
 
@@ -50,13 +51,14 @@ struct DrivingColumns<'a> {
 /// columns are the face's shapes in order.
 ///
 /// # Errors
-/// Errors of the formats; [`FaceError::Names`], [`FaceError::NoColumns`], [`FaceError::Contradiction`] and
-/// [`FaceError::Lost`]; [`FaceError::Count`] if a `.npz` has different numbers of columns and names.
-pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
+/// The file cannot be read, has another ending, or is damaged; a column is unknown, or none drives a shape; two columns
+/// drive the same shape with different weights; the tracking is lost in every row; or a `.npz` has different numbers of
+/// columns and names, no frame, or a weight that is not finite.
+pub fn read(path: &Path, shapes: &[String]) -> Result<Take, Error> {
     match extension(path).as_str() {
         "csv" => of_table(&csv::read(path)?, shapes),
         "npz" => of_arrays(path, shapes),
-        _ => Err(unknown_format(path, ".csv or .npz").into()),
+        _ => Err(unknown_format(path, ".csv or .npz")),
     }
 }
 
@@ -69,19 +71,18 @@ impl Take {
     /// Picks every n-th frame of a range of row numbers; skips `from` rows first, and rows without tracking.
     ///
     /// # Errors
-    /// [`FaceError::Range`] if the range is empty, out of bounds or without a frame.
+    /// [`ErrorKind::Value`](crate::ErrorKind::Value) if the range is empty, out of bounds or without a frame.
     pub fn pick(
         &self,
         range: &Range<usize>,
         from: usize,
         every: usize,
-    ) -> Result<Vec<&[f64]>, FaceError> {
+    ) -> Result<Vec<&[f64]>, Error> {
         let len = self.file_len();
         check(range, len)?;
         let picked = self.every(range, from, every);
         if picked.is_empty() {
-            let first = range.start + from;
-            return Err(FaceError::Range { what: "frames", first, end: range.end, len });
+            return Err(wrong_range(&(range.start + from..range.end), len));
         }
         Ok(picked)
     }
@@ -94,16 +95,26 @@ impl Take {
     }
 }
 
-fn check(range: &Range<usize>, len: usize) -> Result<(), FaceError> {
+fn check(range: &Range<usize>, len: usize) -> Result<(), Error> {
     if range.start < range.end && range.end <= len {
         return Ok(());
     }
-    Err(FaceError::Range { what: "frames", first: range.start, end: range.end, len })
+    Err(wrong_range(range, len))
 }
 
-fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
-    let Columns { driven, skipped } =
-        columns(&table.names, shapes).map_err(|e| unnamed(e, table))?;
+/// Makes the error of a range of frames that is empty or out of bounds.
+fn wrong_range(range: &Range<usize>, len: usize) -> Error {
+    let Range { start, end } = range;
+    Error::value(format!(
+        "frames {start}..{end}: expected a range within 0..{len} that is not empty"
+    ))
+}
+
+fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, Error> {
+    let columns = Columns::of(&table.names, shapes);
+    check_names(table, &columns.unknown)?;
+    columns.check(shapes)?;
+    let Columns { driven, skipped, .. } = columns;
     let used: Vec<usize> = (0..driven.len()).filter(|&at| !driven[at].is_empty()).collect();
     let count = table.names.iter().position(|name| is_count(name));
     let mut take = Take { skipped, ..Take::default() };
@@ -118,23 +129,24 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
         take.numbers.push(number);
     }
     if rows.is_empty() {
-        return Err(FaceError::Lost { len: take.lost.len() });
+        let len = take.lost.len();
+        return Err(Error::missing(format!(
+            "has no frame: the tracking is lost in all {len} rows"
+        )));
     }
     let names = used.iter().map(|&at| table.names[at].as_str()).collect();
     let drivers = drivers(used.iter().map(|&at| driven[at].as_slice()), shapes.len());
     DrivingColumns { names, drivers, rows, places }.into_take(take, shapes)
 }
 
-/// Replaces an error about unknown names if the first line holds numbers: the line of names is missing.
-fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
-    let FaceError::Names { unknown } = &error else { return error };
-    let mut numbers =
-        unknown.iter().map(|unknown| &unknown.name).filter(|name| table.number(name).is_some());
+/// Checks that the line of names is not missing: most of the names are not unknown numbers.
+fn check_names(table: &csv::Table, unknown: &[String]) -> Result<(), Error> {
+    let mut numbers = unknown.iter().filter(|name| table.number(name).is_some());
     match numbers.next() {
         Some(found) if 2 * (1 + numbers.count()) > table.names.len() => {
-            CsvError::NoNames { line: 1, found: found.clone() }.into()
+            Err(csv::no_names(1, found))
         }
-        _ => error,
+        _ => Ok(()),
     }
 }
 
@@ -150,20 +162,20 @@ fn is_lost(table: &csv::Table, row: &csv::Row, count: Option<usize>, used: &[usi
         || row.len() == table.names.len() && !used.iter().all(|&column| has(column))
 }
 
-fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
+fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, Error> {
     let mut archive = Archive::open(path)?;
     let rows = archive.required::<f64, 1>("weights", &[0])?;
     let (n, width) = (rows.lead[0], rows.lead[1]);
     if n == 0 {
-        return Err(FaceError::Range { what: "frames", first: 0, end: 0, len: 0 });
+        return Err(wrong_range(&(0..0), 0));
     }
     if !rows.data.as_flattened().iter().all(|x| x.is_finite()) {
-        return Err(FaceError::NotFinite { array: "weights" });
+        return Err(not_finite("weights"));
     }
     let names = archive.texts("names")?;
     count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
     let names = names.as_deref().unwrap_or(shapes);
-    let Columns { driven, skipped } = columns(names, shapes)?;
+    let Columns { driven, skipped, .. } = columns(names, shapes)?;
     let driving = DrivingColumns {
         names: names.iter().map(String::as_str).collect(),
         drivers: drivers(driven.iter().map(Vec::as_slice), shapes.len()),
@@ -188,8 +200,8 @@ impl DrivingColumns<'_> {
     /// Gives each shape the weights of its first column.
     ///
     /// # Errors
-    /// [`FaceError::Contradiction`]
-    fn into_take(self, take: Take, shapes: &[String]) -> Result<Take, FaceError> {
+    /// [`ErrorKind::Mismatch`](crate::ErrorKind::Mismatch): two columns of a shape differ.
+    fn into_take(self, take: Take, shapes: &[String]) -> Result<Take, Error> {
         self.check(shapes)?;
         let weight = |row: &[f64], drivers: &[usize]| drivers.first().map_or(0.0, |&at| row[at]);
         let frame = |row: &Vec<f64>| self.drivers.iter().map(|all| weight(row, all)).collect();
@@ -198,7 +210,7 @@ impl DrivingColumns<'_> {
     }
 
     /// Checks that all columns of a shape agree.
-    fn check(&self, shapes: &[String]) -> Result<(), FaceError> {
+    fn check(&self, shapes: &[String]) -> Result<(), Error> {
         let pairs = self.drivers.iter().zip(shapes).flat_map(|(drivers, shape)| {
             drivers.windows(2).map(move |pair| (shape, [pair[0], pair[1]]))
         });
@@ -208,13 +220,17 @@ impl DrivingColumns<'_> {
             self.rows.iter().position(differs).map(|row| (shape, pair, row))
         });
         let Some((shape, pair, row)) = differing.next() else { return Ok(()) };
-        Err(FaceError::Contradiction {
-            shape: shape.clone(),
-            columns: pair.map(|at| self.names[at].to_owned()),
-            place: self.places[row].clone(),
-            found: pair.map(|at| self.rows[row][at]),
-            pairs: 1 + differing.count(),
-        })
+        let [first, second] = pair.map(|at| self.names[at]);
+        let [a, b] = pair.map(|at| self.rows[row][at]);
+        let place = &self.places[row];
+        let remedy = match 1 + differing.count() {
+            1 => "them".to_owned(),
+            pairs => format!("each of {pairs} such pairs"),
+        };
+        Err(Error::mismatch(format!(
+            "columns {first:?} and {second:?} both drive shape {shape:?}, and differ in {place}: {a} and {b}: \
+             remove one of {remedy}"
+        )))
     }
 
     fn largest(&self) -> Option<Largest> {
@@ -236,8 +252,11 @@ impl DrivingColumns<'_> {
 }
 
 /// Formats weights as CSV: a line of names, then a line per frame with its number first.
-pub fn to_csv(shapes: &[String], frames: &[(usize, Vec<f64>)]) -> Result<Vec<u8>, FormatError> {
-    let wrong = |error: ::csv::Error| FormatError::Write(error.into());
+///
+/// # Errors
+/// The writer of the table fails.
+pub fn to_csv(shapes: &[String], frames: &[(usize, Vec<f64>)]) -> Result<Vec<u8>, Error> {
+    let wrong = |error: ::csv::Error| Error::write(error.into());
     let mut out = ::csv::Writer::from_writer(Vec::new());
     out.write_record(std::iter::once("frame").chain(shapes.iter().map(String::as_str)))
         .map_err(wrong)?;
@@ -245,5 +264,5 @@ pub fn to_csv(shapes: &[String], frames: &[(usize, Vec<f64>)]) -> Result<Vec<u8>
         let numbers = weights.iter().map(|weight| (*weight as f32).to_string());
         out.write_record(std::iter::once(frame.to_string()).chain(numbers)).map_err(wrong)?;
     }
-    out.into_inner().map_err(|error| FormatError::Write(error.into_error()))
+    out.into_inner().map_err(|error| Error::write(error.into_error()))
 }

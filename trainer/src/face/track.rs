@@ -1,6 +1,6 @@
 //! Tracks: observed positions of vertices, frame by frame.
 
-use super::error::FaceError;
+use crate::Error;
 use crate::formats::csv;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,14 +27,13 @@ const STIFFNESS: &str = "stiffness";
 /// - `vertex_len`: number of the face's vertices, V.
 ///
 /// # Errors
-/// - Errors of the table, with the line.
-/// - [`FaceError::Cell`] for a frame that is not a whole number, a vertex outside 0..V, or a stiffness that is not
-///   positive.
-pub fn read(path: &Path, vertex_len: usize) -> Result<Track, FaceError> {
+/// The file cannot be read or is no table of numbers; a column is missing; or a frame is not a whole number, a vertex
+/// outside 0..V, or a stiffness not positive.
+pub fn read(path: &Path, vertex_len: usize) -> Result<Track, Error> {
     of_table(&csv::read(path)?, vertex_len)
 }
 
-fn of_table(table: &csv::Table, vertex_len: usize) -> Result<Track, FaceError> {
+fn of_table(table: &csv::Table, vertex_len: usize) -> Result<Track, Error> {
     let mut columns: Vec<usize> =
         COLUMNS.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?;
     columns.extend(table.column(STIFFNESS).ok());
@@ -45,7 +44,7 @@ fn of_table(table: &csv::Table, vertex_len: usize) -> Result<Track, FaceError> {
             let found = numbers[place];
             match found >= 0.0 && found <= most && found.fract() == 0.0 {
                 true => Ok(found as usize),
-                false => Err(FaceError::Cell { line, column: COLUMNS[place], expected, found }),
+                false => Err(wrong_cell(line, COLUMNS[place], &expected, found)),
             }
         };
         let frame = whole(0, f64::from(u32::MAX), "a whole number from 0 on".to_owned())?;
@@ -53,13 +52,17 @@ fn of_table(table: &csv::Table, vertex_len: usize) -> Result<Track, FaceError> {
         let vertex = whole(1, last, format!("a vertex from 0 to {last}"))?;
         let stiffness = numbers.get(5).copied().unwrap_or(1.0);
         if stiffness <= 0.0 {
-            let expected = "a number above 0".to_owned();
-            return Err(FaceError::Cell { line, column: STIFFNESS, expected, found: stiffness });
+            return Err(wrong_cell(line, STIFFNESS, "a number above 0", stiffness));
         }
         let at = [numbers[2], numbers[3], numbers[4]];
         track.entry(frame).or_default().push(Point { vertex, at, stiffness });
     }
     Ok(track)
+}
+
+/// Makes the error of a cell whose number is not allowed.
+fn wrong_cell(line: u64, column: &str, expected: &str, found: f64) -> Error {
+    Error::value(format!("line {line}, column {column:?}: expected {expected}, found {found}"))
 }
 
 #[cfg(test)]

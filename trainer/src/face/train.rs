@@ -2,10 +2,9 @@
 
 use super::baked::BakedFace;
 use super::basis::{Basis, ExampleMeshes};
-use super::error::FaceError;
 use super::evaluate::Protocol;
 use super::prior::{learned, pairs, slider};
-use crate::bake::BakeError;
+use crate::Error;
 use crate::envelope::model::{FileModel, PriorModel, ShapeNumbers};
 use crate::formats::{NamedShape, ShapedMesh};
 use faer::Mat;
@@ -42,12 +41,8 @@ pub struct Options {
 /// - `frames`: weights, N x S.
 ///
 /// # Errors
-/// [`FaceError::Tolerance`]
-pub fn of_take(
-    basis: &Basis,
-    frames: &[Vec<f64>],
-    options: &Options,
-) -> Result<FileModel, FaceError> {
+/// [`ErrorKind::Value`](crate::ErrorKind::Value): a file cannot hold the tolerance of pins.
+pub fn of_take(basis: &Basis, frames: &[Vec<f64>], options: &Options) -> Result<FileModel, Error> {
     let deltas: Vec<_> = basis.mesh.shapes.iter().map(|shape| shape.deltas.clone()).collect();
     let pairs = pairs(&basis.names(), &deltas);
     let bounds = vec![BOUNDS.0; deltas.len()];
@@ -61,12 +56,13 @@ pub fn of_take(
 /// - `rank`: number of shapes; `None` keeps [`ENERGY`].
 ///
 /// # Errors
-/// [`FaceError::Rank`] if the meshes have fewer components; [`FaceError::Tolerance`]
+/// [`ErrorKind::Value`](crate::ErrorKind::Value): the meshes have fewer components, or a file cannot hold the tolerance
+/// of pins.
 pub fn of_meshes(
     meshes: &ExampleMeshes,
     rank: Option<usize>,
     options: &Options,
-) -> Result<(Basis, FileModel), FaceError> {
+) -> Result<(Basis, FileModel), Error> {
     let (n, len) = (meshes.positions.len(), meshes.mesh.positions.len());
     let mean = |vertex: usize| -> [f64; 3] {
         let sum = |axis: usize| meshes.positions.iter().map(|mesh| mesh[vertex][axis]).sum::<f64>();
@@ -76,8 +72,7 @@ pub fn of_meshes(
     let centred = Mat::from_fn(3 * len, n, |row, at| {
         meshes.positions[at][row / 3][row % 3] - mean[row / 3][row % 3]
     });
-    let none = || FaceError::Rank { found: rank.unwrap_or(1), most: 0 };
-    let svd = centred.thin_svd().map_err(|_| none())?;
+    let svd = centred.thin_svd().map_err(|_| wrong_rank(rank.unwrap_or(1), 0))?;
     // N meshes have N - 1 components.
     let energies: Vec<f64> =
         svd.S().column_vector().iter().take(n - 1).map(|s| s * s / n as f64).collect();
@@ -92,7 +87,7 @@ pub fn of_meshes(
     });
     let rank = rank.unwrap_or(needed.count()).max(1);
     if rank > most {
-        return Err(FaceError::Rank { found: rank, most });
+        return Err(wrong_rank(rank, most));
     }
     let size = (len as f64).sqrt();
     let shape = |mode: usize| {
@@ -115,6 +110,10 @@ pub fn of_meshes(
     Ok((basis, model))
 }
 
+fn wrong_rank(rank: usize, most: usize) -> Error {
+    Error::value(format!("rank {rank}: the meshes have {most} principal components"))
+}
+
 /// Measures the accuracy with [`HANDLES`] landmarks on the last quarter of the frames and records the errors in the
 /// file. The measured prior is learned from the other frames. Measures nothing if landmarks or frames are too few.
 ///
@@ -125,15 +124,15 @@ pub fn measure(
     basis: &Basis,
     frames: &[Vec<f64>],
     options: &Options,
-) -> Result<(), FaceError> {
+) -> Result<(), Error> {
     let cut = frames.len() - frames.len() / 4;
     if basis.landmarks.len() < HANDLES || frames.len() < LEAST {
         return Ok(());
     }
     let own = of_take(basis, &frames[..cut], options)?;
     let [slider, slider_mean] = sliders(&own);
-    let load = |model: &FileModel| -> Result<Model<Vec<u8>>, FaceError> {
-        Model::from_bytes(model.bake()?).map_err(|error| BakeError::Refused(error).into())
+    let load = |model: &FileModel| -> Result<Model<Vec<u8>>, Error> {
+        Ok(Model::from_bytes(model.bake()?)?)
     };
     let (own, slider, slider_mean) = (load(&own)?, load(&slider)?, load(&slider_mean)?);
     let face = BakedFace::open(&own)?;
@@ -185,12 +184,15 @@ fn file(basis: &Basis, prior: PriorModel, options: &Options) -> FileModel {
 }
 
 impl Options {
-    fn tolerance(&self, basis: &Basis) -> Result<f64, FaceError> {
+    fn tolerance(&self, basis: &Basis) -> Result<f64, Error> {
         let found = self.tolerance.unwrap_or_else(|| TOLERANCE * basis.diagonal());
         let [least, most] = TOLERANCES;
         match (least..=most).contains(&found) {
             true => Ok(found),
-            false => Err(FaceError::Tolerance { found, share: TOLERANCE, range: TOLERANCES }),
+            false => Err(Error::value(format!(
+                "tolerance of pins {found:e}: expected {least:e} to {most:e}; the default is {TOLERANCE} of the \
+                 face's diagonal: give a tolerance, or scale the face"
+            ))),
         }
     }
 }

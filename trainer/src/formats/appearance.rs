@@ -3,22 +3,22 @@
 pub(crate) use super::materials::image_kind;
 pub use super::materials::{Appearance, Image};
 
-use super::error::FileError;
 use super::extension::extension;
 use super::{fbx, gltf};
+use crate::Error;
 use std::path::Path;
 
 /// Reads the appearance of a scene's meshes (`.glb`, `.gltf`, `.fbx`). Triangles are in the order of the scene's
 /// reader. Files of other formats give an empty appearance.
 ///
 /// # Errors
-/// A [`FileError`] that names the file: it cannot be read or is damaged. An image that cannot be read is no error; it
-/// is listed in [`Appearance::missing`].
-pub fn load(path: &Path) -> Result<Appearance, FileError> {
+/// The error names the file: the file cannot be read or is damaged. An image that cannot be read is no error; it is
+/// listed in [`Appearance::missing`].
+pub fn load(path: &Path) -> Result<Appearance, Error> {
     let read = match extension(path).as_str() {
         "glb" | "gltf" => gltf::rigged::read_appearance(path),
         "fbx" => fbx::appearance::read(path),
         _ => Ok(Appearance::default()),
     };
-    read.map_err(|error| FileError { file: path.to_owned(), error })
+    read.map_err(|error| error.in_file(path))
 }

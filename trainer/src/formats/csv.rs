@@ -1,7 +1,8 @@
 //! Tables as CSV: a line of column names, then one row a line.
 
-use super::error::{CsvError, FormatError};
 use super::extension::unmarked;
+use crate::Error;
+use std::fmt::Display;
 use std::path::Path;
 
 /// Characters that may separate cells, the most common first.
@@ -35,10 +36,9 @@ impl Row {
 /// Reads a file.
 ///
 /// # Errors
-/// [`FormatError::Read`] and [`FormatError::Csv`].
-pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
-    let text = std::fs::read(path).map_err(FormatError::Read)?;
-    Ok(Table::parse(&text)?)
+/// The file cannot be read, and the errors of [`Table::parse`].
+pub(crate) fn read(path: &Path) -> Result<Table, Error> {
+    Table::parse(&std::fs::read(path).map_err(Error::read)?)
 }
 
 impl Table {
@@ -48,8 +48,9 @@ impl Table {
     /// out.
     ///
     /// # Errors
-    /// Every [`CsvError`] except [`CsvError::Missing`], [`CsvError::Row`] and [`CsvError::Number`].
-    pub(crate) fn parse(text: &[u8]) -> Result<Self, CsvError> {
+    /// The text is not UTF-8 or cannot be parsed, a line precedes the line of names, that line consists of numbers or
+    /// repeats a name, or there is no row.
+    pub(crate) fn parse(text: &[u8]) -> Result<Self, Error> {
         check_encoding(text)?;
         let text = unmarked(text);
         let separator = separator(text);
@@ -58,7 +59,7 @@ impl Table {
             builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
         let wrong = |error: csv::Error| {
             let line = error.position().map_or(1, |position| line(text, position));
-            CsvError::Text { line, reason: error.to_string() }
+            unreadable(line, &error).caused_by(error)
         };
         let has_decimal_commas = separator != b',';
         let first = reader.headers().map_err(wrong)?.clone();
@@ -66,7 +67,7 @@ impl Table {
         if cells.peek().is_some() && cells.all(|cell| number(cell, has_decimal_commas).is_some()) {
             let line = first.position().map_or(1, |position| line(text, position));
             let found = first.iter().collect::<Vec<_>>().join(", ");
-            return Err(CsvError::NoNames { line, found });
+            return Err(no_names(line, &found));
         }
         let mut names: Vec<String> = first.iter().map(str::to_owned).collect();
         let mut rows = Vec::new();
@@ -88,7 +89,7 @@ impl Table {
     }
 
     /// Checks the names and that there is a row.
-    fn check(&self) -> Result<(), CsvError> {
+    fn check(&self) -> Result<(), Error> {
         let names = &self.names;
         let next = self
             .rows
@@ -96,25 +97,33 @@ impl Table {
             .map_or(0, |row| row.cells.iter().filter(|cell| !cell.is_empty()).count());
         let is_longer = self.rows.first().is_some_and(|row| row.len() > names.len());
         if is_longer && next > TITLE * names.iter().filter(|name| !name.is_empty()).count() {
-            return Err(CsvError::Title {
-                expected: next,
-                found: names.join(" ").trim().to_owned(),
-            });
+            let found = names.join(" ");
+            return Err(Error::damaged(format!(
+                "line 1: expected the names of {next} columns, as the next line has, found {:?}: \
+                 remove the lines before the names",
+                found.trim()
+            )));
         }
         let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
-        if let Some(name) = (0..names.len()).find(is_repeated).map(|at| names[at].clone()) {
-            return Err(CsvError::Twice { name });
+        if let Some(at) = (0..names.len()).find(is_repeated) {
+            let name = &names[at];
+            return Err(Error::value(format!("line 1: two columns are named {name:?}")));
         }
-        if self.rows.is_empty() { Err(CsvError::Empty) } else { Ok(()) }
+        match self.rows.is_empty() {
+            true => Err(Error::missing("has no row below its line of names")),
+            false => Ok(()),
+        }
     }
 
     /// Returns the index of a column.
     ///
     /// # Errors
-    /// [`CsvError::Missing`]
-    pub(crate) fn column(&self, name: &str) -> Result<usize, CsvError> {
-        let found = self.names.join(", ");
-        let missing = || CsvError::Missing { name: name.to_owned(), found };
+    /// No column has the name.
+    pub(crate) fn column(&self, name: &str) -> Result<usize, Error> {
+        let missing = || {
+            let found = self.names.join(", ");
+            Error::missing(format!("line 1: there is no column {name:?}; there are {found}"))
+        };
         self.names.iter().position(|own| own == name).ok_or_else(missing)
     }
 
@@ -136,19 +145,23 @@ impl Table {
     /// Parses the finite numbers of a row in the given columns.
     ///
     /// # Errors
-    /// [`CsvError::Row`] and [`CsvError::Number`]
-    pub(crate) fn numbers_of(&self, row: &Row, columns: &[usize]) -> Result<Vec<f64>, CsvError> {
+    /// The row is shorter or longer than the line of names, or a cell is not a number.
+    pub(crate) fn numbers_of(&self, row: &Row, columns: &[usize]) -> Result<Vec<f64>, Error> {
         let (expected, found) = (self.names.len(), row.len());
         let has_more = row.cells.iter().skip(expected).any(|cell| !cell.is_empty());
         if found < expected || has_more {
-            return Err(CsvError::Row { line: row.line, expected, found });
+            let line = row.line;
+            return Err(Error::mismatch(format!(
+                "line {line}: expected {expected} columns, found {found}"
+            )));
         }
         let read = |&column: &usize| {
             let cell = row.cells.get(column).unwrap_or_default();
-            self.number(cell).ok_or_else(|| CsvError::Number {
-                line: row.line,
-                column: self.names[column].clone(),
-                found: cell.to_owned(),
+            self.number(cell).ok_or_else(|| {
+                let (line, name) = (row.line, &self.names[column]);
+                Error::value(format!(
+                    "line {line}, column {name:?}: expected a number, found {cell:?}"
+                ))
             })
         };
         columns.iter().map(read).collect()
@@ -157,17 +170,17 @@ impl Table {
     /// Parses the finite numbers of the given columns, row by row, each row with its line.
     ///
     /// # Errors
-    /// [`CsvError::Row`] and [`CsvError::Number`]
+    /// The row is shorter or longer than the line of names, or a cell is not a number.
     pub(crate) fn numbers(
         &self,
         columns: &[usize],
-    ) -> impl Iterator<Item = Result<(u64, Vec<f64>), CsvError>> {
+    ) -> impl Iterator<Item = Result<(u64, Vec<f64>), Error>> {
         self.rows.iter().map(move |row| Ok((row.line, self.numbers_of(row, columns)?)))
     }
 }
 
 /// Checks that a text is UTF-8; the error names the encoding that the text seems to have.
-fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
+fn check_encoding(text: &[u8]) -> Result<(), Error> {
     let start = &text[..text.len().min(4)];
     let is_wide = matches!(start, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || start.contains(&0);
     let invalid = std::str::from_utf8(text).err().map(|error| error.valid_up_to());
@@ -178,7 +191,20 @@ fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
     };
     let line = 1 + text[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     let reason = format!("expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
-    Err(CsvError::Text { line, reason })
+    Err(unreadable(line, reason))
+}
+
+/// Makes the error of a text that is not UTF-8, or cannot be parsed.
+fn unreadable(line: u64, reason: impl Display) -> Error {
+    Error::damaged(format!("line {line}: {reason}"))
+}
+
+/// Makes the error of a first line that consists of numbers instead of names.
+pub(crate) fn no_names(line: u64, found: &str) -> Error {
+    Error::missing(format!(
+        "line {line}: expected the names of the columns, found numbers ({found}): write a line of \
+         names above them"
+    ))
 }
 
 /// Parses a finite number with a decimal comma or point.

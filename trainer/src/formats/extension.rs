@@ -1,6 +1,6 @@
 //! Formats of files: by their ending, and by their first bytes.
 
-use super::error::FormatError;
+use crate::Error;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -27,16 +27,16 @@ pub(crate) fn extension(path: &Path) -> String {
 }
 
 /// Makes the error for a file whose ending is not supported; `expected` lists the supported endings.
-pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError {
+pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> Error {
     let found = match extension(path) {
         none if none.is_empty() => "none".to_owned(),
         found => format!(".{found}"),
     };
-    FormatError::UnknownFormat { expected, found }
+    Error::unsupported(format!("expected a file that ends in {expected}, found {found}"))
 }
 
 /// Returns an error with a remedy for a known format that is not supported; `None` for any other format.
-pub(crate) fn unread(path: &Path) -> Option<FormatError> {
+pub(crate) fn unread(path: &Path) -> Option<Error> {
     let (format, remedy) = match extension(path).as_str() {
         "blend" => (
             "a Blender scene",
@@ -48,7 +48,7 @@ pub(crate) fn unread(path: &Path) -> Option<FormatError> {
         ),
         _ => return None,
     };
-    Some(FormatError::Unread { format, remedy })
+    Some(Error::unsupported(format!("is {format}, which is not read: {remedy}")))
 }
 
 /// Content of a file, recognised by its first bytes.
@@ -73,8 +73,8 @@ impl Content {
 /// Does not report a file that cannot be opened; the reader of the file reports that.
 ///
 /// # Errors
-/// [`FormatError::Unread`], [`FormatError::Empty`], [`FormatError::Model`] and [`FormatError::OtherContent`].
-pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
+/// The format is known but not supported; the file is empty, is a baked model, or belongs to another ending.
+pub(crate) fn check_content(path: &Path) -> Result<(), Error> {
     if let Some(error) = unread(path) {
         return Err(error);
     }
@@ -82,17 +82,24 @@ pub(crate) fn check_content(path: &Path) -> Result<(), FormatError> {
     let mut beginning = [0; 32];
     let Ok(len) = file.read(&mut beginning) else { return Ok(()) };
     if len == 0 {
-        return Err(FormatError::Empty);
+        return Err(empty_file());
     }
     match Content::of(&beginning[..len]) {
-        Some(Content::Model) => Err(FormatError::Model),
+        Some(Content::Model) => Err(Error::damaged(
+            "is a baked model, expected examples: commands take the model first",
+        )),
         // The glTF reader accepts both forms under either ending.
         Some(Content::Examples("glb")) if extension(path) == "gltf" => Ok(()),
         Some(Content::Examples(ending)) if extension(path) != ending => {
-            Err(FormatError::OtherContent { ending })
+            Err(Error::damaged(format!("holds what a .{ending} file holds: give it that ending")))
         }
         _ => Ok(()),
     }
+}
+
+/// Makes the error for a file without any byte.
+pub(super) fn empty_file() -> Error {
+    Error::damaged("is empty")
 }
 
 /// Returns a text without its byte order mark.

@@ -1,10 +1,11 @@
 //! JSON written by people; errors name the keys of the value, the expected kind and the value found.
 
 use super::extension::unmarked;
+use crate::Error;
 use serde::de::value::StrDeserializer;
 use serde::de::{
-    DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess,
-    SeqAccess, Unexpected, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, IntoDeserializer,
+    MapAccess, SeqAccess, Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
 use serde_json::{Value, map};
@@ -13,38 +14,22 @@ use std::fmt::{Display, Formatter};
 /// Most characters of a wrong text that an error shows.
 const SHOWN: usize = 40;
 
-/// JSON that cannot be read.
-#[derive(Debug)]
-pub struct JsonError {
-    /// Keys and list indices that lead to the value, as `options.learn.seeds` or `inputs[2].axis`; empty for the whole.
-    place: String,
-    what: String,
-}
-
-impl Display for JsonError {
-    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
-        let parted = if self.place.is_empty() { "" } else { ": " };
-        write!(to, "{}{parted}{}", self.place, self.what)
-    }
-}
-
-impl std::error::Error for JsonError {}
-
 /// Reads JSON, with or without a byte order mark.
 ///
 /// # Errors
-/// [`JsonError`] names a fault of the text by line and column, and a wrong value by its keys.
-pub(crate) fn read<T: DeserializeOwned>(text: &[u8]) -> Result<T, JsonError> {
+/// The text is no JSON: the error names line and column. A value is wrong: the error names its keys.
+pub(crate) fn read<T: DeserializeOwned>(text: &[u8]) -> Result<T, Error> {
     let text = unmarked(text);
     serde_json::from_slice(text).or_else(|error| {
         let value: Value = serde_json::from_slice(text).map_err(|error| of_text(&error))?;
+        T::deserialize(Reader(&value)).map_err(|wrong| Error::value(wrong.to_string()))?;
         // A `Value` keeps only one of two equal keys, so the text's error remains if the value is fine.
-        T::deserialize(Reader(&value)).and(Err(of_text(&error)))
+        Err(of_text(&error))
     })
 }
 
 /// Describes a fault of the text.
-fn of_text(error: &serde_json::Error) -> JsonError {
+fn of_text(error: &serde_json::Error) -> Error {
     let said = error.to_string();
     let reason = said.rsplit_once(" at line").map_or(said.as_str(), |(reason, _)| reason);
     let reason = match reason {
@@ -52,11 +37,28 @@ fn of_text(error: &serde_json::Error) -> JsonError {
         reason if reason.starts_with("EOF") => "it ends before all brackets and quotes are closed",
         reason => reason,
     };
-    let what = format!("line {}, column {}: no JSON: {reason}", error.line(), error.column());
-    JsonError { place: String::new(), what }
+    let (line, column) = (error.line(), error.column());
+    Error::damaged(format!("line {line}, column {column}: no JSON: {reason}"))
 }
 
-impl JsonError {
+/// A wrong value.
+#[derive(Debug)]
+struct WrongValue {
+    /// Keys and list indices that lead to the value, as `options.learn.seeds` or `inputs[2].axis`; empty for the whole.
+    place: String,
+    what: String,
+}
+
+impl Display for WrongValue {
+    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
+        let parted = if self.place.is_empty() { "" } else { ": " };
+        write!(to, "{}{parted}{}", self.place, self.what)
+    }
+}
+
+impl std::error::Error for WrongValue {}
+
+impl WrongValue {
     /// Adds an outer key or list index to the path of the error.
     fn within(mut self, outer: &str) -> Self {
         let parted = if self.place.is_empty() || self.place.starts_with('[') { "" } else { "." };
@@ -69,7 +71,7 @@ impl JsonError {
     }
 }
 
-impl Error for JsonError {
+impl de::Error for WrongValue {
     fn custom<T: Display>(what: T) -> Self {
         Self { place: String::new(), what: what.to_string() }
     }
@@ -154,9 +156,9 @@ impl<'a> Reader<'a> {
 }
 
 impl<'a> Deserializer<'a> for Reader<'a> {
-    type Error = JsonError;
+    type Error = WrongValue;
 
-    fn deserialize_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, JsonError> {
+    fn deserialize_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, WrongValue> {
         match self.0 {
             Value::Null => visitor.visit_unit(),
             Value::Bool(own) => visitor.visit_bool(*own),
@@ -171,7 +173,7 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         }
     }
 
-    fn deserialize_option<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, JsonError> {
+    fn deserialize_option<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, WrongValue> {
         if self.0.is_null() { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
@@ -179,7 +181,7 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         self,
         _: &'static str,
         visitor: V,
-    ) -> Result<V::Value, JsonError> {
+    ) -> Result<V::Value, WrongValue> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -188,10 +190,10 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, JsonError> {
+    ) -> Result<V::Value, WrongValue> {
         match self.0 {
             Value::Object(_) => self.deserialize_any(visitor),
-            _ => Err(Error::invalid_type(self.found(), &visitor)),
+            _ => Err(de::Error::invalid_type(self.found(), &visitor)),
         }
     }
 
@@ -200,13 +202,13 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         _: &'static str,
         all: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, JsonError> {
+    ) -> Result<V::Value, WrongValue> {
         match self.0 {
             Value::String(own) => {
-                let name: StrDeserializer<'a, JsonError> = own.as_str().into_deserializer();
+                let name: StrDeserializer<'a, WrongValue> = own.as_str().into_deserializer();
                 visitor.visit_enum(name)
             }
-            _ => Err(JsonError::expected(&one_of(all), &shown(self.found()))),
+            _ => Err(WrongValue::expected(&one_of(all), &shown(self.found()))),
         }
     }
 
@@ -223,12 +225,12 @@ struct Items<'a> {
 }
 
 impl<'a> SeqAccess<'a> for Items<'a> {
-    type Error = JsonError;
+    type Error = WrongValue;
 
     fn next_element_seed<T: DeserializeSeed<'a>>(
         &mut self,
         seed: T,
-    ) -> Result<Option<T::Value>, JsonError> {
+    ) -> Result<Option<T::Value>, WrongValue> {
         let Some((at, value)) = self.left.next() else { return Ok(None) };
         seed.deserialize(Reader(value)).map(Some).map_err(|error| error.within(&format!("[{at}]")))
     }
@@ -246,21 +248,21 @@ struct Fields<'a> {
 }
 
 impl<'a> MapAccess<'a> for Fields<'a> {
-    type Error = JsonError;
+    type Error = WrongValue;
 
     fn next_key_seed<T: DeserializeSeed<'a>>(
         &mut self,
         seed: T,
-    ) -> Result<Option<T::Value>, JsonError> {
+    ) -> Result<Option<T::Value>, WrongValue> {
         self.value = self.left.next();
         let Some((key, _)) = self.value else { return Ok(None) };
-        let key: StrDeserializer<'a, JsonError> = key.as_str().into_deserializer();
+        let key: StrDeserializer<'a, WrongValue> = key.as_str().into_deserializer();
         seed.deserialize(key).map(Some)
     }
 
-    fn next_value_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<T::Value, JsonError> {
+    fn next_value_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<T::Value, WrongValue> {
         let Some((key, value)) = self.value.take() else {
-            return Err(Error::custom("a key without a value"));
+            return Err(de::Error::custom("a key without a value"));
         };
         seed.deserialize(Reader(value)).map_err(|error| error.within(key))
     }

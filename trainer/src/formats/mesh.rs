@@ -1,7 +1,9 @@
 //! Meshes from files of any format, and meshes with named shapes, as files of faces have them.
 
-use super::error::{FormatError, FormatWarning, SceneError};
+use super::FormatWarning;
 use super::polygons::Polygons;
+use super::scene::faults;
+use crate::Error;
 use crate::mesh::{EngineMesh, Surface};
 use crate::space::Conversion;
 use sinew_runtime::format::Space;
@@ -37,9 +39,9 @@ impl Mesh {
     /// Returns the mesh.
     ///
     /// # Errors
-    /// [`SceneError::NoMesh`]: the mesh has no triangles.
-    pub(super) fn checked(self) -> Result<Self, FormatError> {
-        if self.triangles.is_empty() { Err(SceneError::NoMesh.into()) } else { Ok(self) }
+    /// The mesh has no triangles.
+    pub(super) fn checked(self) -> Result<Self, Error> {
+        if self.triangles.is_empty() { Err(faults::no_mesh()) } else { Ok(self) }
     }
 
     /// Converts the mesh to another space; texture coordinates stay.

@@ -1,4 +1,4 @@
-//! File formats: readers that return plain structs, and the errors of each format.
+//! File formats: readers that return plain structs.
 //!
 //! Nothing here knows of examples; [`examples`](crate::examples) joins their results. The baked file belongs
 //! to [`sinew_runtime::format`].
@@ -8,8 +8,8 @@
 //!    `SampledScene` (a character, its joints and clips), `PosedMeshes`, a [`Mesh`], or a [`ShapedMesh`] (a face and
 //!    its shapes). The reader checks everything that the file claims, so that no bytes make it panic. A test spoils
 //!    files.
-//! 2. Add an error that says what to export instead. A scene extends [`SceneError`]; a new kind of file gets an enum
-//!    and a variant of [`FormatError`]. A [`FormatWarning`] reports data that the reader leaves out.
+//! 2. Return an [`Error`] that says what to export instead. `scene/faults.rs` has those that scenes of several formats
+//!    share. A [`FormatWarning`] reports data that the reader leaves out.
 //! 3. Add the file ending where the reader is chosen, and in the message there: for scenes in
 //!    `examples/import/source.rs`, for posed meshes in `examples/import/targets.rs`.
 //! 4. If the format has materials, read them in [`appearance::load`].
@@ -18,7 +18,6 @@
 pub(crate) mod abc;
 pub mod appearance;
 pub(crate) mod csv;
-mod error;
 pub(crate) mod extension;
 pub(crate) mod fbx;
 pub(crate) mod gltf;
@@ -34,17 +33,14 @@ pub(crate) mod posed_meshes;
 pub(crate) mod scene;
 #[cfg(test)]
 pub(crate) mod testing;
+mod warning;
 
-pub use error::{
-    AlembicError, ArrayError, CsvError, FileError, FormatError, FormatWarning, LayeredError,
-    PointCacheError, SceneError, SequenceError,
-};
 pub use extension::Content;
-pub use gltf::write::GlbError;
-pub use json::JsonError;
 pub use mesh::{Mesh, MeshFile, NamedShape, ShapedMesh};
 pub use posed_meshes::cache::save_pc2;
+pub use warning::FormatWarning;
 
+use crate::Error;
 use extension::{check_content, extension, unknown_format};
 use std::path::Path;
 
@@ -54,15 +50,17 @@ impl MeshFile {
     /// Meshes of a scene that have a skin are in their bind pose. If no mesh has a skin, all are placed by their nodes.
     ///
     /// # Errors
-    /// [`FileError`]: the file cannot be read, or has no triangles.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let blame = |error| FileError { file: path.to_owned(), error };
-        check_content(path).map_err(blame)?;
-        match extension(path).as_str() {
-            "obj" => Ok(Self { mesh: obj::load(path)?, space: None, warnings: Vec::new() }),
-            "glb" | "gltf" => gltf::read_mesh(path).map_err(blame),
-            "fbx" => fbx::read_mesh(path).map_err(blame),
-            _ => Err(blame(unknown_format(path, ".obj, .glb, .gltf or .fbx"))),
-        }
+    /// The error names the file: the file cannot be read, has another ending or content, is damaged, or has no triangles.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let read = || {
+            check_content(path)?;
+            match extension(path).as_str() {
+                "obj" => Ok(Self { mesh: obj::load(path)?, space: None, warnings: Vec::new() }),
+                "glb" | "gltf" => gltf::read_mesh(path),
+                "fbx" => fbx::read_mesh(path),
+                _ => Err(unknown_format(path, ".obj, .glb, .gltf or .fbx")),
+            }
+        };
+        read().map_err(|error: Error| error.in_file(path))
     }
 }

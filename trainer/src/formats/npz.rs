@@ -2,13 +2,14 @@
 //!
 //! Arrays of any number type are read in one pass, without a second copy. Writing equal arrays gives equal bytes.
 
-use super::error::{ArrayError, FormatError};
 use super::extension::{extension, unknown_format};
+use crate::Error;
 use npyz::npz::file_name_from_array_name;
 use npyz::{
     AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriteOptions,
     WriterBuilder,
 };
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
@@ -41,38 +42,34 @@ pub(crate) trait Number: Copy + Default {
 }
 
 /// Reads a `.npy` file of one dimension; errors call it `array`.
-pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
-    let array = || array.to_owned();
-    let damaged = |reason: &str| ArrayError::Damaged { array: array(), reason: reason.to_owned() };
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read)?;
     let mut left = bytes.as_slice();
-    let header =
-        NpyHeader::from_reader(&mut left).map_err(|error| damaged(fault_of_header(&error)))?;
+    let header = NpyHeader::from_reader(&mut left)
+        .map_err(|error| damaged(array, fault_of_header(&error)))?;
     if header.shape().len() != 1 {
-        let found = header.shape().to_vec();
-        let expected = "[n]".to_owned();
-        return Err(ArrayError::WrongShape { array: array(), expected, found }.into());
+        return Err(wrong_shape(array, "[n]", header.shape()));
     }
-    let found = header.dtype().descr();
-    let wrong = ArrayError::WrongType { array: array(), expected: f64::EXPECTED, found };
+    let wrong = wrong_type(array, f64::EXPECTED, &header);
     let mut numbers = Vec::new();
     let read = f64::each(NpyFile::with_header(header, left), |number| numbers.push(number));
-    read.ok_or(wrong)?.map_err(|error| damaged(fault_of_data(&error)))?;
+    read.ok_or(wrong)?.map_err(|error| damaged(array, fault_of_data(&error)))?;
     Ok(numbers)
 }
 
 /// Reads the numbers of a `.npy`, `.txt` or `.csv` file; errors call them `array`.
-pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
+pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, Error> {
     match extension(path).as_str() {
         "npy" => read_npy(path, array),
         "txt" | "csv" => {
-            let text = std::fs::read_to_string(path).map_err(FormatError::Read)?;
+            let text = std::fs::read_to_string(path).map_err(Error::read)?;
             let numbers = text.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
             let numbers = numbers.filter(|word| !word.is_empty());
             let parse = |(place, word): (usize, &str)| {
                 word.parse().map_err(|_| {
-                    let (array, word) = (array.to_owned(), word.to_owned());
-                    ArrayError::NoNumber { array, place, word }.into()
+                    Error::value(format!(
+                        "array {array} has {word:?} as number {place}, expected a number"
+                    ))
                 })
             };
             numbers.enumerate().map(parse).collect()
@@ -83,11 +80,16 @@ pub(crate) fn read_numbers(path: &Path, array: &str) -> Result<Vec<f64>, FormatE
 
 impl Archive {
     /// Opens an archive and reads its directory.
-    pub(crate) fn open(path: &Path) -> Result<Self, FormatError> {
-        let file = File::open(path).map_err(FormatError::Read)?;
-        let found = file.metadata().map_err(FormatError::Read)?.len();
-        let zip =
-            ZipArchive::new(BufReader::new(file)).map_err(|_| ArrayError::Archive { found })?;
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+        let file = File::open(path).map_err(Error::read)?;
+        let found = file.metadata().map_err(Error::read)?.len();
+        let cut = |_| {
+            Error::damaged(format!(
+                "is no whole .npz archive: its {found} bytes do not end with the archive's directory; \
+                 write it, or copy it, again"
+            ))
+        };
+        let zip = ZipArchive::new(BufReader::new(file)).map_err(cut)?;
         Ok(Self { zip })
     }
 
@@ -101,8 +103,8 @@ impl Archive {
         &mut self,
         array: &'static str,
         tail: &[u64],
-    ) -> Result<Rows<T, K>, FormatError> {
-        Ok(self.rows(array, tail)?.ok_or(ArrayError::Missing { array })?)
+    ) -> Result<Rows<T, K>, Error> {
+        self.rows(array, tail)?.ok_or_else(|| missing(array))
     }
 
     /// Reads an array of shape `[any, tail..]`; `None` if the archive has no such array.
@@ -112,101 +114,83 @@ impl Archive {
         &mut self,
         array: &str,
         tail: &[u64],
-    ) -> Result<Option<Rows<T, K>>, FormatError> {
+    ) -> Result<Option<Rows<T, K>>, Error> {
         let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         let shape = header.shape();
         let fits = shape.len() == tail.len() + 1
             && shape[1..].iter().zip(tail).all(|(&found, &wanted)| wanted == 0 || found == wanted);
         if !fits {
             let tail = tail.iter().map(|&n| if n == 0 { ", n".into() } else { format!(", {n}") });
-            return Err(ArrayError::WrongShape {
-                array: array.to_owned(),
-                expected: format!("[n{}]", tail.collect::<String>()),
-                found: shape.to_vec(),
-            }
-            .into());
+            let expected = format!("[n{}]", tail.collect::<String>());
+            return Err(wrong_shape(array, &expected, shape));
         }
         let lead_len = 1 + tail.iter().filter(|&&count| count == 0).count();
         let lead: Vec<usize> = shape[..lead_len].iter().map(|&count| count as usize).collect();
 
-        let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
         // `find` has checked that the file has enough bytes for this count.
         let row_len: usize = lead.iter().product();
         let mut data = Vec::new();
-        data.try_reserve_exact(row_len).map_err(|error| damaged(error.to_string()))?;
+        data.try_reserve_exact(row_len).map_err(|error| damaged(array, error))?;
         data.resize(row_len, [T::default(); K]);
         let mut places = Places::new(&header);
         let flat = data.as_flattened_mut();
-        let wrong = ArrayError::WrongType {
-            array: array.to_owned(),
-            expected: T::EXPECTED,
-            found: header.dtype().descr(),
-        };
+        let wrong = wrong_type(array, T::EXPECTED, &header);
         T::each(NpyFile::with_header(header, &mut file), |number| flat[places.take()] = number)
             .ok_or(wrong)?
             .and_then(|()| finish(file))
-            .map_err(|error| damaged(fault_of_data(&error).to_owned()))?;
+            .map_err(|error| damaged(array, fault_of_data(&error)))?;
         Ok(Some(Rows { lead, data }))
     }
 
     /// Reads one number, stored as a scalar or as an array of one; `None` if the archive has no such array.
-    pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, FormatError> {
+    pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, Error> {
         let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
-        let found = header.dtype().descr();
-        let wrong =
-            ArrayError::WrongType { array: array.to_owned(), expected: f64::EXPECTED, found };
+        let wrong = wrong_type(array, f64::EXPECTED, &header);
         let mut only = f64::NAN;
-        let damaged = |error: io::Error| ArrayError::Damaged {
-            array: array.to_owned(),
-            reason: fault_of_data(&error).to_owned(),
-        };
         f64::each(NpyFile::with_header(header, &mut file), |number| only = number)
             .ok_or(wrong)?
             .and_then(|()| finish(file))
-            .map_err(damaged)?;
+            .map_err(|error| damaged(array, fault_of_data(&error)))?;
         Ok(Some(only))
     }
 
     /// Reads a list of texts; `None` if the archive has no such array.
-    pub(crate) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, FormatError> {
+    pub(crate) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, Error> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         if header.shape().len() != 1 {
-            let (array, expected) = (array.to_owned(), "[n]".to_owned());
-            let found = header.shape().to_vec();
-            return Err(ArrayError::WrongShape { array, expected, found }.into());
+            return Err(wrong_shape(array, "[n]", header.shape()));
         }
         texts(array, header, file).map(Some)
     }
 
     /// Reads one text, stored as a scalar or as an array of one; `None` if the archive has no such array.
-    pub(crate) fn text(&mut self, array: &str) -> Result<Option<String>, FormatError> {
+    pub(crate) fn text(&mut self, array: &str) -> Result<Option<String>, Error> {
         let Some((header, file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
         Ok(texts(array, header, file)?.pop())
     }
 
     /// Finds an array and checks that the file has enough bytes for the header's shape.
-    fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, FormatError> {
-        let damaged = |reason: String| ArrayError::Damaged { array: array.to_owned(), reason };
+    fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, Error> {
         let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
             return Ok(None);
         };
         let unpacked = self.zip.by_index(index);
-        let mut file = unpacked.map_err(|_| damaged("it cannot be unpacked".to_owned()))?;
+        let mut file = unpacked.map_err(|_| damaged(array, "it cannot be unpacked"))?;
         let present = file.size();
         let header = NpyHeader::from_reader(&mut file)
-            .map_err(|error| damaged(fault_of_header(&error).to_owned()))?;
+            .map_err(|error| damaged(array, fault_of_header(&error)))?;
         let each = header.dtype().num_bytes().map_or(1, |bytes| bytes as u64);
         let count = header.shape().iter().try_fold(1, |all: u64, &count| all.checked_mul(count));
         let asked = count.and_then(|count| count.checked_mul(each));
         match asked {
             Some(asked) if asked <= present => Ok(Some((header, BufReader::new(file)))),
-            _ => Err(damaged(format!(
-                "shape {:?} asks for more than its {present} bytes",
-                header.shape()
-            ))
-            .into()),
+            _ => {
+                let shape = header.shape();
+                let reason = format!("shape {shape:?} asks for more than its {present} bytes");
+                Err(damaged(array, reason))
+            }
         }
     }
 }
@@ -292,29 +276,40 @@ impl<'a> Writer<'a> {
 }
 
 /// Checks that an array holds a single item, as a scalar or as an array of one.
-fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
+fn check_one(array: &str, header: &NpyHeader) -> Result<(), Error> {
     match header.shape() {
         [] | [1] => Ok(()),
-        found => Err(ArrayError::WrongShape {
-            array: array.to_owned(),
-            expected: "[] or [1]".to_owned(),
-            found: found.to_vec(),
-        }),
+        found => Err(wrong_shape(array, "[] or [1]", found)),
     }
 }
 
 /// Reads the texts of an array to the end of its file.
-fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
-    let found = header.dtype().descr();
-    let texts = NpyFile::with_header(header, &mut file)
-        .data::<String>()
-        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
+fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, Error> {
+    let wrong = wrong_type(array, "text", &header);
+    let texts = NpyFile::with_header(header, &mut file).data::<String>().map_err(|_| wrong)?;
     let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
-    let damaged = |error: io::Error| ArrayError::Damaged {
-        array: array.to_owned(),
-        reason: fault_of_data(&error).to_owned(),
-    };
-    Ok(texts.map_err(damaged)?)
+    texts.map_err(|error| damaged(array, fault_of_data(&error)))
+}
+
+/// Makes the error for an archive without a required array.
+///
+/// - `array`: name of the array; several names if any of them suffices.
+pub(crate) fn missing(array: &str) -> Error {
+    Error::missing(format!("array {array} is missing"))
+}
+
+fn damaged(array: &str, reason: impl Display) -> Error {
+    Error::damaged(format!("array {array} is damaged: {reason}; write the file, or copy it, again"))
+}
+
+fn wrong_type(array: &str, expected: &str, header: &NpyHeader) -> Error {
+    let found = header.dtype().descr();
+    Error::value(format!("array {array} must hold {expected}, found dtype {found}"))
+}
+
+/// Makes the error for an array of another shape; a letter in `expected` means any count.
+fn wrong_shape(array: &str, expected: &str, found: &[u64]) -> Error {
+    Error::value(format!("array {array} must have shape {expected}, found {found:?}"))
 }
 
 /// Describes the fault of an array's header.

@@ -3,10 +3,10 @@
 use super::colour::Colour;
 use super::html::text;
 use super::picture::Picture;
+use crate::Error;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
-use png::EncodingError;
 use std::fmt::Write;
 
 /// Shapes drawn over one another on white; coordinates in pixels, x to the right, y down.
@@ -78,7 +78,7 @@ impl Drawing {
     ///
     /// # Errors
     /// A picture of the drawing cannot be encoded.
-    pub fn svg(&self) -> Result<String, EncodingError> {
+    pub fn svg(&self) -> Result<String, Error> {
         let Self { width, height, shapes } = self;
         let mut out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \

@@ -1,10 +1,10 @@
 //! Parts of a page as HTML: text, tables, pictures.
 
 use super::picture::Picture;
+use crate::Error;
 use crate::space::written;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use png::EncodingError;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -77,13 +77,13 @@ pub(crate) fn side_by_side(columns: usize, figures: &[String]) -> String {
 /// Returns a picture with HTML over it and a caption of HTML under it.
 ///
 /// # Errors
-/// Errors of the PNG encoder.
+/// The picture cannot be encoded.
 pub(crate) fn figure(
     picture: &Picture,
     description: &str,
     over: &str,
     caption: &str,
-) -> Result<String, EncodingError> {
+) -> Result<String, Error> {
     let (width, height) = (picture.size.width, picture.size.height);
     Ok(format!(
         "<figure><div class=\"picture\"><img alt=\"{}\" width=\"{width}\" height=\"{height}\" \

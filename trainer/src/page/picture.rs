@@ -2,8 +2,9 @@
 
 use super::camera::Resolution;
 use super::colour::Colour;
+use crate::{Error, ErrorKind};
 use gif::{Frame, Repeat};
-use png::{BitDepth, ColorType};
+use png::{BitDepth, ColorType, EncodingError};
 
 /// Speed of the encoder's search for 256 colours: 1 is best, 30 fastest.
 const COLOUR_SPEED: i32 = 10;
@@ -59,8 +60,15 @@ impl Picture {
     /// Encodes the picture as PNG.
     ///
     /// # Errors
-    /// Errors of the encoder.
-    pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
+    /// The picture has no pixels, or the encoder fails.
+    pub fn png(&self) -> Result<Vec<u8>, Error> {
+        self.encoded().map_err(|error| {
+            let message = format!("cannot encode a picture: {error}");
+            Error::new(ErrorKind::Write, message).caused_by(error)
+        })
+    }
+
+    fn encoded(&self) -> Result<Vec<u8>, EncodingError> {
         let mut bytes = Vec::new();
         let Resolution { width, height } = self.size;
         let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
@@ -82,17 +90,6 @@ pub struct Gif {
     encoder: Option<gif::Encoder<Vec<u8>>>,
 }
 
-/// Reasons why a GIF does not take a picture.
-#[derive(Debug, thiserror::Error)]
-pub enum GifError {
-    /// Width or height is above 65535 pixels.
-    #[error("pictures of {0} x {1} pixels, GIF has 65535 at most")]
-    Size(usize, usize),
-    /// The encoder failed.
-    #[error("cannot encode a GIF: {0}")]
-    Encoding(#[from] gif::EncodingError),
-}
-
 impl Gif {
     /// Begins a GIF that shows each picture for `hundredths` of a second.
     pub fn new(hundredths: u16) -> Self {
@@ -102,34 +99,42 @@ impl Gif {
     /// Adds a picture, blended onto white.
     ///
     /// # Errors
-    /// Every [`GifError`].
-    pub fn add(&mut self, picture: &Picture) -> Result<(), GifError> {
+    /// - [`ErrorKind::Limit`]: width or height is above 65535 pixels.
+    /// - [`ErrorKind::Write`]: the encoder fails.
+    pub fn add(&mut self, picture: &Picture) -> Result<(), Error> {
         let [width, height] = [picture.size.width, picture.size.height];
         let [Ok(columns), Ok(rows)] = [width, height].map(u16::try_from) else {
-            return Err(GifError::Size(width, height));
+            return Err(Error::limit(format!(
+                "pictures of {width} x {height} pixels, GIF has 65535 at most"
+            )));
         };
         let mut rgba = picture.on_white().rgba;
         let frame = Frame::from_rgba_speed(columns, rows, &mut rgba, COLOUR_SPEED);
         let encoder = match self.encoder.take() {
             Some(encoder) => encoder,
             None => {
-                let mut encoder = gif::Encoder::new(Vec::new(), columns, rows, &[])?;
-                encoder.set_repeat(Repeat::Infinite)?;
+                let encoder = gif::Encoder::new(Vec::new(), columns, rows, &[]);
+                let mut encoder = encoder.map_err(failed)?;
+                encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
                 encoder
             }
         };
         let encoder = self.encoder.insert(encoder);
-        Ok(encoder.write_frame(&Frame { delay: self.hundredths, ..frame })?)
+        encoder.write_frame(&Frame { delay: self.hundredths, ..frame }).map_err(failed)
     }
 
     /// Returns the bytes of the file; empty if no picture was added.
     ///
     /// # Errors
-    /// [`GifError::Encoding`].
-    pub fn finish(self) -> Result<Vec<u8>, GifError> {
-        let bytes = self.encoder.map(gif::Encoder::into_inner).transpose()?;
-        Ok(bytes.unwrap_or_default())
+    /// [`ErrorKind::Write`]: the encoder fails.
+    pub fn finish(self) -> Result<Vec<u8>, Error> {
+        let bytes = self.encoder.map(gif::Encoder::into_inner).transpose();
+        Ok(bytes.map_err(failed)?.unwrap_or_default())
     }
+}
+
+fn failed(error: gif::EncodingError) -> Error {
+    Error::new(ErrorKind::Write, format!("cannot encode a GIF: {error}")).caused_by(error)
 }
 
 #[cfg(test)]

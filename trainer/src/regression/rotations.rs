@@ -3,6 +3,7 @@
 //! Quaternions are x, y, z, w, of any length but 0. Features are quadratic forms, divided by the squared length, so q
 //! and -q give the same bits. The runtime computes the same features.
 
+use crate::Error;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use sinew_runtime::kernel::EulerOrder;
 
@@ -25,17 +26,6 @@ pub enum Feature {
     TwistAngle([f64; 3]),
 }
 
-/// Reasons why a quaternion is no rotation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RotationError {
-    /// The quaternion is 0.
-    #[error("the quaternion is zero")]
-    Zero,
-    /// A number of the quaternion is infinite or not a number.
-    #[error("the quaternion is not finite")]
-    NotFinite,
-}
-
 impl Feature {
     /// Returns the number of values of the feature.
     pub fn number_len(self) -> usize {
@@ -52,7 +42,7 @@ impl Feature {
     ///
     /// # Errors
     /// If the quaternion is zero or not finite.
-    pub fn of(self, rotation: Xyzw) -> Result<Vec<f64>, RotationError> {
+    pub fn of(self, rotation: Xyzw) -> Result<Vec<f64>, Error> {
         let square = square(rotation)?;
         let [x, y, z, w] = rotation;
         let about = |axis: [f64; 3]| x * axis[0] + y * axis[1] + z * axis[2];
@@ -99,7 +89,7 @@ pub fn from_euler(order: EulerOrder, degrees: [f64; 3]) -> Xyzw {
 ///
 /// # Errors
 /// If a quaternion is zero or not finite.
-pub fn to_values(neutral: Xyzw, rotation: Xyzw) -> Result<[f64; 3], RotationError> {
+pub fn to_values(neutral: Xyzw, rotation: Xyzw) -> Result<[f64; 3], Error> {
     let relative = unit(neutral)?.inverse() * unit(rotation)?;
     let relative = if relative.w < 0.0 { -relative.into_inner() } else { relative.into_inner() };
     Ok((relative.imag() * (4.0 / (1.0 + relative.w))).into())
@@ -109,7 +99,7 @@ pub fn to_values(neutral: Xyzw, rotation: Xyzw) -> Result<[f64; 3], RotationErro
 ///
 /// # Errors
 /// If the neutral quaternion is zero or not finite.
-pub fn from_values(neutral: Xyzw, values: [f64; 3]) -> Result<Xyzw, RotationError> {
+pub fn from_values(neutral: Xyzw, values: [f64; 3]) -> Result<Xyzw, Error> {
     let v = Vector3::from(values);
     let t = v.norm_squared() / 16.0;
     let turned = Quaternion::from_parts((1.0 - t) / (1.0 + t), v * (0.5 / (1.0 + t)));
@@ -117,16 +107,21 @@ pub fn from_values(neutral: Xyzw, values: [f64; 3]) -> Result<Xyzw, RotationErro
 }
 
 /// Returns the square of a quaternion's length.
-fn square(rotation: Xyzw) -> Result<f64, RotationError> {
+fn square(rotation: Xyzw) -> Result<f64, Error> {
     let square = rotation.iter().map(|x| x * x).sum::<f64>();
     match square {
         _ if square.is_normal() => Ok(square),
-        _ if square.is_finite() => Err(RotationError::Zero),
-        _ => Err(RotationError::NotFinite),
+        _ if square.is_finite() => Err(zero()),
+        _ => Err(Error::value("the quaternion is not finite")),
     }
 }
 
-fn unit(rotation: Xyzw) -> Result<UnitQuaternion<f64>, RotationError> {
+/// Returns the error of a quaternion that is 0.
+pub(crate) fn zero() -> Error {
+    Error::value("the quaternion is zero")
+}
+
+fn unit(rotation: Xyzw) -> Result<UnitQuaternion<f64>, Error> {
     square(rotation)?;
     Ok(UnitQuaternion::from_quaternion(Quaternion::from(rotation)))
 }
@@ -150,6 +145,7 @@ fn matrix([x, y, z, w]: Xyzw, square: f64) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ErrorKind;
 
     const NONE: Xyzw = [0.0, 0.0, 0.0, 1.0];
     const AXIS: [f64; 3] = [0.6, 0.0, 0.8];
@@ -203,7 +199,8 @@ mod tests {
             }
         }
         let half = Feature::TwistAngle([1.0, 0.0, 0.0]);
-        assert_eq!(half.of([1.0, 0.0, 0.0, 0.0]), half.of([-1.0, 0.0, 0.0, -0.0]), "on the seam");
+        let seam = [[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, -0.0]].map(|q| half.of(q).unwrap());
+        assert_eq!(seam[0], seam[1], "on the seam");
     }
 
     #[test]
@@ -240,20 +237,23 @@ mod tests {
                 assert!((dot - 1.0).abs() < 1e-14);
             }
         }
-        assert_eq!(from_values(NONE, [0.0; 3]), Ok(NONE));
+        assert_eq!(from_values(NONE, [0.0; 3]).unwrap(), NONE);
     }
 
     #[test]
     fn no_rotation_is_an_error() {
-        for (bad, error) in [
-            ([0.0; 4], RotationError::Zero),
-            ([1e-200, 0.0, 0.0, 0.0], RotationError::Zero),
-            ([0.0, f64::NAN, 0.0, 1.0], RotationError::NotFinite),
-            ([f64::INFINITY, 0.0, 0.0, 1.0], RotationError::NotFinite),
+        for (bad, expected) in [
+            ([0.0; 4], "the quaternion is zero"),
+            ([1e-200, 0.0, 0.0, 0.0], "the quaternion is zero"),
+            ([0.0, f64::NAN, 0.0, 1.0], "the quaternion is not finite"),
+            ([f64::INFINITY, 0.0, 0.0, 1.0], "the quaternion is not finite"),
         ] {
-            assert!(ALL.iter().all(|feature| feature.of(bad) == Err(error)));
-            assert_eq!((to_values(bad, NONE), to_values(NONE, bad)), (Err(error), Err(error)));
-            assert_eq!(from_values(bad, [0.0; 3]), Err(error));
+            let mut errors: Vec<Error> = ALL.map(|feature| feature.of(bad).unwrap_err()).into();
+            errors.push(to_values(bad, NONE).unwrap_err());
+            errors.push(to_values(NONE, bad).unwrap_err());
+            errors.push(from_values(bad, [0.0; 3]).unwrap_err());
+            assert!(errors.iter().all(|error| error.to_string() == expected), "{errors:?}");
+            assert!(errors.iter().all(|error| error.kind() == ErrorKind::Value));
         }
     }
 }

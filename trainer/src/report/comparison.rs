@@ -1,8 +1,9 @@
 //! The subject of a report: models, examples, and the errors of the models on the examples.
 
+use crate::Error;
 use crate::evaluate::{
-    Baseline, Baselines, Character, EvaluateError, Evaluation, Frames, LBS, Measured,
-    MeasuredBaseline, OWN_WEIGHTS, TrainingRecord,
+    Baseline, Baselines, Character, Evaluation, Frames, LBS, Measured, MeasuredBaseline,
+    OWN_WEIGHTS, TrainingRecord,
 };
 use crate::examples::{Clip, Examples, Split};
 use crate::space::beside;
@@ -98,7 +99,7 @@ impl<'a> Comparison<'a> {
         source: NamedExamples<'a>,
         frames: Option<Frames>,
         file: NamedModel<'a>,
-    ) -> Result<Self, EvaluateError> {
+    ) -> Result<Self, Error> {
         let NamedExamples { examples, .. } = source;
         let character = Character::open(file.bytes, file.skin, examples)?;
         let record = TrainingRecord::of(file.bytes, &character, examples);
@@ -115,7 +116,7 @@ impl<'a> Comparison<'a> {
     ///
     /// # Errors
     /// The errors of [`crate::evaluate::evaluate`].
-    pub fn compare(&mut self, file: NamedModel<'a>) -> Result<(), EvaluateError> {
+    pub fn compare(&mut self, file: NamedModel<'a>) -> Result<(), Error> {
         let character = Character::open(file.bytes, file.skin, self.source.examples)?;
         let chosen = self.measured_frames();
         let measured = Measured::model(&character, self.source.examples, &chosen)?;

@@ -8,4 +8,4 @@ mod sections;
 mod sizes;
 
 pub use pictures::PictureOptions;
-pub use sections::{Page, ReportError};
+pub use sections::Page;

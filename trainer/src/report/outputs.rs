@@ -2,11 +2,12 @@
 
 use super::comparison::Comparison;
 use super::pictures::{Paint, PictureOptions, Pictures, Shape};
-use crate::evaluate::{EvaluateError, Millimetres};
+use crate::Error;
+use crate::evaluate::Millimetres;
 use crate::page::camera::Camera;
 use crate::page::colour::Scale;
 use crate::page::drawing::{Anchor, Drawing};
-use crate::page::picture::{Gif, GifError};
+use crate::page::picture::Gif;
 use rayon::prelude::*;
 
 /// Writes CSV: a row of names, then a row for each measured frame.
@@ -94,17 +95,6 @@ pub fn rest_mesh_ply(comparison: &Comparison<'_>) -> Vec<u8> {
 /// Height of a line of text, in pixels.
 const LINE: f64 = 24.0;
 
-/// Reasons why a GIF cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum GifOutputError {
-    /// A frame could not be skinned.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-    /// A picture could not be encoded.
-    #[error(transparent)]
-    Gif(#[from] GifError),
-}
-
 /// Draws each measured frame as a picture of a GIF: the truth, then each skin in the colours of its error. All use the
 /// same scale and camera.
 ///
@@ -112,12 +102,12 @@ pub enum GifOutputError {
 /// - `hundredths`: duration of a frame, in hundredths of a second.
 ///
 /// # Errors
-/// Every [`GifOutputError`].
+/// The runtime refuses a frame, the pictures are too large for a GIF, or the encoder fails.
 pub fn frames_gif(
     comparison: &Comparison<'_>,
     options: &PictureOptions,
     hundredths: u16,
-) -> Result<Vec<u8>, GifOutputError> {
+) -> Result<Vec<u8>, Error> {
     let series = comparison.series();
     let pictures = Pictures::new(comparison, options);
     let frames = comparison.measured_frames();
@@ -150,5 +140,5 @@ pub fn frames_gif(
     for picture in drawn.collect::<Vec<_>>() {
         gif.add(&picture)?;
     }
-    Ok(gif.finish()?)
+    gif.finish()
 }

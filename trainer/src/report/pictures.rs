@@ -1,8 +1,9 @@
 //! The pictures of a report: camera, shapes and colours.
 
 use super::comparison::{Comparison, Series, SeriesSkin};
+use crate::Error;
 use crate::envelope::normals::TrueNormals;
-use crate::evaluate::{EvaluateError, skin};
+use crate::evaluate::skin;
 use crate::examples::Examples;
 use crate::numeric::columns::largest;
 use crate::page::camera::{Camera, Resolution, View};
@@ -12,7 +13,6 @@ use crate::page::html::{figure, text};
 use crate::page::picture::Picture;
 use crate::page::render::{Look, ShadedMesh};
 use nalgebra::Vector3;
-use png::EncodingError;
 use rayon::prelude::*;
 use sinew_runtime::format::Axis;
 use std::fmt::Write;
@@ -100,12 +100,8 @@ impl<'a> Pictures<'a> {
     /// Returns the shapes of one frame: the truth, then each of the series.
     ///
     /// # Errors
-    /// [`EvaluateError::Frame`].
-    pub(super) fn frame(
-        &self,
-        frame: usize,
-        series: &[Series<'_>],
-    ) -> Result<Vec<Shape>, EvaluateError> {
+    /// The runtime refuses the frame.
+    pub(super) fn frame(&self, frame: usize, series: &[Series<'_>]) -> Result<Vec<Shape>, Error> {
         let examples = self.comparison.source.examples;
         let mut shapes = vec![self.truth(frame)];
         for series in series {
@@ -178,7 +174,7 @@ impl<'a> Pictures<'a> {
     /// Draws a picture with a caption and, around a given vertex, a ring. The ring is broken if the vertex is hidden.
     ///
     /// # Errors
-    /// The errors of the encoder.
+    /// The picture cannot be encoded.
     pub(super) fn take(
         &self,
         shape: &Shape,
@@ -186,7 +182,7 @@ impl<'a> Pictures<'a> {
         camera: &Camera,
         ring: Option<usize>,
         caption: &str,
-    ) -> Result<String, EncodingError> {
+    ) -> Result<String, Error> {
         let surface = self.comparison.source.examples.surface();
         let picture = self.draw(shape, paint, camera);
         let mut over = String::new();

@@ -1,14 +1,15 @@
 //! Trains the model's predictor again with more and fewer proxies, to show the effect on error, size and time.
 
 use super::comparison::Comparison;
+use crate::Error;
 use crate::envelope::choose::choose;
 use crate::envelope::clean::Inliers;
 use crate::envelope::lbs::poses::MIN_POSES;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::s3::ProxyCount;
 use crate::envelope::s3::validation::near_rigid;
-use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
-use crate::evaluate::{Character, Errors, EvaluateError, Measured};
+use crate::envelope::{Options, Predict, Trained};
+use crate::evaluate::{Character, Errors, Measured};
 use crate::examples::Split;
 use crate::progress::Progress;
 use sinew_runtime::Limits;
@@ -36,7 +37,7 @@ pub(super) struct SizeTrial {
     /// Requested number of proxies.
     pub(super) proxies: usize,
     /// Result of the training.
-    pub(super) outcome: Result<Outcome, SizeError>,
+    pub(super) outcome: Result<Outcome, Error>,
 }
 
 /// Result of a training.
@@ -55,17 +56,6 @@ pub(super) struct Outcome {
     pub(super) steps: Vec<(&'static str, f64)>,
 }
 
-/// Reasons why a training or its measurement fails.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum SizeError {
-    /// The training fails.
-    #[error(transparent)]
-    Train(#[from] TrainError),
-    /// The measurement fails.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-}
-
 impl Sizes {
     /// Trains the model's predictor with a quarter, a half and all of its proxies, and with twice as many if that takes
     /// only seconds. Measures each on the report's frames. A failed training reports its error.
@@ -74,11 +64,11 @@ impl Sizes {
     /// measured frames too.
     ///
     /// # Errors
-    /// [`FitError`] if no training on the examples is possible.
+    /// No training on the examples is possible, as in [`Training::new`].
     pub(super) fn train(
         comparison: &Comparison<'_>,
         progress: &dyn Progress,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, Error> {
         let (frames, seen) = frames(comparison);
         let examples = &comparison.source.examples.trained_on(&frames);
         let begun = Instant::now();
@@ -100,7 +90,7 @@ impl Sizes {
         training: &Training,
         proxies: usize,
         progress: &dyn Progress,
-    ) -> Result<Outcome, SizeError> {
+    ) -> Result<Outcome, Error> {
         let Character { envelope, skin, .. } = &comparison.model.character;
         let options = Options {
             predictor: Predict::Only(envelope.predictor()),

@@ -2,8 +2,9 @@
 
 use super::model::{InputKind, KernelModel, Output, OutputKind};
 use super::sum::Term;
+use crate::Error;
 use crate::bake::sections::{blocks, floats, names, narrow, words};
-use crate::bake::{BakeError, Part, Sections};
+use crate::bake::{Part, Sections};
 use crate::regression::rotations::Feature;
 use sinew_runtime::format::{Element, PartKind, SectionKind};
 use sinew_runtime::kernel::{
@@ -14,8 +15,8 @@ use sinew_runtime::kernel::{
 /// Bakes a function into a part.
 ///
 /// # Errors
-/// [`BakeError::Size`] if a count does not fit the file.
-pub fn part(model: &KernelModel) -> Result<Part, BakeError> {
+/// If a count does not fit the file.
+pub fn part(model: &KernelModel) -> Result<Part, Error> {
     let sum = &model.sum;
     let variance = model.variance.as_ref();
     let counts = KernelCounts {
@@ -118,7 +119,7 @@ fn features(model: &KernelModel) -> Vec<u8> {
     floats(rows.collect::<Vec<_>>().as_flattened())
 }
 
-fn terms(terms: &[Term]) -> Result<Vec<u8>, BakeError> {
+fn terms(terms: &[Term]) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for term in terms {
         let pair: [u16; 2] = match *term {

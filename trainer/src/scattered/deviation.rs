@@ -2,19 +2,20 @@
 
 use super::bake::part;
 use super::model::{
-    EvaluationError, Figures, Input, InputKind, KernelModel, Output, OutputKind, features,
-    query_numbers,
+    Figures, Input, InputKind, KernelModel, Output, OutputKind, features, query_numbers,
 };
-use super::solver::error::{DeviationCause, KernelError};
 use super::sum::KernelSum;
+use crate::Error;
 use crate::bake::bake;
 use crate::regression::confidence::Fade;
+use crate::regression::function::is_scale_invariant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
+use std::fmt::{Display, Formatter};
 use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
@@ -48,6 +49,88 @@ struct Query {
     features: Vec<f64>,
 }
 
+/// Deviation of a file that is above the limit.
+#[derive(Debug)]
+pub(crate) struct Deviation {
+    /// Largest measured deviation, over the range.
+    pub(crate) deviation: f64,
+    /// Largest allowed deviation.
+    pub(crate) limit: f64,
+    /// Cause of the deviation.
+    pub(crate) cause: DeviationCause,
+}
+
+/// Cause of a file's deviation; its text is the remedy.
+#[derive(Debug)]
+pub(crate) enum DeviationCause {
+    /// Rounding an input to f32 exceeds the limit.
+    Input {
+        /// Name of the input.
+        name: String,
+        /// Largest number of the input.
+        largest: f64,
+    },
+    /// Rounding a value to f32 exceeds the limit.
+    Values {
+        /// Largest value.
+        largest: f64,
+        /// Range of the value.
+        range: f64,
+    },
+    /// The kernels are too wide or too smooth.
+    Kernel {
+        /// Kernel of the fit.
+        kernel: Kernel,
+        /// Options that fit, if they are known.
+        other: Option<String>,
+    },
+}
+
+impl Display for DeviationCause {
+    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Input { name, largest } => write!(
+                to,
+                "take the offset off the input \"{name}\" (numbers up to {largest:.3e} do not fit single precision)"
+            ),
+            Self::Values { largest, range } => write!(
+                to,
+                "take the offset off the values (numbers up to {largest:.3e} with a range of {range:.3e} do not fit \
+                 single precision)"
+            ),
+            Self::Kernel { kernel, other } => {
+                let other = other.as_ref();
+                let other =
+                    other.map_or(String::new(), |other| format!("{other}, which fits, or "));
+                let narrower = match is_scale_invariant(*kernel) {
+                    true => "",
+                    false => "a narrower kernel (a larger epsilon, a shorter length) or ",
+                };
+                write!(
+                    to,
+                    "take {other}{narrower}a rougher kernel, smooth more, take fewer centres"
+                )
+            }
+        }
+    }
+}
+
+impl From<Deviation> for Error {
+    fn from(Deviation { deviation, limit, cause }: Deviation) -> Self {
+        too_far(deviation, limit, cause)
+    }
+}
+
+/// Returns the error of a file's deviation above the limit.
+///
+/// - `remedy`: what to change.
+pub(crate) fn too_far(deviation: f64, limit: f64, remedy: impl Display) -> Error {
+    Error::fit(format!(
+        "in single precision the function is off by {deviation:.1e} of its values' range, more than {limit:.1e}: \
+         {remedy}, or allow it by --f32-error"
+    ))
+}
+
 impl Probe {
     /// Makes queries: the sites of the samples, and 1,000 points between random pairs of sites.
     ///
@@ -56,17 +139,17 @@ impl Probe {
     /// - `limit`: largest allowed deviation, over the range.
     ///
     /// # Errors
-    /// [`EvaluationError`] of a site.
+    /// Errors of [`query_numbers`] for a site; if a quaternion is zero or not finite.
     pub fn new(
         inputs: &[Input],
         sites: &[Vec<f64>],
         ranges: Vec<f64>,
         limit: f64,
-    ) -> Result<Self, EvaluationError> {
+    ) -> Result<Self, Error> {
         let sites = sites.iter().map(|site| query_numbers(inputs, site));
         let sites = sites.collect::<Result<Vec<_>, _>>()?;
         let inputs: Vec<Input> = inputs.iter().map(of_quaternions).collect();
-        let query = |exact: &[f64]| -> Result<Query, EvaluationError> {
+        let query = |exact: &[f64]| -> Result<Query, Error> {
             let numbers = exact.iter().map(|x| *x as f32).collect();
             Ok(Query { numbers, features: features(&inputs, exact)? })
         };
@@ -113,29 +196,38 @@ impl Probe {
     /// Checks that a function's deviation is within the limit; returns the deviation.
     ///
     /// # Errors
-    /// [`KernelError::Deviation`] above the limit.
+    /// If the deviation is above the limit.
     pub fn check(
         &self,
         sum: &KernelSum,
         exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
-    ) -> Result<f64, KernelError> {
+    ) -> Result<f64, Error> {
+        Ok(self.within_limit(sum, exact)?)
+    }
+
+    /// Checks as [`Self::check`]; an error keeps its cause.
+    pub(super) fn within_limit(
+        &self,
+        sum: &KernelSum,
+        exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
+    ) -> Result<f64, Deviation> {
         match self.deviation(sum, &exact) {
             deviation if deviation <= self.limit => Ok(deviation),
             deviation => Err(self.refusal(deviation, sum.kernel, exact)),
         }
     }
 
-    /// Returns the error of a deviation above the limit, with its cause.
+    /// Returns a deviation above the limit, with its cause.
     ///
     /// An input or a value is the cause if rounding it to f32 alone changes the exact function by more than the limit.
     ///
     /// - `exact`: computes all values, m, from features, in f64.
-    pub fn refusal(
+    pub(super) fn refusal(
         &self,
         deviation: f64,
         kernel: Kernel,
         exact: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> KernelError {
+    ) -> Deviation {
         let mut first = 0;
         let own = self.inputs.iter().map(|input| {
             let own = first..first + input.kind.number_len();
@@ -163,7 +255,7 @@ impl Probe {
             }
             _ => DeviationCause::Kernel { kernel, other: None },
         };
-        KernelError::Deviation { deviation, limit: self.limit, cause }
+        Deviation { deviation, limit: self.limit, cause }
     }
 
     /// Measures the change of the exact function if some numbers of a site are rounded to f32.

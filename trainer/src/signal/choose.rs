@@ -2,12 +2,13 @@
 //! §4).
 
 use super::covariance::Covariance;
-use super::error::SignalError;
+use super::faults::too_short;
 use super::functional::Functional;
 use super::grid::Sample;
 use super::kriging::{Mean, Process, gram};
 use super::repeated::least_distance;
 use super::table::{Estimator, Table, autocovariance};
+use crate::Error;
 use crate::numeric::columns::ends;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
@@ -50,10 +51,10 @@ pub const fn of_images() -> Covariance {
 /// cubic spline is up to a fifth better (*measured*).
 ///
 /// # Errors
-/// [`SignalError::TooShort`] for fewer than two samples.
-pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> {
+/// If there are fewer than two samples.
+pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, Error> {
     if samples.len() < 2 {
-        return Err(SignalError::TooShort { found: samples.len(), least: 2 });
+        return Err(too_short(samples.len(), 2));
     }
     let mut best = Best::new(Covariance::OrnsteinUhlenbeck { length: 3.0 });
     if samples.iter().all(|x| *x == samples[0]) {
@@ -176,7 +177,7 @@ pub fn variance(samples: &[f64], sample: Sample, covariance: &Covariance) -> f64
 ///
 /// # Errors
 /// Errors of [`Table::new`].
-pub fn estimated(samples: &[f64]) -> Result<(Covariance, f64), SignalError> {
+pub fn estimated(samples: &[f64]) -> Result<(Covariance, f64), Error> {
     let lags = (samples.len() / SHARE).clamp(2, LAGS);
     let (table, clipped) = Table::new(&autocovariance(samples, lags, Estimator::Biased), 1.0)?;
     Ok((Covariance::Table(table), clipped))
@@ -386,7 +387,7 @@ mod tests {
     #[test]
     fn a_constant_has_a_covariance_and_one_sample_has_none() {
         assert!(best(&[3.0; 20], Sample::Value).is_ok());
-        let short = best(&[3.0], Sample::Value);
-        assert!(matches!(short, Err(SignalError::TooShort { .. })));
+        let short = best(&[3.0], Sample::Value).unwrap_err();
+        assert_eq!(short.to_string(), "1 samples are fewer than a window's 2: take fewer taps");
     }
 }

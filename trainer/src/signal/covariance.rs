@@ -1,7 +1,8 @@
 //! Covariances of stationary processes, in f64 (METHOD §4): the correlation of two values as a function of their signed
 //! distance. Families with parameters, and tables made positive definite.
 
-use super::error::{SignalError, Subject, check_positive};
+use super::faults::{check_positive, no_observations, wrong_number};
+use crate::Error;
 use sinew_runtime::kernel::Kernel;
 
 /// Length of the circle on which the spectrum is computed, as a multiple of the number of lags.
@@ -47,6 +48,33 @@ pub enum Covariance {
 pub struct Table {
     values: Vec<f64>,
     step: f64,
+}
+
+/// Use of a covariance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A signal.
+    Signal,
+    /// An image.
+    Image,
+    /// Observations of a function.
+    Observations,
+}
+
+impl Subject {
+    /// Returns the error of an unknown covariance.
+    fn unknown(self, found: &str) -> Error {
+        let (named, others) = match self {
+            Self::Signal => ("", "auto, estimated, a table (.csv), or"),
+            Self::Image => (" for an image", "auto, a table (.csv), or"),
+            Self::Observations => (" for observations", "auto, or"),
+        };
+        Error::value(format!(
+            "there is no covariance \"{found}\"{named}: expected {others} squared exponential, ornstein-uhlenbeck, matern \
+             3/2 or matern 5/2 with a length, oscillating with a length and a period, as \"matern 3/2:4\" or \
+             \"oscillating:8,3\""
+        ))
+    }
 }
 
 impl Covariance {
@@ -209,10 +237,9 @@ impl Covariance {
     /// - `subject`: the covariance's use, for error messages.
     ///
     /// # Errors
-    /// [`SignalError::Covariance`] for an unknown name or wrong parameters; [`SignalError::Number`] for a length or
-    /// period that is not positive and finite.
-    pub fn parse(text: &str, subject: Subject) -> Result<Self, SignalError> {
-        let unknown = || SignalError::Covariance { found: text.to_owned(), subject };
+    /// If the name is unknown, the parameters are wrong, or a length or period is not positive and finite.
+    pub fn parse(text: &str, subject: Subject) -> Result<Self, Error> {
+        let unknown = || subject.unknown(text);
         let (name, numbers) = text.split_once(':').ok_or_else(unknown)?;
         let numbers = numbers.split(',').map(|number| number.trim().parse());
         let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().map_err(|_| unknown())?;
@@ -234,8 +261,8 @@ impl Covariance {
     /// Checks that lengths and periods are positive and finite.
     ///
     /// # Errors
-    /// [`SignalError::Number`].
-    pub(super) fn checked(self) -> Result<Self, SignalError> {
+    /// If a length or period is not.
+    pub(super) fn checked(self) -> Result<Self, Error> {
         match &self {
             Self::SquaredExponential { length }
             | Self::OrnsteinUhlenbeck { length }
@@ -260,17 +287,13 @@ impl Table {
     /// spectrum by squares.
     ///
     /// # Errors
-    /// [`SignalError::Empty`]; [`SignalError::Number`] for a step or first covariance that is not above 0, and for any
-    /// covariance that is not finite; [`SignalError::Indefinite`] if clipping leaves nothing.
-    pub fn new(lags: &[f64], step: f64) -> Result<(Self, f64), SignalError> {
+    /// If there is no covariance, the step or first covariance is not above 0, a covariance is not finite, or clipping
+    /// leaves nothing.
+    pub fn new(lags: &[f64], step: f64) -> Result<(Self, f64), Error> {
         check_positive("step", step)?;
-        check_positive("covariance at lag 0", *lags.first().ok_or(SignalError::Empty)?)?;
+        check_positive("covariance at lag 0", *lags.first().ok_or_else(no_observations)?)?;
         if let Some(&found) = lags.iter().find(|x| !x.is_finite()) {
-            return Err(SignalError::Number {
-                what: "covariance",
-                expected: "a finite number",
-                found,
-            });
+            return Err(wrong_number("covariance", "a finite number", found));
         }
         let len = (ROOM * lags.len()).next_power_of_two();
         let mut circle = vec![0.0; len];
@@ -290,7 +313,7 @@ impl Table {
         values.truncate(len / 2 + 1);
         let first = values[0];
         if first.is_nan() || first <= 0.0 {
-            return Err(SignalError::Indefinite { what: "the table" });
+            return Err(Error::value("the table is not positive definite"));
         }
         values.iter_mut().for_each(|value| *value /= first);
         Ok((Self { values, step }, negative / all))
@@ -340,6 +363,7 @@ fn transform(circle: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::ErrorKind;
 
     /// Returns one covariance per family.
     pub(in crate::signal) fn families() -> Vec<Covariance> {
@@ -399,11 +423,16 @@ pub(super) mod tests {
         assert_eq!(Covariance::parse(&small.describe(), Subject::Signal).unwrap(), small);
         for text in ["matern 3/2", "matern:1", "oscillating:3", "matern 3/2:x", ""] {
             let error = Covariance::parse(text, Subject::Signal).unwrap_err();
-            assert!(matches!(error, SignalError::Covariance { .. }), "{text}");
+            let expected = format!("there is no covariance \"{text}\": expected ");
+            assert!(error.message().starts_with(&expected), "{error}");
         }
         for text in ["matern 3/2:0", "oscillating:1,-2", "gaussian:nan", "gaussian:inf"] {
             let error = Covariance::parse(text, Subject::Signal).unwrap_err();
-            assert!(matches!(error, SignalError::Number { .. }), "{text}");
+            assert_eq!(error.kind(), ErrorKind::Value);
+            assert!(
+                error.message().contains(": expected a finite number above 0, found "),
+                "{error}"
+            );
         }
     }
 
@@ -423,9 +452,12 @@ pub(super) mod tests {
 
     #[test]
     fn invalid_tables_are_refused() {
-        assert!(matches!(Table::new(&[], 1.0), Err(SignalError::Empty)));
+        let empty = Table::new(&[], 1.0).unwrap_err();
+        assert_eq!(empty.to_string(), "there are no observations");
         for (lags, step) in [(vec![0.0, 0.0], 1.0), (vec![1.0], 0.0), (vec![1.0, f64::NAN], 1.0)] {
-            assert!(matches!(Table::new(&lags, step), Err(SignalError::Number { .. })));
+            let error = Table::new(&lags, step).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Value);
+            assert!(error.message().contains(": expected a finite number"), "{error}");
         }
     }
 }

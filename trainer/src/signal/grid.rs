@@ -1,9 +1,10 @@
 //! Filters that refine regular grids by an integer factor: taps by phase, with separate windows at both ends (METHOD
 //! §4).
 
-use super::error::SignalError;
+use super::faults::{too_short, wrong_number};
 use super::functional::Functional;
 use super::kriging::{Kriging, Process};
+use crate::Error;
 use serde::Serialize;
 
 /// Most weights in a filter: a file of 256 MB.
@@ -54,22 +55,18 @@ impl GridFilter {
     /// Computes the weights for a process; distances are in coarse samples.
     ///
     /// # Errors
-    /// [`SignalError::Number`] for an even number of taps, a factor of 0 or too many weights; errors of
-    /// [`Kriging::new`].
-    pub fn new(process: &Process, grid: Grid) -> Result<Self, SignalError> {
+    /// If the number of taps is even, the factor is 0, or there are too many weights; errors of [`Kriging::new`].
+    pub fn new(process: &Process, grid: Grid) -> Result<Self, Error> {
         let Grid { factor, taps, sample } = grid;
         if taps % 2 == 0 {
-            let (what, expected) = ("taps", "an odd number");
-            return Err(SignalError::Number { what, expected, found: taps as f64 });
+            return Err(wrong_number("taps", "an odd number", taps as f64));
         }
         if factor < 1 {
-            let (what, expected) = ("factor", "a number above 0");
-            return Err(SignalError::Number { what, expected, found: 0.0 });
+            return Err(wrong_number("factor", "a number above 0", 0.0));
         }
         if taps.saturating_mul(taps).saturating_mul(factor) > WEIGHTS {
-            let (what, expected) = ("weights, taps x taps x factor", "at most 67,108,864");
             let found = taps as f64 * taps as f64 * factor as f64;
-            return Err(SignalError::Number { what, expected, found });
+            return Err(wrong_number("weights, taps x taps x factor", "at most 67,108,864", found));
         }
         let window: Vec<Functional> = (0..taps).map(|tap| sample.functional(tap, 0, 1)).collect();
         // The weights do not depend on the sample values.
@@ -95,12 +92,12 @@ impl GridFilter {
     /// Refines signals: F fine samples per coarse sample.
     ///
     /// # Errors
-    /// [`SignalError::TooShort`] if a signal is shorter than a window.
-    pub fn apply(&self, samples: &[f64], shape: Shape) -> Result<Vec<f64>, SignalError> {
+    /// If a signal is shorter than a window.
+    pub fn apply(&self, samples: &[f64], shape: Shape) -> Result<Vec<f64>, Error> {
         let Shape { samples: n, lanes } = shape;
         let Grid { factor, taps, .. } = self.grid;
         if n < taps {
-            return Err(SignalError::TooShort { found: n, least: taps });
+            return Err(too_short(n, taps));
         }
         let mut out = vec![0.0; samples.len() * factor];
         let signals = samples.chunks_exact(n * lanes).zip(out.chunks_exact_mut(n * lanes * factor));
@@ -200,16 +197,19 @@ mod tests {
     #[test]
     fn short_signals_and_even_windows_are_refused() {
         let filter = filter(Sample::Value, 2, 5);
-        let short = filter.apply(&[1.0; 4], Shape { samples: 4, lanes: 1 });
-        assert!(matches!(short, Err(SignalError::TooShort { found: 4, least: 5 })));
+        let short = filter.apply(&[1.0; 4], Shape { samples: 4, lanes: 1 }).unwrap_err();
+        assert_eq!(short.to_string(), "4 samples are fewer than a window's 5: take fewer taps");
         let process = Process {
             covariance: Covariance::Matern32 { length: 1.0 },
             mean: Mean::Constant,
             noise: 0.0,
         };
-        for (factor, taps) in [(2, 4), (0, 3), (2, 0)] {
+        let even = "taps: expected an odd number, found ";
+        let none = "factor: expected a number above 0, found ";
+        for (factor, taps, expected) in [(2, 4, even), (0, 3, none), (2, 0, even)] {
             let grid = Grid { factor, taps, sample: Sample::Value };
-            assert!(matches!(GridFilter::new(&process, grid), Err(SignalError::Number { .. })));
+            let error = GridFilter::new(&process, grid).unwrap_err();
+            assert!(error.message().starts_with(expected), "{error}");
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Upsamples images with one filter: columns, then rows, since C(x, y) = C(x) C(y) (METHOD §4).
 
-use super::error::SignalError;
 use super::grid::{GridFilter, Shape};
-use png::{BitDepth, ColorType, Decoder, Encoder, Transformations};
+use crate::{Error, ErrorKind};
+use png::{BitDepth, ColorType, Decoder, DecodingError, Encoder, Transformations};
+use std::fmt::Display;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 /// Bisection steps: enough to exhaust the digits of f64.
@@ -32,19 +33,20 @@ impl Image {
     /// Reads a PNG with 8 or 16 bits per channel. Palettes and smaller depths become 8 bits.
     ///
     /// # Errors
-    /// [`SignalError::Picture`] if the file cannot be read or decoded.
-    pub fn read(file: &Path) -> Result<Self, SignalError> {
-        let wrong = |what: String| {
-            let what = what.trim_end_matches('.').to_owned();
-            SignalError::Picture { file: file.to_owned(), what }
-        };
-        let opened = File::open(file).map_err(|error| wrong(error.to_string()))?;
+    /// If the file cannot be read or decoded. Names the file.
+    pub fn read(file: &Path) -> Result<Self, Error> {
+        Self::decode(file).map_err(|error| error.in_file(file))
+    }
+
+    fn decode(file: &Path) -> Result<Self, Error> {
+        let opened = File::open(file)
+            .map_err(|cause| Error::new(ErrorKind::Read, without_stop(&cause)).caused_by(cause))?;
         let mut decoder = Decoder::new(BufReader::new(opened));
         decoder.set_transformations(Transformations::EXPAND);
-        let mut reader = decoder.read_info().map_err(|error| wrong(error.to_string()))?;
-        let len = reader.output_buffer_size().ok_or_else(|| wrong("it is too large".to_owned()))?;
+        let mut reader = decoder.read_info().map_err(undecoded)?;
+        let len = reader.output_buffer_size().ok_or_else(|| Error::limit("it is too large"))?;
         let mut bytes = vec![0; len];
-        let frame = reader.next_frame(&mut bytes).map_err(|error| wrong(error.to_string()))?;
+        let frame = reader.next_frame(&mut bytes).map_err(undecoded)?;
         bytes.truncate(frame.buffer_size());
         let (most, samples): (f64, Vec<f64>) = match frame.bit_depth {
             BitDepth::Sixteen => {
@@ -58,7 +60,9 @@ impl Image {
             ColorType::GrayscaleAlpha => (2, true),
             ColorType::Rgb => (3, false),
             ColorType::Rgba => (4, true),
-            other @ ColorType::Indexed => return Err(wrong(format!("{other:?} is not read"))),
+            other @ ColorType::Indexed => {
+                return Err(Error::unsupported(format!("{other:?} is not read")));
+            }
         };
         let (width, height) = (frame.width as usize, frame.height as usize);
         let mut image = Self { width, height, channels, has_alpha, most, samples };
@@ -97,8 +101,8 @@ impl Image {
     /// Upsamples the image; does not round or clip.
     ///
     /// # Errors
-    /// [`SignalError::TooShort`] if the image has fewer rows or columns than a window.
-    pub fn finer(&self, filter: &GridFilter) -> Result<Self, SignalError> {
+    /// If the image has fewer rows or columns than a window.
+    pub fn finer(&self, filter: &GridFilter) -> Result<Self, Error> {
         let Self { width, height, channels, .. } = *self;
         let factor = filter.grid.factor;
         let columns = Shape { samples: height, lanes: width * channels };
@@ -111,8 +115,8 @@ impl Image {
     /// `factor` pixels. If a box needs clipping, all its values first move by one amount.
     ///
     /// # Errors
-    /// [`SignalError::Multiple`] if a side is not a multiple of `factor`.
-    pub fn within(&self, factor: usize) -> Result<Self, SignalError> {
+    /// If a side is not a multiple of `factor`.
+    pub fn within(&self, factor: usize) -> Result<Self, Error> {
         let mut out = self.clone();
         let means = self.coarser(factor)?;
         let colours = self.channels - usize::from(self.has_alpha);
@@ -144,12 +148,14 @@ impl Image {
     /// Downsamples by averaging boxes of `factor` x `factor` pixels; does not round.
     ///
     /// # Errors
-    /// [`SignalError::Multiple`] if a side is not a multiple of `factor`.
-    pub fn coarser(&self, factor: usize) -> Result<Self, SignalError> {
+    /// If a side is not a multiple of `factor`.
+    pub fn coarser(&self, factor: usize) -> Result<Self, Error> {
         let Self { width, height, channels, .. } = *self;
         for (what, found) in [("the width", width), ("the height", height)] {
             if factor == 0 || found % factor != 0 {
-                return Err(SignalError::Multiple { what, found, factor });
+                return Err(Error::value(format!(
+                    "{what}: expected a multiple of {factor}, found {found}"
+                )));
             }
         }
         let (wide, tall) = (width / factor, height / factor);
@@ -175,6 +181,24 @@ impl Image {
             }
         }
     }
+}
+
+/// Returns the error of a picture that cannot be decoded.
+fn undecoded(cause: DecodingError) -> Error {
+    let kind = match &cause {
+        // A file that ends too early is damaged.
+        DecodingError::IoError(error) if error.kind() != io::ErrorKind::UnexpectedEof => {
+            ErrorKind::Read
+        }
+        DecodingError::LimitsExceeded => ErrorKind::Limit,
+        _ => ErrorKind::Damaged,
+    };
+    Error::new(kind, without_stop(&cause)).caused_by(cause)
+}
+
+/// Formats an error without the full stop at its end.
+fn without_stop(error: &impl Display) -> String {
+    error.to_string().trim_end_matches('.').to_owned()
 }
 
 /// Clips `[number, greatest]` pairs to 0..greatest after a common offset. The offset restores the given mean, or the
@@ -278,12 +302,10 @@ mod tests {
     #[test]
     fn sides_that_boxes_do_not_fill_are_refused() {
         let wrong = image(9, 8).coarser(2).unwrap_err();
-        assert!(matches!(wrong, SignalError::Multiple { what: "the width", found: 9, factor: 2 }));
+        assert_eq!(wrong.to_string(), "the width: expected a multiple of 2, found 9");
         let wrong = image(8, 9).coarser(2).unwrap_err();
-        assert!(matches!(wrong, SignalError::Multiple { what: "the height", .. }));
-        assert!(matches!(
-            image(9, 3).finer(&filter(2)),
-            Err(SignalError::TooShort { found: 3, .. })
-        ));
+        assert_eq!(wrong.to_string(), "the height: expected a multiple of 2, found 9");
+        let short = image(9, 3).finer(&filter(2)).unwrap_err();
+        assert_eq!(short.to_string(), "3 samples are fewer than a window's 5: take fewer taps");
     }
 }

@@ -1,9 +1,10 @@
 //! Kriging: the likeliest function given observations (METHOD §4, S0 Eq. 13).
 
 use super::covariance::Covariance;
-use super::error::{Redundant, SignalError, check_positive};
+use super::faults::{check_positive, no_observations};
 use super::functional::Functional;
-use super::solved::Solved;
+use super::solved::{REMEDY, Solved, ill_conditioned};
+use crate::Error;
 use crate::numeric::columns::ends;
 use faer::Mat;
 use serde::Deserialize;
@@ -54,6 +55,27 @@ pub struct Prediction {
     pub variance: f64,
 }
 
+/// Reason why observations have no posterior.
+enum Unsolved {
+    /// The observations do not determine the mean.
+    Mean,
+    /// Rounding errors dominate the solution.
+    IllConditioned {
+        /// Reciprocal condition.
+        rcond: f64,
+    },
+}
+
+/// An observation that earlier ones nearly determine under the covariance.
+struct Redundant {
+    /// Index of the observation.
+    at: usize,
+    /// Prediction from the earlier observations.
+    expected: f64,
+    /// Value of the observation.
+    found: f64,
+}
+
 /// Local kriging: each prediction uses only the nearest observations. Serves where one global system is too large
 /// (METHOD §4).
 pub struct Neighbours<'a> {
@@ -71,8 +93,8 @@ impl Process {
     /// Checks the covariance's parameters and the noise.
     ///
     /// # Errors
-    /// [`SignalError::Number`].
-    pub fn check(&self) -> Result<(), SignalError> {
+    /// If a parameter is not positive and finite, or the noise is negative or not finite.
+    pub fn check(&self) -> Result<(), Error> {
         self.covariance.clone().checked()?;
         if self.noise == 0.0 { Ok(()) } else { check_positive("noise", self.noise) }
     }
@@ -112,38 +134,68 @@ impl Kriging {
     /// Fits observed values (n) of functionals.
     ///
     /// # Errors
-    /// [`SignalError::Empty`]; [`SignalError::Number`] for the process; [`SignalError::Observation`] for a number out
-    /// of range or a box without width; [`SignalError::Rough`]; [`SignalError::Mean`]; errors of [`Solved::new`].
+    /// - Errors of [`Process::check`].
+    /// - If there are no observations, a number is out of range, or a box has no width.
+    /// - If a derivative is observed, but the covariance has no derivative.
+    /// - If the observations do not determine the mean.
+    /// - If rounding errors dominate the solution.
     pub fn new(
         process: &Process,
         functionals: &[Functional],
         values: &[f64],
-    ) -> Result<Self, SignalError> {
+    ) -> Result<Self, Error> {
+        Self::numbered(process, functionals, values, |at| at, REMEDY)
+    }
+
+    /// Fits as [`Self::new`], with other words about a solution that rounding errors dominate.
+    ///
+    /// - `number`: returns the number of an observation.
+    /// - `remedy`: suggested change.
+    pub(super) fn numbered(
+        process: &Process,
+        functionals: &[Functional],
+        values: &[f64],
+        number: impl Fn(usize) -> usize,
+        remedy: &str,
+    ) -> Result<Self, Error> {
         process.check()?;
         check(process, functionals, values)?;
-        match Self::solved(process, functionals, values) {
-            Err(SignalError::IllConditioned { rcond, remedy, .. }) => {
-                let redundant = first_redundant(process, functionals, values);
-                Err(SignalError::IllConditioned { rcond, redundant, remedy })
+        Self::solved(process, functionals, values).map_err(|reason| match reason {
+            Unsolved::Mean => {
+                let mean = process.mean.name();
+                Error::fit(format!(
+                    "these observations do not determine a {mean} mean: take a simpler one, or observe values"
+                ))
             }
-            found => found,
-        }
+            Unsolved::IllConditioned { rcond } => {
+                let redundant = first_redundant(process, functionals, values).map(
+                    |Redundant { at, expected, found }| {
+                        let at = number(at);
+                        format!(
+                            "observation {at} says {found:.6} where earlier ones nearly determine {expected:.6}"
+                        )
+                    },
+                );
+                ill_conditioned(rcond, redundant, remedy)
+            }
+        })
     }
 
     fn solved(
         process: &Process,
         functionals: &[Functional],
         values: &[f64],
-    ) -> Result<Self, SignalError> {
+    ) -> Result<Self, Unsolved> {
         let scale = scale(functionals);
         let matrix = gram(process, functionals);
         let rows: Vec<Vec<f64>> =
             functionals.iter().map(|of| process.mean.terms(of, scale)).collect();
         let basis = Mat::from_fn(rows.len(), process.mean.term_len(), |i, t| rows[i][t]);
         if !determines_mean(&basis) {
-            return Err(SignalError::Mean { mean: process.mean.name() });
+            return Err(Unsolved::Mean);
         }
-        let solved = Solved::new(matrix, &basis, values)?;
+        let solved = Solved::or_rcond(matrix, &basis, values)
+            .map_err(|rcond| Unsolved::IllConditioned { rcond })?;
         Ok(Self { process: process.clone(), functionals: functionals.to_vec(), scale, solved })
     }
 
@@ -188,7 +240,7 @@ impl Neighbours<'_> {
     ///
     /// # Errors
     /// Errors of [`Kriging::new`].
-    pub fn predict(&self, of: &Functional) -> Result<Prediction, SignalError> {
+    pub fn predict(&self, of: &Functional) -> Result<Prediction, Error> {
         let mut order: Vec<usize> = (0..self.functionals.len()).collect();
         let distance = |i: &usize| (self.functionals[*i].middle() - of.middle()).abs();
         order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -209,7 +261,7 @@ fn first_redundant(
 ) -> Option<Redundant> {
     let fails = |len: usize| {
         let found = Kriging::solved(process, &functionals[..len], &values[..len]);
-        matches!(found, Err(SignalError::IllConditioned { .. }))
+        matches!(found, Err(Unsolved::IllConditioned { .. }))
     };
     let (mut sound, mut failed) = (0, functionals.len());
     while failed - sound > 1 {
@@ -239,17 +291,17 @@ pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
 /// Checks observations: their numbers, the width of boxes, and that derivatives exist.
 ///
 /// # Errors
-/// [`SignalError::Empty`], [`SignalError::Observation`] and [`SignalError::Rough`].
+/// If there are no observations, a number is out of range, a box has no width, or a derivative does not exist.
 pub(super) fn check(
     process: &Process,
     functionals: &[Functional],
     values: &[f64],
-) -> Result<(), SignalError> {
+) -> Result<(), Error> {
     if functionals.is_empty() || functionals.len() != values.len() {
-        return Err(SignalError::Empty);
+        return Err(no_observations());
     }
     for (at, (of, value)) in functionals.iter().zip(values).enumerate() {
-        let wrong = |what| Err(SignalError::Observation { at, what });
+        let wrong = |what: &str| Err(Error::value(format!("observation {at}: {what}")));
         let [from, to] = of.ends();
         // NaN fails the comparison too.
         if ![from, to, *value].iter().all(|x| x.abs() <= MOST) {
@@ -261,7 +313,10 @@ pub(super) fn check(
             return wrong("expected `from` below `to`");
         }
         if matches!(of, Functional::Derivative { .. }) && !process.covariance.is_smooth() {
-            return Err(SignalError::Rough { at, covariance: process.covariance.name() });
+            let covariance = process.covariance.name();
+            return Err(Error::unsupported(format!(
+                "observation {at}: functions of covariance {covariance} have no derivative"
+            )));
         }
     }
     Ok(())
@@ -348,29 +403,30 @@ mod tests {
         let process = Process { covariance, mean: Mean::Zero, noise: 0.0 };
         let first = Functional::Value { at: 0.0 };
         let refused = |process: &Process, of: Functional, value: f64| {
-            Kriging::new(process, &[first, of], &[1.0, value]).err().unwrap()
+            Kriging::new(process, &[first, of], &[1.0, value]).err().unwrap().to_string()
         };
+        let range = "observation 1: expected numbers from -3.4e38 to 3.4e38, as single precision holds them";
         let bad = Functional::Average { from: 1.0, to: 1.0 };
-        assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+        let empty = "observation 1: expected `from` below `to`";
+        assert_eq!(refused(&process, bad, 0.0), empty);
         for at in [f64::NAN, f64::INFINITY, -1e39] {
             let bad = Functional::Value { at };
-            assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+            assert_eq!(refused(&process, bad, 0.0), range);
         }
         let good = Functional::Value { at: 1.0 };
-        assert!(matches!(
-            refused(&process, good, f64::NAN),
-            SignalError::Observation { at: 1, .. }
-        ));
+        assert_eq!(refused(&process, good, f64::NAN), range);
         let rough = Functional::Derivative { at: 1.0 };
-        assert!(matches!(refused(&process, rough, 0.0), SignalError::Rough { at: 1, .. }));
+        assert_eq!(
+            refused(&process, rough, 0.0),
+            "observation 1: functions of covariance ornstein-uhlenbeck have no derivative"
+        );
         let twice = refused(&process, first, 1.0);
-        assert!(matches!(
-            twice,
-            SignalError::IllConditioned { .. } | SignalError::Indefinite { .. }
-        ));
+        assert!(twice.starts_with("the observations' covariance is ill-conditioned ("), "{twice}");
         let noisy = Process { noise: -1.0, ..process.clone() };
-        assert!(matches!(refused(&noisy, good, 0.0), SignalError::Number { .. }));
-        assert!(matches!(Kriging::new(&process, &[], &[]), Err(SignalError::Empty)));
+        let negative = "noise: expected a finite number above 0, found -1";
+        assert_eq!(refused(&noisy, good, 0.0), negative);
+        let none = Kriging::new(&process, &[], &[]).err().unwrap();
+        assert_eq!(none.to_string(), "there are no observations");
         let slopes = Process {
             covariance: Covariance::Matern32 { length: 1.0 },
             mean: Mean::Constant,
@@ -378,6 +434,9 @@ mod tests {
         };
         let of = Functional::Derivative { at: 0.0 };
         let open = Kriging::new(&slopes, &[of], &[1.0]).err().unwrap();
-        assert!(matches!(open, SignalError::Mean { mean: "constant" }));
+        assert_eq!(
+            open.to_string(),
+            "these observations do not determine a constant mean: take a simpler one, or observe values"
+        );
     }
 }

@@ -11,12 +11,13 @@
 //! | [`image`] | finer pictures: columns, then rows |
 //! | [`observations`] | observations in JSON, and their function as a kernel part |
 //! | [`sum`] | a function as a sum of kernels, and the deviation of its file |
+//! | `faults` | errors that several files make |
 //! | `repeated` | finds observations that earlier ones determine |
 //! | [`plot`] | a picture of a curve with its error band |
 
 pub mod choose;
 pub mod covariance;
-pub mod error;
+mod faults;
 pub mod functional;
 pub mod grid;
 pub mod image;

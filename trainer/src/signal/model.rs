@@ -1,11 +1,11 @@
 //! A named filter, its measured accuracy, and its part of a file.
 
 use super::covariance::Covariance;
-use super::error::SignalError;
 use super::grid::{Grid, GridFilter, Sample, Shape};
 use super::kriging::Process;
+use crate::Error;
 use crate::bake::sections::{floats, names, narrow, words};
-use crate::bake::{BakeError, Part, Sections};
+use crate::bake::{Part, Sections};
 use sinew_runtime::filter::{FilterCounts, FilterFit};
 use sinew_runtime::format::{Element, PartKind, SectionKind};
 
@@ -38,11 +38,7 @@ impl LeftOut {
     ///
     /// # Errors
     /// Errors of [`GridFilter::new`].
-    pub fn new(
-        samples: &[f64],
-        process: &Process,
-        grid: Grid,
-    ) -> Result<Option<Self>, SignalError> {
+    pub fn new(samples: &[f64], process: &Process, grid: Grid) -> Result<Option<Self>, Error> {
         let Grid { factor, taps, sample } = grid;
         let boxes = samples.chunks_exact(factor);
         let rest = boxes.remainder().len();
@@ -89,8 +85,8 @@ impl LeftOut {
 /// - `variance`: writes the variance of each fine sample too, in the square of the signal's unit.
 ///
 /// # Errors
-/// [`BakeError::Size`] for a count that does not fit the file.
-pub fn part(model: &FilterModel, variance: bool) -> Result<Part, BakeError> {
+/// If a count does not fit the file.
+pub fn part(model: &FilterModel, variance: bool) -> Result<Part, Error> {
     let FilterModel { name, filter, variance: scale, fit } = model;
     let Grid { factor, taps, .. } = filter.grid;
     let counts =

@@ -1,14 +1,15 @@
 //! Observations of a function in JSON, and their function as a kernel part.
 
 use super::choose::{Ladder, likeliest_of, unit};
-use super::covariance::Covariance;
-use super::error::{Redundant, Remedy, SignalError, Subject, check_positive};
+use super::covariance::{Covariance, Subject};
+use super::faults::check_positive;
 use super::functional::Functional;
 use super::kriging::{Kriging, Mean, Process, check};
 use super::repeated::independent;
-use super::sum::{Compared, input, sum};
+use super::sum::{Compared, Remedy, input, sum};
+use crate::Error;
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::{FormatError, json};
+use crate::formats::json;
 use crate::numeric::columns::ends;
 use crate::regression::confidence::Fade;
 use crate::scattered::bound::largest;
@@ -75,14 +76,16 @@ impl Observations {
     ///   field.
     ///
     /// # Errors
-    /// [`SignalError::Format`], [`SignalError::Json`], [`SignalError::Empty`], [`SignalError::Written`],
-    /// [`SignalError::Number`], [`SignalError::Observation`], [`SignalError::Contradiction`], and errors of
-    /// [`Covariance::parse`].
-    pub fn read(path: &Path, f32_error: Option<f64>) -> Result<Self, SignalError> {
+    /// - If the file cannot be read, or is not JSON of this form.
+    /// - If there are no observations.
+    /// - If a number is out of its range, or a box has no width.
+    /// - If an observation contradicts the value that others imply.
+    /// - Errors of [`Covariance::parse`].
+    pub fn read(path: &Path, f32_error: Option<f64>) -> Result<Self, Error> {
         if extension(path) != "json" {
-            return Err(unknown_format(path, ".json").into());
+            return Err(unknown_format(path, ".json"));
         }
-        let text = std::fs::read(path).map_err(FormatError::Read)?;
+        let text = std::fs::read(path).map_err(Error::read)?;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         Self::parse(&text, &stem.unwrap_or_default(), f32_error)
     }
@@ -93,7 +96,7 @@ impl Observations {
     ///
     /// # Errors
     /// The errors of [`Self::read`], except for reading the file.
-    pub fn parse(text: &[u8], name: &str, f32_error: Option<f64>) -> Result<Self, SignalError> {
+    pub fn parse(text: &[u8], name: &str, f32_error: Option<f64>) -> Result<Self, Error> {
         let Written {
             name: own,
             covariance,
@@ -151,14 +154,14 @@ impl Observations {
         for ladder in ladders.into_iter().flatten() {
             for room in [ROOM, 1.0] {
                 let sound = |covariance: &Covariance| match self.deviation(covariance) {
-                    Ok(deviation) => deviation <= room * self.f32_error,
-                    Err(SignalError::Deviation { deviation, remedy, .. }) => {
+                    Some((deviation, None)) => deviation <= room * self.f32_error,
+                    Some((deviation, Some(remedy))) => {
                         if nearest.as_ref().is_none_or(|(least, ..)| deviation < *least) {
                             nearest = Some((deviation, remedy, covariance.clone()));
                         }
                         false
                     }
-                    Err(_) => false,
+                    None => false,
                 };
                 let found = likeliest_of(self.process.noise, observed, names, ladder, sound);
                 if let Some(covariance) = found {
@@ -178,15 +181,19 @@ impl Observations {
     }
 
     /// Measures the deviation of a covariance's baked function, relative to the function's range; infinite if there are
-    /// too many centres.
-    fn deviation(&self, covariance: &Covariance) -> Result<f64, SignalError> {
+    /// too many centres. `None` if the function cannot be solved for or baked.
+    ///
+    /// Also returns the suggested change for a deviation above the limit.
+    fn deviation(&self, covariance: &Covariance) -> Option<(f64, Option<Remedy>)> {
         let process = Process { covariance: covariance.clone(), ..self.process.clone() };
-        let fit = Kriging::new(&process, &self.functionals, &self.values)?;
-        let sum = sum(&process, &self.functionals, &self.numbers, &fit)?;
+        let fit = Kriging::new(&process, &self.functionals, &self.values).ok()?;
+        let sum = sum(&process, &self.functionals, &self.numbers, &fit).ok()?;
         if sum.centres.ncols() > CENTRES {
-            return Ok(f64::INFINITY);
+            return Some((f64::INFINITY, None));
         }
-        Compared::new(&self.functionals, &fit, self.f32_error).check(&sum, self.remedy())
+        let compared = Compared::new(&self.functionals, &fit, self.f32_error);
+        let deviation = compared.deviation(&sum).ok()?;
+        Some((deviation, compared.remedy(deviation, self.remedy())))
     }
 
     fn is_of_values(&self) -> bool {
@@ -209,16 +216,9 @@ impl Observations {
     ///
     /// # Errors
     /// Errors of [`Kriging::new`].
-    pub fn fit(&self) -> Result<Kriging, SignalError> {
-        let found = Kriging::new(&self.process, &self.functionals, &self.values);
-        found.map_err(|error| match error {
-            SignalError::IllConditioned { rcond, redundant, .. } => {
-                let redundant = redundant
-                    .map(|redundant| Redundant { at: self.numbers[redundant.at], ..redundant });
-                SignalError::IllConditioned { rcond, redundant, remedy: self.remedy() }
-            }
-            error => error,
-        })
+    pub fn fit(&self) -> Result<Kriging, Error> {
+        let Self { process, functionals, values, numbers, .. } = self;
+        Kriging::numbered(process, functionals, values, |at| numbers[at], self.remedy())
     }
 
     /// Returns the variance of the process: given, or the likeliest.
@@ -231,11 +231,8 @@ impl Observations {
 /// function's range: at the observations and at 1,000 places between.
 ///
 /// # Errors
-/// Errors of [`sum`]; [`SignalError::Deviation`] above the limit.
-pub fn function(
-    observations: &Observations,
-    fit: &Kriging,
-) -> Result<(KernelModel, f64), SignalError> {
+/// Errors of [`sum`]; if the deviation is above the limit.
+pub fn function(observations: &Observations, fit: &Kriging) -> Result<(KernelModel, f64), Error> {
     let Observations { name, process, functionals, values, f32_error, numbers, .. } = observations;
     let sum = sum(process, functionals, numbers, fit)?;
     let deviation =
@@ -267,7 +264,7 @@ pub fn function(
 }
 
 /// Parses one observation.
-fn observation(at: usize, of: &Value) -> Result<(Functional, f64), SignalError> {
+fn observation(at: usize, of: &Value) -> Result<(Functional, f64), Error> {
     let number = |key: &str| of.get(key).and_then(Value::as_f64);
     let len = of.as_object().map_or(0, |fields| fields.len());
     let found = match (number("at"), number("from"), number("to"), len) {
@@ -280,7 +277,12 @@ fn observation(at: usize, of: &Value) -> Result<(Functional, f64), SignalError> 
         }
         _ => None,
     };
-    found.ok_or_else(|| SignalError::Written { at, found: of.to_string() })
+    found.ok_or_else(|| {
+        Error::value(format!(
+            "observation {at}: expected {{\"at\": x, \"value\": y}}, {{\"at\": x, \"derivative\": y}} or \
+             {{\"from\": a, \"to\": b, \"average\": y}}, found {of}"
+        ))
+    })
 }
 
 #[cfg(test)]

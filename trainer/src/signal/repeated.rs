@@ -5,24 +5,23 @@
 //! the ends of boxes. A path of other edges from a to b determines the average. Values and derivatives are determined
 //! only by repetition.
 
-use super::error::SignalError;
 use super::functional::Functional;
+use crate::Error;
 
 /// Two places within this fraction of the largest magnitude are the same; the rounding errors of f64 sums are smaller.
 const ONE_PLACE: f64 = 1e-12;
 /// Relative tolerance for agreement of observations: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
+/// Most observation numbers that a message lists.
+const LISTED: usize = 8;
 
 /// Lists the observations that earlier ones do not determine.
 ///
 /// - `values`: value of each functional, n.
 ///
 /// # Errors
-/// [`SignalError::Contradiction`] if an observation differs from the value that earlier ones imply.
-pub(super) fn independent(
-    functionals: &[Functional],
-    values: &[f64],
-) -> Result<Vec<usize>, SignalError> {
+/// If an observation differs from the value that earlier ones imply.
+pub(super) fn independent(functionals: &[Functional], values: &[f64]) -> Result<Vec<usize>, Error> {
     let mut accepted = Accepted::new(functionals);
     let mut out = Vec::with_capacity(values.len());
     for (at, found) in values.iter().copied().enumerate() {
@@ -35,11 +34,41 @@ pub(super) fn independent(
         let (expected, magnitude) =
             shares.fold((0.0, found.abs()), |(sum, most), x| (sum + x, most.max(x.abs())));
         if (expected - found).abs() > AGREE * magnitude {
-            let others = others.into_iter().map(|(other, _)| other).collect();
-            return Err(SignalError::Contradiction { others, at, expected, found });
+            let others: Vec<usize> = others.into_iter().map(|(other, _)| other).collect();
+            return Err(contradiction(&others, at, expected, found));
         }
     }
     Ok(out)
+}
+
+/// Returns the error of an observation that contradicts the value that others imply, for any covariance.
+///
+/// - `others`: observations that imply the value; a single one measures the same quantity.
+/// - `expected`: value implied by the others.
+/// - `found`: value of the observation.
+fn contradiction(others: &[usize], at: usize, expected: f64, found: f64) -> Error {
+    let remedy = "leave one out, or give a noise";
+    let [first] = others else {
+        // Sums have f64 rounding errors, so f32 digits are shown.
+        let (others, expected) = (listed(others), expected as f32);
+        return Error::mismatch(format!(
+            "observation {at} contradicts observations {others}: they give {expected} and it says {found}; {remedy}"
+        ));
+    };
+    Error::mismatch(format!(
+        "observations {first} and {at} contradict each other: they are of one thing and say {expected} and {found}; \
+         {remedy}"
+    ))
+}
+
+/// Lists observation numbers; counts those after the first few.
+fn listed(of: &[usize]) -> String {
+    let first: Vec<String> = of.iter().take(LISTED).map(usize::to_string).collect();
+    let first = first.join(", ");
+    match of.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first}, {more} more"),
+    }
 }
 
 /// Returns the least distance between the ends of observations; `None` if all are at one place.
@@ -172,15 +201,17 @@ mod tests {
     fn contradictions_name_the_implying_observations() {
         let functionals =
             [average(0.0, 1.0), average(5.0, 6.0), average(1.0, 2.0), average(0.0, 2.0)];
-        let Err(SignalError::Contradiction { others, at, expected, found }) =
-            independent(&functionals, &[1.0, 8.0, 3.0, 5.0])
-        else {
-            panic!()
-        };
-        assert_eq!((others, at, expected, found), (vec![0, 2], 3, 2.0, 5.0));
+        let error = independent(&functionals, &[1.0, 8.0, 3.0, 5.0]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "observation 3 contradicts observations 0, 2: they give 2 and it says 5; leave one out, or give a noise"
+        );
         let slopes = [Functional::Derivative { at: 1.0 }, value(1.0), value(1.0 + 1e-14)];
-        let found = independent(&slopes, &[0.0, 1.0, 1.5]);
-        assert!(matches!(found, Err(SignalError::Contradiction { at: 2, .. })));
+        let error = independent(&slopes, &[0.0, 1.0, 1.5]).unwrap_err();
+        assert!(
+            error.message().starts_with("observations 1 and 2 contradict each other"),
+            "{error}"
+        );
         assert_eq!(independent(&slopes, &[0.0, 1.0, 1.0]).unwrap(), [0, 1]);
     }
 

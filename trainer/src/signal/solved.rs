@@ -3,14 +3,15 @@
 //! METHOD computes m = 1ᵀK⁻¹f₀/1ᵀK⁻¹1, and the variance as a difference of large numbers. To avoid the cancellation,
 //! this module uses weights B that reproduce the mean's basis, as `scattered::solver::leave_one_out::Variance` does.
 
-use super::error::SignalError;
+use crate::Error;
 use crate::scattered::solver::fit::{MISSED, RCOND};
+use crate::scattered::solver::refusal::described;
 use crate::scattered::solver::system::System;
 use faer::linalg::solvers::{Llt, Solve, SolveLstsq};
 use faer::{Mat, Side};
 
 /// Suggested change if the covariances of values are ill-conditioned.
-const REMEDY: &str = "take a shorter length, a rougher covariance, or a noise";
+pub(super) const REMEDY: &str = "take a shorter length, a rougher covariance, or a noise";
 
 /// A solved system of n observations.
 ///
@@ -34,30 +35,38 @@ impl Solved {
     /// Solves for values (n) with covariance K (n x n) and the mean's basis (n x r).
     ///
     /// # Errors
-    /// [`SignalError::IllConditioned`].
-    pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, SignalError> {
+    /// If rounding errors dominate the solution.
+    pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, Error> {
+        Self::or_rcond(matrix, basis, values).map_err(|rcond| ill_conditioned(rcond, None, REMEDY))
+    }
+
+    /// Solves as [`Self::new`].
+    ///
+    /// # Errors
+    /// The reciprocal condition, if rounding errors dominate the solution.
+    pub(super) fn or_rcond(
+        matrix: Mat<f64>,
+        basis: &Mat<f64>,
+        values: &[f64],
+    ) -> Result<Self, f64> {
         let n = matrix.nrows();
         let units: Vec<f64> = (0..n).map(|i| 1.0 / matrix[(i, i)].sqrt()).collect();
         let matrix = Mat::from_fn(n, n, |i, k| units[i] * matrix[(i, k)] * units[k]);
         let basis = Mat::from_fn(n, basis.ncols(), |i, t| units[i] * basis[(i, t)]);
         let system = System::new(&matrix, &basis);
-        let ill_conditioned = || SignalError::IllConditioned {
-            rcond: system.rcond(),
-            redundant: None,
-            remedy: REMEDY,
-        };
-        if system.rcond().is_nan() || system.rcond() < RCOND {
-            return Err(ill_conditioned());
+        let rcond = system.rcond();
+        if rcond.is_nan() || rcond < RCOND {
+            return Err(rcond);
         }
         let y = scaled(values, &units);
         // Only rounding makes a covariance matrix indefinite.
-        let whitened = system.whitened(&y).ok_or_else(ill_conditioned)?;
+        let whitened = system.whitened(&y).ok_or(rcond)?;
         let (kernels, terms) = system.solve(&y);
         // If two observations of the same quantity disagree, the mean can hide the contradiction: the remaining system
         // is well-conditioned but consists of rounding errors.
         let missed = (&y - &matrix * &kernels - basis * &terms).norm_max();
         if missed.is_nan() || missed > MISSED * y.norm_max() {
-            return Err(ill_conditioned());
+            return Err(rcond);
         }
         let reproducing = system.reproducing();
         let kernels = Mat::from_fn(n, 1, |i, _| units[i] * kernels[(i, 0)]);
@@ -107,6 +116,18 @@ impl Solved {
     }
 }
 
+/// Returns the error of observations whose covariances are ill-conditioned.
+///
+/// - `redundant`: the first observation that is nearly redundant, in words.
+/// - `remedy`: suggested change.
+pub(super) fn ill_conditioned(rcond: f64, redundant: Option<String>, remedy: &str) -> Error {
+    let redundant = redundant.map_or(String::new(), |redundant| format!(": {redundant}"));
+    Error::fit(format!(
+        "the observations' covariance is ill-conditioned ({}){redundant}: {remedy}",
+        described(rcond)
+    ))
+}
+
 /// A norm on the span of given functions h_i, for regularised fits (S0 Eq. 15, Prop. 3).
 ///
 /// A positive definite matrix S gives f = Σ c_i h_i the norm ‖f‖² = cᵀSc, with the reproducing kernel K(p, q) =
@@ -120,9 +141,10 @@ impl Norm {
     /// Creates the norm of S, n x n.
     ///
     /// # Errors
-    /// [`SignalError::Indefinite`].
-    pub fn new(s: Mat<f64>) -> Result<Self, SignalError> {
-        let llt = s.llt(Side::Lower).map_err(|_| SignalError::Indefinite { what: "the norm S" })?;
+    /// If S is not positive definite.
+    pub fn new(s: Mat<f64>) -> Result<Self, Error> {
+        let indefinite = |_| Error::value("the norm S is not positive definite");
+        let llt = s.llt(Side::Lower).map_err(indefinite)?;
         Ok(Self { s, llt })
     }
 

@@ -5,15 +5,17 @@
 //! accuracy of f32 only with the Gaussian, which is infinitely differentiable.
 
 use super::covariance::Covariance;
-use super::error::{Remedy, SignalError};
+use super::faults::{no_observations, wrong_number};
 use super::functional::{Functional, NODES, nodes};
 use super::kriging::{Kriging, Process};
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::scattered::bound::rounded;
-use crate::scattered::deviation::{F32_ERROR, Probe};
+use crate::scattered::deviation::{F32_ERROR, Probe, too_far};
 use crate::scattered::model::{Input, InputKind};
 use crate::scattered::sum::{KernelSum, Term};
 use faer::Mat;
+use std::fmt::{Display, Formatter};
 
 /// Right half of the central difference of order 8.
 const DIFFERENCE: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
@@ -41,19 +43,21 @@ const MOST: f64 = 1e18;
 /// - `numbers`: original number of each observation, n, for messages.
 ///
 /// # Errors
-/// [`SignalError::NoKernel`] for a covariance without a kernel, for derivatives or averages unless the covariance is
-/// Gaussian, and for averages that need too many kernels; [`SignalError::Number`] for a length outside the range of
-/// f32.
+/// - If the covariance has no kernel.
+/// - If there are derivatives or averages, and the covariance is not Gaussian.
+/// - If averages need too many kernels.
+/// - If the length is outside the range of f32.
 pub fn sum(
     process: &Process,
     functionals: &[Functional],
     numbers: &[usize],
     fit: &Kriging,
-) -> Result<KernelSum, SignalError> {
-    let refused = |what: String| SignalError::NoKernel {
-        what,
-        can: "values with covariance squared exponential, ornstein-uhlenbeck, matern 3/2 or matern 5/2, and \
-              derivatives and averages with squared exponential",
+) -> Result<KernelSum, Error> {
+    let refused = |what: String| {
+        Error::unsupported(format!(
+            "no part kernel holds {what}: it can hold values with covariance squared exponential, ornstein-uhlenbeck, \
+             matern 3/2 or matern 5/2, and derivatives and averages with squared exponential"
+        ))
     };
     let name = process.covariance.name();
     let Some((kernel, epsilon)) = process.covariance.kernel() else {
@@ -72,7 +76,7 @@ pub fn sum(
     let epsilon = f64::from(epsilon as f32);
     if !(f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&epsilon) {
         let expected = "a number from 1e-37 to 1e37, as single precision holds it";
-        return Err(SignalError::Number { what: "length", expected, found: length });
+        return Err(wrong_number("length", expected, length));
     }
     let (kernels, terms, [middle, scale]) = fit.coefficients();
     // Without a shift, and with a power of 2 as scale, inputs are not rounded. A line far from 0 still needs the shift.
@@ -83,8 +87,9 @@ pub fn sum(
     let boxes = functionals.iter().map(|of| pieces(of.ends().map(place)));
     let len = NODES as f64 * boxes.sum::<f64>();
     if len > CENTRES {
-        let what = format!("averages that take {len:.0} centres");
-        return Err(SignalError::NoKernel { what, can: "1,000,000: take a longer length" });
+        return Err(Error::limit(format!(
+            "no part kernel holds averages that take {len:.0} centres: it can hold 1,000,000: take a longer length"
+        )));
     }
     let centres: Vec<(f64, f64)> = functionals
         .iter()
@@ -143,6 +148,39 @@ fn pieces([from, to]: [f64; 2]) -> f64 {
     ((to - from) / PIECE).ceil()
 }
 
+/// Suggested change if the baked function deviates too much.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Remedy {
+    /// Change the units: f32 overflows or underflows.
+    Units,
+    /// Subtract an offset from the values. Fields: a value and its f32 rounding error.
+    Values(f64, f64),
+    /// Subtract an offset from the inputs. Fields: an input and its f32 rounding error.
+    Inputs(f64, f64),
+    /// Split the function: some inputs are close together and others far away. Fields: an input and its f32 rounding
+    /// error.
+    Apart(f64, f64),
+    /// Change the covariance, as the text says.
+    Covariance(&'static str),
+}
+
+impl Display for Remedy {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let (what, at, by, then) = match *self {
+            Self::Units => {
+                return f.write_str("give inputs and values in units in which they are near 1");
+            }
+            Self::Covariance(change) => return f.write_str(change),
+            Self::Values(at, by) => ("values", at, by, "take an offset off the values"),
+            Self::Inputs(at, by) => ("inputs", at, by, "take an offset off the inputs"),
+            Self::Apart(at, by) => {
+                ("inputs", at, by, "fit inputs so far apart as functions of their own")
+            }
+        };
+        write!(f, "{what} near {at} are rounded by {by:.1e}: {then}")
+    }
+}
+
 /// A fitted function and its values at the observations, to compare with its file.
 pub struct Compared<'a> {
     fit: &'a Kriging,
@@ -178,12 +216,12 @@ impl<'a> Compared<'a> {
     /// places between.
     ///
     /// # Errors
-    /// [`SignalError::Empty`] without places.
-    pub fn deviation(&self, sum: &KernelSum) -> Result<f64, SignalError> {
+    /// If there are no places.
+    pub fn deviation(&self, sum: &KernelSum) -> Result<f64, Error> {
         let sites: Vec<Vec<f64>> = self.places.iter().map(|place| vec![*place]).collect();
         // A fit's places are finite, so the probe fails only without places.
         let probe = Probe::new(&[input()], &sites, vec![self.range], self.limit);
-        let probe = probe.map_err(|_| SignalError::Empty)?;
+        let probe = probe.map_err(|_| no_observations())?;
         Ok(probe.deviation(sum, |x| x.iter().map(|at| value(self.fit, *at)).collect()))
     }
 
@@ -192,14 +230,23 @@ impl<'a> Compared<'a> {
     /// - `change`: suggested change if f32 rounding is not the cause.
     ///
     /// # Errors
-    /// [`SignalError::Deviation`] above the limit; errors of [`Self::deviation`].
-    pub fn check(&self, sum: &KernelSum, change: &'static str) -> Result<f64, SignalError> {
-        let (deviation, limit) = (self.deviation(sum)?, self.limit);
-        if deviation <= limit {
-            return Ok(deviation);
+    /// If the deviation is above the limit; errors of [`Self::deviation`].
+    pub fn check(&self, sum: &KernelSum, change: &'static str) -> Result<f64, Error> {
+        let deviation = self.deviation(sum)?;
+        match self.remedy(deviation, change) {
+            None => Ok(deviation),
+            Some(remedy) => Err(too_far(deviation, self.limit, remedy)),
         }
-        let remedy = self.rounding_remedy(deviation).unwrap_or(Remedy::Covariance(change));
-        Err(SignalError::Deviation { deviation, limit, remedy })
+    }
+
+    /// Returns the suggested change for a deviation above the limit; `None` within the limit.
+    ///
+    /// - `change`: suggested change if f32 rounding is not the cause.
+    pub(super) fn remedy(&self, deviation: f64, change: &'static str) -> Option<Remedy> {
+        if deviation <= self.limit {
+            return None;
+        }
+        Some(self.rounding_remedy(deviation).unwrap_or(Remedy::Covariance(change)))
     }
 
     /// Returns the suggested change if f32 rounding causes the deviation; `None` otherwise.

@@ -2,7 +2,7 @@
 
 use super::covariance::Covariance;
 pub use super::covariance::Table;
-use super::error::SignalError;
+use crate::Error;
 use crate::formats::csv;
 use std::path::Path;
 
@@ -18,9 +18,8 @@ pub enum Estimator {
 /// Reads a column of a CSV file with one finite number per row.
 ///
 /// # Errors
-/// [`SignalError::Format`], with the line, if the file is not CSV, lacks the column, or has a cell that is not a finite
-/// number.
-pub fn read_signal(path: &Path, column: &str) -> Result<Vec<f64>, SignalError> {
+/// If the file is not CSV, lacks the column, or has a cell that is not a finite number; with the line.
+pub fn read_signal(path: &Path, column: &str) -> Result<Vec<f64>, Error> {
     let table = csv::read(path)?;
     let column = table.column(column)?;
     numbers(&table, column)
@@ -30,8 +29,8 @@ pub fn read_signal(path: &Path, column: &str) -> Result<Vec<f64>, SignalError> {
 /// share of the spectrum.
 ///
 /// # Errors
-/// [`SignalError::Format`] as for [`read_signal`]; errors of [`Table::new`].
-pub fn read_table(path: &Path) -> Result<(Covariance, f64), SignalError> {
+/// Errors of [`read_signal`], except for a missing column; errors of [`Table::new`].
+pub fn read_table(path: &Path) -> Result<(Covariance, f64), Error> {
     let table = csv::read(path)?;
     let (table, clipped) = Table::new(&numbers(&table, 0)?, 1.0)?;
     Ok((Covariance::Table(table), clipped))
@@ -52,10 +51,10 @@ pub fn autocovariance(samples: &[f64], lags: usize, estimator: Estimator) -> Vec
     (0..lags.min(n)).map(at).collect()
 }
 
-fn numbers(table: &csv::Table, column: usize) -> Result<Vec<f64>, SignalError> {
+fn numbers(table: &csv::Table, column: usize) -> Result<Vec<f64>, Error> {
     let columns = [column];
     let rows = table.numbers(&columns);
-    rows.map(|row| Ok(row.map(|(_, numbers)| numbers[0])?)).collect()
+    rows.map(|row| row.map(|(_, numbers)| numbers[0])).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Requests for axes and unit, and changes of them. Tools disagree about them: y or z up, x to the left or to the right.
 
+use crate::Error;
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use std::fmt;
@@ -21,47 +22,6 @@ pub struct SpaceRequest {
     pub unit: Option<f32>,
 }
 
-/// A space that cannot exist, or that cannot be reached.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SpaceError {
-    /// Up and forward lie along one line.
-    #[error(
-        "up {} and forward {} lie along one line: give an up and a forward that are square to each \
-         other",
-        up.name(),
-        forward.name()
-    )]
-    Parallel {
-        /// Direction of a character's head.
-        up: Axis,
-        /// Direction in which the character looks.
-        forward: Axis,
-    },
-    /// The unit is not a length.
-    #[error("a unit of {metres} m: expected a length from 1e-9 to 1e9 m")]
-    Unit {
-        /// Length of the unit.
-        metres: f32,
-    },
-    /// Neither the file nor the user states an axis.
-    #[error(
-        "the file does not say which axis is {what}: say it with {flag} AXIS, as {flag} {like}"
-    )]
-    UnknownAxis {
-        /// `up` or `forward`.
-        what: &'static str,
-        /// Option that states the axis.
-        flag: &'static str,
-        /// Example of a value for the option.
-        like: &'static str,
-    },
-    /// Neither the file nor the user states the length of the unit.
-    #[error(
-        "the file does not say how long its unit is: say it with --unit METRES, as --unit 0.01"
-    )]
-    UnknownUnit,
-}
-
 impl SpaceRequest {
     /// Requests everything that a space states.
     pub fn all_of(space: &Space) -> Self {
@@ -77,16 +37,23 @@ impl SpaceRequest {
     /// Applies the request to a space.
     ///
     /// # Errors
-    /// [`SpaceError::Parallel`] and [`SpaceError::Unit`].
-    pub fn of(&self, space: Space) -> Result<Space, SpaceError> {
+    /// Up and forward lie along one line, or the unit is not a length.
+    pub fn of(&self, space: Space) -> Result<Space, Error> {
         let (up, forward) = (self.up.or(space.up), self.forward.or(space.forward));
         if let (Some(up), Some(forward)) = (up, forward)
             && up.is_along(forward)
         {
-            return Err(SpaceError::Parallel { up, forward });
+            return Err(Error::value(format!(
+                "up {} and forward {} lie along one line: give an up and a forward that are square \
+                 to each other",
+                up.name(),
+                forward.name()
+            )));
         }
         if let Some(metres) = self.unit.filter(|unit| !UNITS.contains(unit)) {
-            return Err(SpaceError::Unit { metres });
+            return Err(Error::value(format!(
+                "a unit of {metres} m: expected a length from 1e-9 to 1e9 m"
+            )));
         }
         let handedness = self.handedness.unwrap_or(space.handedness);
         Ok(Space { up, forward, handedness, unit: self.unit.or(space.unit) })
@@ -110,9 +77,9 @@ impl Conversion {
     ///
     /// # Errors
     /// - Those of [`SpaceRequest::of`].
-    /// - [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`]: the request changes axes or unit, and the
-    ///   starting space does not say its own.
-    pub fn to(from: Space, request: &SpaceRequest) -> Result<(Space, Option<Self>), SpaceError> {
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): the request changes axes or unit, and the starting space
+    ///   does not say its own.
+    pub fn to(from: Space, request: &SpaceRequest) -> Result<(Space, Option<Self>), Error> {
         let turns = request.up.is_some()
             || request.forward.is_some()
             || request.handedness.is_some_and(|handedness| handedness != from.handedness);
@@ -121,12 +88,18 @@ impl Conversion {
                 [(from.up, "up", "--up", "y"), (from.forward, "forward", "--forward", "z")]
             {
                 if axis.is_none() {
-                    return Err(SpaceError::UnknownAxis { what, flag, like });
+                    return Err(Error::missing(format!(
+                        "the file does not say which axis is {what}: say it with {flag} AXIS, as \
+                         {flag} {like}"
+                    )));
                 }
             }
         }
         if request.unit.is_some() && from.unit.is_none() {
-            return Err(SpaceError::UnknownUnit);
+            return Err(Error::missing(
+                "the file does not say how long its unit is: say it with --unit METRES, as --unit \
+                 0.01",
+            ));
         }
         let to = request.of(from)?;
         Ok((to, Self::between(&from, &to)))
@@ -299,14 +272,22 @@ mod tests {
         {
             let request =
                 SpaceRequest { up: Some(up), forward: Some(forward), ..SpaceRequest::default() };
-            assert_eq!(request.of(GLTF), Err(SpaceError::Parallel { up, forward }));
+            let expected = format!(
+                "up {} and forward {} lie along one line: give an up and a forward that are \
+                 square to each other",
+                up.name(),
+                forward.name()
+            );
+            assert_eq!(request.of(GLTF).unwrap_err().message(), expected);
         }
         // The request and the file may contradict each other.
         let request = SpaceRequest { up: Some(Axis::Z), ..SpaceRequest::default() };
-        assert!(matches!(request.of(GLTF), Err(SpaceError::Parallel { .. })));
+        let error = request.of(GLTF).unwrap_err();
+        assert!(error.message().contains("lie along one line"), "{error}");
         for metres in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-10] {
             let request = SpaceRequest { unit: Some(metres), ..SpaceRequest::default() };
-            assert!(matches!(request.of(GLTF), Err(SpaceError::Unit { .. })), "{metres}");
+            let error = request.of(GLTF).unwrap_err();
+            assert!(error.message().contains("expected a length from 1e-9 to 1e9 m"), "{error}");
         }
     }
 
@@ -320,7 +301,8 @@ mod tests {
         let blender = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..GLTF };
         assert_eq!(to(blender).point([1.0, 2.0, 3.0]), [1.0, -3.0, 2.0]);
         assert!(to(UNITY).is_mirrored() && to(UNREAL).is_mirrored() && !to(blender).is_mirrored());
-        assert_eq!(Conversion::to(GLTF, &request(UNREAL)), Ok((UNREAL, Some(to(UNREAL)))));
+        let found = Conversion::to(GLTF, &request(UNREAL)).unwrap();
+        assert_eq!(found, (UNREAL, Some(to(UNREAL))));
     }
 
     #[test]
@@ -379,8 +361,8 @@ mod tests {
         assert!(error(no_unit, request(UNREAL)).contains("--unit METRES"));
         // A request without axes or unit works from an unknown space.
         let right = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
-        assert_eq!(to(unknown, right), Ok(unknown));
-        assert_eq!(to(GLTF, left), Ok(UNITY));
+        assert_eq!(to(unknown, right).unwrap(), unknown);
+        assert_eq!(to(GLTF, left).unwrap(), UNITY);
     }
 
     #[test]

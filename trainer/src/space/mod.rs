@@ -2,7 +2,7 @@
 
 mod conversion;
 
-pub use conversion::{Conversion, SpaceError, SpaceRequest};
+pub use conversion::{Conversion, SpaceRequest};
 pub(crate) use conversion::{UNITS, axis, axis_names, direction, rotations};
 
 use conversion::metres;

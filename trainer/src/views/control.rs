@@ -7,11 +7,11 @@
 use super::evaluate::{PictureError, add_picture};
 use super::fit::FitOptions;
 use super::model::parts;
-use super::player::{PlayError, Player, multiplied};
-use super::set::{Parameter, SetError, View, ViewSet};
-use super::train::{TrainError, train};
-use crate::bake::{BakeError, bake};
-use crate::scattered::solver::error::KernelError;
+use super::player::{Player, multiplied};
+use super::set::{Parameter, View, ViewSet, nowhere};
+use super::train::train;
+use crate::Error;
+use crate::bake::bake;
 use crate::scattered::solver::fit::Fit;
 use crate::scattered::solver::options::Options;
 use crate::scattered::solver::samples::Samples;
@@ -49,46 +49,6 @@ pub struct Row {
     pub psnr_opaque: Option<f64>,
 }
 
-/// Reasons why the control cannot be measured on a set.
-#[derive(Debug, thiserror::Error)]
-pub enum ControlError {
-    /// A motion has too few key views to predict one from the others.
-    #[error("\"{map}\": expected {expected} key views or more, found {found}")]
-    Few {
-        /// Name of the motion.
-        map: String,
-        /// Smallest number of key views.
-        expected: usize,
-        /// Key views of the motion.
-        found: usize,
-    },
-    /// A key view has only pictures of layers.
-    #[error("{0}: expected an `image` of the whole, found pictures of layers alone")]
-    Whole(String),
-    /// The set, or the set without one view, cannot be trained on.
-    #[error("{of}: {error}")]
-    Train {
-        /// Name of the training set.
-        of: String,
-        /// Cause.
-        error: Box<TrainError>,
-    },
-    /// A view cannot be drawn.
-    #[error("{of}: {error}")]
-    Play {
-        /// Name of the view.
-        of: String,
-        /// Cause.
-        error: PlayError,
-    },
-    /// A picture cannot be read.
-    #[error(transparent)]
-    Set(#[from] SetError),
-    /// A model cannot be written.
-    #[error(transparent)]
-    Bake(#[from] BakeError),
-}
-
 /// Shape parameters of the gaussians: one over the width, in mean distances of the views.
 const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
 
@@ -107,13 +67,13 @@ pub const NETWORKS: [(Kernel, f64); 7] = [
 /// in the pictures, so these weights determine its picture.
 ///
 /// # Errors
-/// [`KernelError`] of the fit.
+/// The network cannot be fitted to the views.
 pub fn network_weights(
     (kernel, epsilon): (Kernel, f64),
     parameters: &[Parameter],
     views: &[&View],
     at: &View,
-) -> Result<Vec<f64>, KernelError> {
+) -> Result<Vec<f64>, Error> {
     let names: Vec<&str> = parameters.iter().flat_map(Parameter::names).collect();
     let value = |view: &View, c: usize| view.values.get(names[c]).copied().unwrap_or_default();
     let sites = Mat::from_fn(views.len(), names.len(), |i, c| value(views[i], c));
@@ -147,12 +107,15 @@ struct Case {
 /// set and predicts that view.
 ///
 /// # Errors
-/// [`ControlError`].
-pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlError> {
+/// There are no pictures; a key view has only pictures of layers; a motion has too few key views to predict one from
+/// the others; the set, or the set without one view, cannot be trained on; a view cannot be drawn; or a picture cannot
+/// be read or is damaged.
+pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, Error> {
     if let Some(&key) =
         set.key_views().iter().find(|(map, view)| set.maps[*map].train[*view].image.is_none())
     {
-        return Err(ControlError::Whole(set.view_name(key)));
+        let text = "expected an `image` of the whole, found pictures of layers alone";
+        return Err(Error::missing(text).within(set.view_name(key)));
     }
     let mut cases = tested(set)?;
     let is_left_out = cases.is_empty();
@@ -160,7 +123,7 @@ pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlErr
         cases = left_out(set)?;
     }
     if cases.is_empty() {
-        return Err(SetError::Empty("pictures").into());
+        return Err(Error::missing("there are no pictures"));
     }
     let mut names = vec![
         "control points and warping".to_owned(),
@@ -184,15 +147,20 @@ pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, ControlErr
 }
 
 /// Checks that a motion has enough key views.
-fn check(set: &ViewSet, map: usize, expected: usize) -> Result<(), ControlError> {
+fn check(set: &ViewSet, map: usize, expected: usize) -> Result<(), Error> {
     let examples = &set.maps[map];
     let found = examples.train.iter().filter(|view| view.is_key()).count();
-    let map = examples.name.clone();
-    if found < expected { Err(ControlError::Few { map, expected, found }) } else { Ok(()) }
+    if found < expected {
+        let map = &examples.name;
+        return Err(Error::missing(format!(
+            "\"{map}\": expected {expected} key views or more, found {found}"
+        )));
+    }
+    Ok(())
 }
 
 /// Lists the cases of motions with test views that have a picture.
-fn tested(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
+fn tested(set: &ViewSet) -> Result<Vec<Case>, Error> {
     let mut out = Vec::new();
     for (map, examples) in set.maps.iter().enumerate() {
         let test = examples.test.iter().filter(|view| view.image.is_some());
@@ -206,18 +174,17 @@ fn tested(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
 }
 
 /// Lists one case for each left-out key view of every motion.
-fn left_out(set: &ViewSet) -> Result<Vec<Case>, ControlError> {
+fn left_out(set: &ViewSet) -> Result<Vec<Case>, Error> {
     let mut out = Vec::new();
     for (map, number) in set.key_views() {
         check(set, map, KEYS + 1)?;
         let named = without(set, map, number);
         let mut rest = set.clone();
         let view = rest.maps[map].train.remove(number);
-        let nowhere = |k: &usize| rest.maps[map].train.iter().all(|own| own.points[*k].is_none());
-        if let Some(point) = (0..view.points.len()).find(nowhere) {
-            let map = set.maps[map].name.clone();
-            let error = Box::new(SetError::Nowhere { map, point }.into());
-            return Err(ControlError::Train { of: named, error });
+        let is_nowhere =
+            |k: &usize| rest.maps[map].train.iter().all(|own| own.points[*k].is_none());
+        if let Some(point) = (0..view.points.len()).find(is_nowhere) {
+            return Err(nowhere(point, &set.maps[map].name).within(named));
         }
         out.push(Case { set: rest, map, views: vec![view], named });
     }
@@ -234,7 +201,7 @@ impl Case {
         &self,
         options: FitOptions,
         errors: &mut [Option<[PictureError; 2]>],
-    ) -> Result<(), ControlError> {
+    ) -> Result<(), Error> {
         let Self { set, map, views, named } = self;
         let examples = &set.maps[*map];
         let keys: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
@@ -244,20 +211,18 @@ impl Case {
             pictures.push(picture.rgba.into_iter().map(f64::from).collect::<Vec<f64>>());
         }
         let pictures: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
-        let trained = train(set, options)
-            .map_err(|error| ControlError::Train { of: named.clone(), error: Box::new(error) })?;
+        let wrong = |error: Error| error.within(named);
+        let trained = train(set, options).map_err(wrong)?;
         let file = bake(Space::default(), &parts(&trained.model)?)?;
-        let play = |error| ControlError::Play { of: named.clone(), error };
-        let file =
-            Model::from_bytes(file).map_err(|error| play(PlayError::Missing(error.to_string())))?;
-        let player = Player::new(&file, Some(&examples.name)).map_err(play)?;
+        let file = Model::from_bytes(file).map_err(|error| wrong(error.into()))?;
+        let player = Player::new(&file, Some(&examples.name)).map_err(wrong)?;
         // Key views of other motions have no weight in this motion.
         let own = set.key_views().iter().map(|(other, _)| other == map).collect::<Vec<_>>();
         for view in views {
             let Some(image) = &view.image else { continue };
             let truth = multiplied(&image.load(set.size)?);
-            let played = player.play(&view.values).map_err(play)?;
-            let (picture, _) = player.draw(&played).map_err(play)?;
+            let played = player.play(&view.values).map_err(wrong)?;
+            let (picture, _) = player.draw(&played).map_err(wrong)?;
             let scores = played.scores.iter().zip(&own).filter(|(_, own)| **own);
             let own = Some(scores.map(|(score, _)| f64::from(*score)).collect::<Vec<_>>());
             let fitted = NETWORKS

@@ -1,7 +1,8 @@
 //! Comparison of a model file with views, by the runtime.
 
-use super::player::{PlayError, Player, multiplied};
-use super::set::{SetError, View, ViewSet};
+use super::player::{Player, multiplied};
+use super::set::{View, ViewSet};
+use crate::Error;
 use crate::page::picture::Picture;
 use serde::Serialize;
 use sinew_runtime::Model;
@@ -36,53 +37,29 @@ pub struct MeasuredPoints {
     pub visibility: f64,
 }
 
-/// Reasons why a file cannot be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum EvaluateError {
-    /// A view cannot be drawn.
-    #[error("\"{map}\", view {view}: {error}")]
-    Play {
-        /// Name of the motion.
-        map: String,
-        /// Index of the view.
-        view: usize,
-        /// Cause.
-        error: PlayError,
-    },
-    /// A picture cannot be read.
-    #[error(transparent)]
-    Set(#[from] SetError),
-    /// The file has another number of points than the views.
-    #[error("the file has {file} points, the views {views}")]
-    Points {
-        /// Points of the file.
-        file: usize,
-        /// Points of the views.
-        views: usize,
-    },
-}
-
 /// Measures a file on the test views of a set, or on the training views if the set has no test views.
 ///
 /// # Errors
-/// [`EvaluateError`].
-pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, EvaluateError> {
+/// The file has no map of a motion, or another number of points than the views; a view cannot be drawn; or a picture
+/// cannot be read or is damaged.
+pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Error> {
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0u32);
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
     // Errors of all pixels, and of the opaque pixels.
     let mut off = [PictureError::default(); 2];
     for examples in &set.maps {
-        let wrong =
-            |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
         let views: &[View] = if is_tested { &examples.test } else { &examples.train };
         for (number, view) in views.iter().enumerate() {
-            let player = Player::new(model, Some(&examples.name)).map_err(wrong(number))?;
-            let file = player.views().point_len();
-            if file != view.points.len() {
-                return Err(EvaluateError::Points { file, views: view.points.len() });
+            let map = &examples.name;
+            let wrong = |error: Error| error.within(format_args!("\"{map}\", view {number}"));
+            let player = Player::new(model, Some(map)).map_err(wrong)?;
+            let (file, views) = (player.views().point_len(), view.points.len());
+            if file != views {
+                let text = format!("the file has {file} points, the views {views}");
+                return Err(Error::mismatch(text));
             }
-            let played = player.play(&view.values).map_err(wrong(number))?;
+            let played = player.play(&view.values).map_err(wrong)?;
             for ([x, y, _], point) in played.points.iter().zip(&view.points) {
                 let Some(point) = point else { continue };
                 let square =
@@ -98,7 +75,7 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
                 marks += marked.len();
             }
             count += 1;
-            let (picture, drawn) = player.draw(&played).map_err(wrong(number))?;
+            let (picture, drawn) = player.draw(&played).map_err(wrong)?;
             flipped += drawn.flipped_len;
             if let Some(image) = &view.image {
                 let truth = multiplied(&image.load(player.size())?);

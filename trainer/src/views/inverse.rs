@@ -4,9 +4,10 @@
 //! The search takes a few damped Gauss-Newton steps on the map, from the start of the nearest shape. It accepts any set
 //! of visible points. A second map from points to parameters would have to be trained for each set of visible points.
 
-use super::fit::{FitError, MapOutputs, given, names_of};
+use super::fit::{MapOutputs, given, names_of};
 use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
+use crate::Error;
 use crate::scattered::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};
 
@@ -35,13 +36,13 @@ pub struct Found {
 /// Finds the parameters at which a map gives points, as [`ObjectMap::find`] does for an object with its own motion.
 ///
 /// # Errors
-/// [`FitError`]: the values of a start are invalid.
+/// The values of a start are invalid.
 pub fn find(
     model: &KernelModel,
     outputs: MapOutputs,
     points: &[Option<[f64; 2]>],
     starts: &[Values],
-) -> Result<Found, FitError> {
+) -> Result<Found, Error> {
     ObjectMap { model, outputs, deformations: None }.find(points, starts)
 }
 
@@ -56,8 +57,8 @@ impl ObjectMap<'_> {
     ///   The search begins with the start of the nearest shape.
     ///
     /// # Errors
-    /// [`FitError`]: the values of a start are invalid.
-    pub fn find(&self, points: &[Option<[f64; 2]>], starts: &[Values]) -> Result<Found, FitError> {
+    /// The values of a start are invalid.
+    pub fn find(&self, points: &[Option<[f64; 2]>], starts: &[Values]) -> Result<Found, Error> {
         let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
         let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
         let problem = Problem { object: *self, seen: &seen, target: &target };
@@ -123,7 +124,7 @@ struct Guess {
 
 impl Problem<'_> {
     /// Returns the start with the nearest shape.
-    fn nearest(&self, starts: &[Values]) -> Result<Values, FitError> {
+    fn nearest(&self, starts: &[Values]) -> Result<Values, Error> {
         let shape = |points: &[[f64; 2]]| {
             let own = centred(points).0;
             let size = norm(&own).max(f64::MIN_POSITIVE);
@@ -143,7 +144,7 @@ impl Problem<'_> {
         Ok(best.1.cloned().unwrap_or_default())
     }
 
-    fn solve(&self, given: Vec<f64>) -> Result<Found, FitError> {
+    fn solve(&self, given: Vec<f64>) -> Result<Found, Error> {
         let free = self.free();
         let points = self.points(&given)?;
         let (own, other) = (centred(self.target), centred(&points));
@@ -197,13 +198,13 @@ impl Problem<'_> {
     }
 
     /// Evaluates the given points.
-    fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, FitError> {
+    fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, Error> {
         Ok(self.seen_of(&self.object.places(&self.numbers(given)?)))
     }
 
     /// Evaluates all outputs of the map.
-    fn numbers(&self, given: &[f64]) -> Result<Vec<f64>, FitError> {
-        Ok(self.object.model.evaluate(given).map_err(FitError::Given)?.numbers)
+    fn numbers(&self, given: &[f64]) -> Result<Vec<f64>, Error> {
+        Ok(self.object.model.evaluate(given)?.numbers)
     }
 
     /// Selects the given points of K points.
@@ -212,7 +213,7 @@ impl Problem<'_> {
     }
 
     /// Returns the target points, moved and scaled, less the map's points: two numbers for each given point.
-    fn residuals(&self, guess: &Guess) -> Result<DVector<f64>, FitError> {
+    fn residuals(&self, guess: &Guess) -> Result<DVector<f64>, Error> {
         let points = self.points(&guess.given)?;
         let (own, target) = (points.as_flattened(), self.target.as_flattened());
         let moved = |at: usize| guess.scale * target[at] + guess.shift[at % 2];
@@ -220,9 +221,9 @@ impl Problem<'_> {
     }
 
     /// Returns the negative derivatives of the residuals by parameters, by scale and by shift.
-    fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
+    fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, Error> {
         let model = self.object.model;
-        let at = |given: &[f64]| features(&model.inputs, given).map_err(FitError::Given);
+        let at = |given: &[f64]| features(&model.inputs, given);
         let by_features = model.sum.jacobian(&at(&guess.given)?);
         let numbers = self.numbers(&guess.given)?;
         let target = self.target.as_flattened();

@@ -4,8 +4,9 @@ use super::fit::MapOutputs;
 use super::mesh::{Mesh, Vertex};
 use super::object::Reference;
 use super::set::Element;
+use crate::Error;
 use crate::bake::sections::{floats, names, narrow, words};
-use crate::bake::{BakeError, Part, Sections};
+use crate::bake::{Part, Sections};
 use crate::page::picture::Picture;
 use crate::scattered::bake::part;
 use crate::scattered::model::KernelModel;
@@ -89,15 +90,15 @@ const BITS: usize = 32;
 /// Makes the parts of a model: the maps first, then the object.
 ///
 /// # Errors
-/// [`BakeError::Size`]: a count does not fit the file.
-pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, BakeError> {
+/// [`ErrorKind::Limit`](crate::ErrorKind::Limit): a count does not fit the file.
+pub fn parts(model: &ViewsModel) -> Result<Vec<Part>, Error> {
     let maps = model.maps.iter().map(part);
     let mut out = maps.collect::<Result<Vec<_>, _>>()?;
     out.push(object(model)?);
     Ok(out)
 }
 
-fn object(model: &ViewsModel) -> Result<Part, BakeError> {
+fn object(model: &ViewsModel) -> Result<Part, Error> {
     let all = || model.keys.iter().flat_map(|key| key.pictures.iter().flatten());
     let texels = || all().map(|(picture, _)| picture.rgba.len() / 4);
     let mesh = &model.mesh;
@@ -185,7 +186,7 @@ fn object(model: &ViewsModel) -> Result<Part, BakeError> {
 }
 
 /// Lists three words for each layer: the end of its elements, the layer that clips it, and its flags.
-fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
+fn layers(model: &ViewsModel) -> Result<Vec<u32>, Error> {
     let (mut out, mut end) = (Vec::new(), 0);
     for (layer, elements) in model.layers.iter().zip(&model.mesh.layers) {
         end += elements.len();
@@ -202,7 +203,7 @@ fn layers(model: &ViewsModel) -> Result<Vec<u32>, BakeError> {
 }
 
 /// Writes the end of the weights and the place of each vertex.
-fn vertices(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+fn vertices(mesh: &Mesh) -> Result<Vec<u8>, Error> {
     let (mut out, mut end) = (Vec::new(), 0);
     for vertex in &mesh.vertices {
         end += vertex.weights.len();
@@ -215,7 +216,7 @@ fn vertices(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
 
 fn weight_rows<'a>(
     weights: impl Iterator<Item = &'a (usize, Complex<f64>)>,
-) -> Result<Vec<u8>, BakeError> {
+) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for (point, weight) in weights {
         let point: u32 = narrow("points", *point)?;
@@ -225,7 +226,7 @@ fn weight_rows<'a>(
     Ok(out)
 }
 
-fn corners(elements: &[&Element]) -> Result<Vec<u8>, BakeError> {
+fn corners(elements: &[&Element]) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for element in elements {
         for corner in 0..4 {
@@ -239,7 +240,7 @@ fn corners(elements: &[&Element]) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, BakeError> {
+fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for other in mesh.neighbours().as_flattened() {
         let other = other.map_or(Ok(NO_VERTEX), |other| narrow("elements", other))?;

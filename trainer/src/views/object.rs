@@ -3,9 +3,10 @@
 //! Parallel deformation lends the motion of a prototype to an instance of the same class: `O' = R'_B + s (O_B - R_B)`
 //! plus the barycentre of the prototype. B marks points less their own barycentre.
 
-use super::fit::{FitError, MapOutputs, given, weights};
+use super::fit::{MapOutputs, given, weights};
 use super::player::Player;
 use super::set::Values;
+use crate::Error;
 use crate::scattered::model::KernelModel;
 use sinew_runtime::views::Views;
 
@@ -27,8 +28,8 @@ impl ObjectMap<'_> {
     /// Evaluates the K points, pixels.
     ///
     /// # Errors
-    /// [`FitError`] of the values.
-    pub fn points(&self, values: &Values) -> Result<Vec<[f64; 2]>, FitError> {
+    /// The values are invalid.
+    pub fn points(&self, values: &Values) -> Result<Vec<[f64; 2]>, Error> {
         let evaluated = self.model.evaluate(&given(&self.model.inputs, values)?)?;
         Ok(self.places(&evaluated.numbers))
     }

@@ -1,8 +1,9 @@
 //! Drags a few points. The parameters follow first, by their covariance in training, then the points nearby follow.
 
-use super::fit::{FitError, given, names_of};
+use super::fit::{given, names_of};
 use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
+use crate::Error;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{InputKind, KernelModel};
 use nalgebra::{DMatrix, DVector};
@@ -28,8 +29,8 @@ pub type Pin = (usize, [f64; 2]);
 /// their covariance in training (METHOD §5.1).
 ///
 /// # Errors
-/// [`FitError`]: the values are invalid.
-pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Values, FitError> {
+/// The values are invalid.
+pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Values, Error> {
     let model = object.model;
     let names: Vec<String> = names_of(&model.inputs).into_iter().map(str::to_owned).collect();
     let by_name =
@@ -37,7 +38,7 @@ pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Val
     given(&model.inputs, start)?;
     let from = DVector::from_iterator(names.len(), names.iter().map(|name| start[name]));
     let covariance = covariance(model, &names);
-    let places = |x: &DVector<f64>| -> Result<DVector<f64>, FitError> {
+    let places = |x: &DVector<f64>| -> Result<DVector<f64>, Error> {
         let points = object.points(&by_name(x))?;
         Ok(DVector::from_iterator(2 * pins.len(), pins.iter().flat_map(|(k, _)| points[*k])))
     };

@@ -1,13 +1,14 @@
 //! A model file drawn by the runtime, as an engine does in each frame.
 
-use super::fit::{FitError, given, weights};
+use super::fit::{given, weights};
 use super::set::Values;
+use crate::Error;
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use crate::scattered::model::{Input, InputKind, inputs_of, query_numbers};
+use sinew_runtime::Model;
 use sinew_runtime::kernel::KernelMap;
 use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, RenderJob, RenderScratch, Views};
-use sinew_runtime::{CallError, Model};
 
 /// A map of a model, and its object.
 pub struct Player<'a> {
@@ -33,30 +34,6 @@ pub struct Played {
     pub confidence: f32,
 }
 
-/// Reasons why a model cannot be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum PlayError {
-    /// The file has no object, or no map of this name.
-    #[error("{0}")]
-    Missing(String),
-    /// The parameters are invalid.
-    #[error(transparent)]
-    Values(#[from] FitError),
-    /// A parameter is farther outside the range of the training views than the range is wide.
-    #[error("parameter \"{name}\" is {value}, expected {} to {}", range[0], range[1])]
-    Outside {
-        /// Name of the parameter.
-        name: String,
-        /// Value of the parameter.
-        value: f64,
-        /// Three times the range of the training views, with the same middle.
-        range: [f64; 2],
-    },
-    /// The runtime refuses the call.
-    #[error("{0}")]
-    Call(CallError),
-}
-
 impl Played {
     /// Returns the weights of the N key views, by [`weights`].
     pub fn weights(&self) -> Vec<f64> {
@@ -74,10 +51,9 @@ impl<'a> Player<'a> {
     /// Opens a map of the first object of a file: the named map, or the first map.
     ///
     /// # Errors
-    /// [`PlayError::Missing`].
-    pub fn new(model: &'a Model<Vec<u8>>, map: Option<&str>) -> Result<Self, PlayError> {
-        let lacking = |what: &str| PlayError::Missing(what.to_owned());
-        let views = model.views().ok_or_else(|| lacking("it has no views"))?;
+    /// [`ErrorKind::Missing`](crate::ErrorKind::Missing): the file has no object, or no map of this name.
+    pub fn new(model: &'a Model<Vec<u8>>, map: Option<&str>) -> Result<Self, Error> {
+        let views = model.views().ok_or_else(|| Error::missing("it has no views"))?;
         let maps = (0..).map_while(|number| model.map_of(&views, number));
         let names: Vec<&str> = maps.clone().map(|map| map.name()).collect();
         let found = match map {
@@ -86,7 +62,7 @@ impl<'a> Player<'a> {
         };
         let unknown = || {
             let map = map.unwrap_or_default();
-            PlayError::Missing(format!("it has no map \"{map}\"; there are {}", names.join(", ")))
+            Error::missing(format!("it has no map \"{map}\"; there are {}", names.join(", ")))
         };
         let map = found.ok_or_else(unknown)?;
         Ok(Self { views, map, inputs: inputs_of(&map) })
@@ -140,11 +116,12 @@ impl<'a> Player<'a> {
     /// Evaluates the map.
     ///
     /// # Errors
-    /// [`PlayError::Values`], [`PlayError::Outside`] and [`PlayError::Call`].
-    pub fn play(&self, values: &Values) -> Result<Played, PlayError> {
+    /// The values are invalid; a value is farther outside the range of the training views than the range is wide; or
+    /// the runtime refuses the call.
+    pub fn play(&self, values: &Values) -> Result<Played, Error> {
         let given = given(&self.inputs, values)?;
         self.check(values)?;
-        let numbers = query_numbers(&self.inputs, &given).map_err(FitError::Given)?;
+        let numbers = query_numbers(&self.inputs, &given)?;
         let parameters: Vec<f32> = numbers.iter().map(|x| *x as f32).collect();
         let (k, n) = (self.views.point_len(), self.views.view_len());
         let mut out = Played {
@@ -163,13 +140,13 @@ impl<'a> Player<'a> {
             scores: &mut out.scores,
             layers: &mut out.layers,
         };
-        let found = job.run(&mut vec![0.0; len], frame).map_err(PlayError::Call)?;
+        let found = job.run(&mut vec![0.0; len], frame)?;
         (out.view, out.confidence) = (found.view, found.confidence);
         Ok(out)
     }
 
     /// Refuses numbers far outside the range of the training views. Angles wrap around.
-    fn check(&self, values: &Values) -> Result<(), PlayError> {
+    fn check(&self, values: &Values) -> Result<(), Error> {
         let mut feature = 0;
         for input in &self.inputs {
             let range = self.map.feature(feature).unwrap_or_default().map(f64::from);
@@ -181,7 +158,10 @@ impl<'a> Player<'a> {
             let range = [2.0 * low - high, 2.0 * high - low];
             let is_within = range[0] == range[1] || (range[0]..=range[1]).contains(&value);
             if input.kind == InputKind::Scalar && !is_within {
-                return Err(PlayError::Outside { name: input.name.clone(), value, range });
+                let (name, [least, most]) = (&input.name, range);
+                return Err(Error::value(format!(
+                    "parameter \"{name}\" is {value}, expected {least} to {most}"
+                )));
             }
         }
         Ok(())
@@ -190,8 +170,8 @@ impl<'a> Player<'a> {
     /// Draws evaluated outputs. Colours are premultiplied by alpha.
     ///
     /// # Errors
-    /// [`PlayError::Call`].
-    pub fn draw(&self, played: &Played) -> Result<(Picture, Drawn), PlayError> {
+    /// The runtime refuses the call.
+    pub fn draw(&self, played: &Played) -> Result<(Picture, Drawn), Error> {
         let [width, height] = self.size();
         let mut pixels = vec![[0; 4]; width * height];
         let job = RenderJob { width, ..played.job(self.views) };
@@ -202,7 +182,7 @@ impl<'a> Player<'a> {
             group: &mut vec![[0; 4]; if self.views.has_groups() { pixels.len() } else { 0 }],
             clips: &mut vec![0; if self.views.has_clips() { pixels.len() } else { 0 }],
         };
-        let drawn = job.run(scratch, &mut pixels).map_err(PlayError::Call)?;
+        let drawn = job.run(scratch, &mut pixels)?;
         let size = Resolution { width, height };
         Ok((Picture { size, rgba: pixels.into_flattened() }, drawn))
     }

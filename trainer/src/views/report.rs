@@ -1,8 +1,9 @@
 //! A page about an object: a sheet of views, the parts of a view, and networks over pixels for comparison.
 
 use super::control::{NETWORKS, mixed, network_weights};
-use super::player::{PlayError, Played, Player, multiplied, straight};
-use super::set::{Examples, SetError, Values, View, ViewSet};
+use super::player::{Played, Player, multiplied, straight};
+use super::set::{Examples, Values, View, ViewSet};
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::page::camera::Resolution;
 use crate::page::colour::Colour;
@@ -24,31 +25,17 @@ const MOST_ACROSS: usize = 4;
 /// Colour of the edges of elements.
 const EDGE: Colour = [0xbd, 0x2b, 0x44];
 
-/// Reasons why the page cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A view cannot be drawn.
-    #[error(transparent)]
-    Play(#[from] PlayError),
-    /// A picture cannot be read.
-    #[error(transparent)]
-    Set(#[from] SetError),
-    /// A picture cannot be written.
-    #[error(transparent)]
-    Encode(#[from] png::EncodingError),
-}
-
 /// Makes the page of a file and its training views.
 ///
 /// - `prototype`: the file that was trained on the views, if it lent its motion.
 ///
 /// # Errors
-/// [`ReportError`].
+/// The file has no map of a motion; a view cannot be drawn; a picture cannot be read, is damaged, or cannot be encoded.
 pub fn report(
     model: &Model<Vec<u8>>,
     set: &ViewSet,
     prototype: Option<&Model<Vec<u8>>>,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let is_lent = model.views().is_some_and(|views| views.is_transferred());
     let mut body = format!("<h1>{}</h1>\n", text(&set.name));
     if set.layers.len() > 1 {
@@ -99,7 +86,7 @@ fn axes(examples: &Examples) -> [Option<Along>; 2] {
     STEPS.map(|steps| changing.next().map(|(name, ends)| Along { name, ends, steps }))
 }
 
-fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, ReportError> {
+fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, Error> {
     let [across, down] = axes(examples);
     let count = |axis: &Option<Along>| axis.as_ref().map_or(1, |axis| axis.steps);
     let [columns, rows] = [count(&across), count(&down)];
@@ -138,7 +125,7 @@ fn shown(
     model: &Model<Vec<u8>>,
     examples: &Examples,
     values: &Values,
-) -> Result<(Picture, Played), PlayError> {
+) -> Result<(Picture, Played), Error> {
     let player = Player::new(model, Some(&examples.name))?;
     let played = player.play(values)?;
     Ok((straight(&player.draw(&played)?.0), played))
@@ -160,7 +147,7 @@ fn between(examples: &Examples) -> Values {
 }
 
 /// Draws the layers of a key view and the view made of them, each with its elements.
-fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, ReportError> {
+fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Error> {
     let (picture, played) = shown(model, examples, &between(examples))?;
     let player = Player::new(model, Some(&examples.name))?;
     let views = player.views();
@@ -234,7 +221,7 @@ fn lent(
     model: &Model<Vec<u8>>,
     prototype: &Model<Vec<u8>>,
     examples: &Examples,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let both = [("the prototype", prototype), ("the object", model)];
     let mut figures = Vec::new();
     let named = Player::new(model, Some(&examples.name))?.views().view_name(0);
@@ -266,7 +253,7 @@ fn networks(
     model: &Model<Vec<u8>>,
     set: &ViewSet,
     examples: &Examples,
-) -> Result<Option<String>, ReportError> {
+) -> Result<Option<String>, Error> {
     let own: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
     if own.len() < 4 {
         return Ok(None);

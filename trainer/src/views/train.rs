@@ -1,9 +1,10 @@
 //! Trains a model on a set of views.
 
-use super::fit::{Choice, FitError, FitOptions, FittedMap, fit};
+use super::fit::{Choice, FitOptions, FittedMap, fit};
 use super::mesh::{LayerInView, Mesh};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::set::{Layer, SetError, View, ViewSet, cropped, triangulated};
+use super::set::{Layer, View, ViewSet, cropped, triangulated};
+use crate::Error;
 use std::collections::BTreeSet;
 
 /// A model, and the choices made for its maps.
@@ -15,42 +16,27 @@ pub struct Trained {
     pub choices: Vec<Choice>,
 }
 
-/// Reasons why training fails.
-#[derive(Debug, thiserror::Error)]
-pub enum TrainError {
-    /// The set is invalid.
-    #[error(transparent)]
-    Set(#[from] SetError),
-    /// A motion cannot be fitted.
-    #[error("\"{map}\": {error}")]
-    Fit {
-        /// Name of the motion.
-        map: String,
-        /// Cause.
-        error: FitError,
-    },
-}
-
 /// Fits every motion of a set, and loads the pictures of its key views.
 ///
 /// # Errors
-/// [`TrainError`].
-pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, TrainError> {
+/// The set has no pictures; a motion cannot be fitted; a picture cannot be read or is damaged; or points cannot be
+/// triangulated.
+pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, Error> {
     let keys = set.key_views();
     if keys.is_empty() {
-        return Err(SetError::Empty("pictures").into());
+        return Err(Error::missing("there are no pictures"));
     }
     let mut maps: Vec<FittedMap> = Vec::new();
     for (number, examples) in set.maps.iter().enumerate() {
         let own: Vec<Option<usize>> =
             keys.iter().map(|&(map, view)| (map == number).then_some(view)).collect();
-        let wrong = |error| TrainError::Fit { map: examples.name.clone(), error };
+        let wrong = |error: Error| error.within(format_args!("\"{}\"", examples.name));
         maps.push(fit(examples, &own, options).map_err(wrong)?);
     }
     let mut pictures = Vec::new();
     for (&(map, view), name) in keys.iter().zip(names(set, &keys)) {
         let examples = &set.maps[map];
-        let wrong = |error| TrainError::Fit { map: examples.name.clone(), error };
+        let wrong = |error: Error| error.within(format_args!("\"{}\"", examples.name));
         let predicted = maps[map].shown(&examples.train[view].values).map_err(wrong)?.points;
         pictures.push(key_view(set, name, &examples.train[view], &predicted)?);
     }
@@ -105,7 +91,7 @@ fn key_view(
     name: String,
     view: &View,
     predicted: &[[f64; 2]],
-) -> Result<KeyView, SetError> {
+) -> Result<KeyView, Error> {
     let layers = 0..set.layers.len();
     let picture = |layer| {
         view.picture(layer).map(|image| image.load(set.size).map(|whole| cropped(&whole, 1)))
@@ -129,7 +115,7 @@ fn is_whole(set: &ViewSet, keys: &[(usize, usize)]) -> bool {
 }
 
 /// Makes the vertices and elements of all layers.
-fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, SetError> {
+fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, Error> {
     let mut out = Mesh::default();
     let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
     for (number, layer) in set.layers.iter().enumerate() {

@@ -5,59 +5,13 @@ use super::fit::MapOutputs;
 use super::mesh::{LayerInView, Mesh, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::object::Reference;
-use super::set::{Element, LayerView, SetError, View, cropped};
+use super::set::{Element, LayerView, View, cropped};
+use crate::Error;
 use crate::scattered::model::KernelModel;
 use faer::Mat;
 use sinew_runtime::Model;
 use sinew_runtime::views::Views;
 use std::collections::BTreeSet;
-
-/// Reasons why an instance cannot be made of a prototype.
-#[derive(Debug, thiserror::Error)]
-pub enum TransferError {
-    /// The file has no object, or its motion is lent itself.
-    #[error("{0}")]
-    Prototype(&'static str),
-    /// A view of the instance is not a key view of the prototype, or is given twice.
-    #[error("view \"{view}\" of the instance: {what}; the prototype's are {expected}")]
-    View {
-        /// Name of the view.
-        view: String,
-        /// Fault.
-        what: &'static str,
-        /// Names of the prototype's key views.
-        expected: String,
-    },
-    /// A view of the instance has another number of points than the prototype.
-    #[error("view \"{view}\" of the instance: expected {expected} points, found {found}")]
-    Points {
-        /// Name of the view.
-        view: String,
-        /// Points of the prototype.
-        expected: usize,
-        /// Points of the instance.
-        found: usize,
-    },
-    /// A point has no position.
-    #[error("view \"{view}\" of the instance: point {point} has no place")]
-    Unknown {
-        /// Name of the view.
-        view: String,
-        /// Index of the point.
-        point: usize,
-    },
-    /// The pictures of a view do not match the layers of the prototype.
-    #[error("view \"{view}\" of the instance: {what}")]
-    Layers {
-        /// Name of the view.
-        view: String,
-        /// Fault.
-        what: String,
-    },
-    /// A picture cannot be read.
-    #[error(transparent)]
-    Set(#[from] SetError),
-}
 
 /// Makes an instance of the prototype in a file.
 ///
@@ -67,19 +21,21 @@ pub enum TransferError {
 /// - `by_size`: whether the motion scales with the size of the instance.
 ///
 /// # Errors
-/// [`TransferError`].
+/// The file has no views, or its motion is lent itself; there is no view; a view is not a key view of the prototype, is
+/// given twice, or has another number of points; a point has no position; the pictures of a view do not match the
+/// layers; or a picture cannot be read or is damaged.
 pub fn transfer(
     model: &Model<Vec<u8>>,
     name: &str,
     views: &[(String, View)],
     by_size: bool,
-) -> Result<ViewsModel, TransferError> {
-    let object = model.views().ok_or(TransferError::Prototype("it has no views"))?;
+) -> Result<ViewsModel, Error> {
+    let object = model.views().ok_or_else(|| Error::missing("it has no views"))?;
     if object.is_transferred() {
-        return Err(TransferError::Prototype("its motion is lent itself: take its prototype"));
+        return Err(Error::unsupported("its motion is lent itself: take its prototype"));
     }
     if views.is_empty() {
-        return Err(SetError::Empty("views of the instance").into());
+        return Err(Error::missing("there are no views of the instance"));
     }
     let mut kept = Vec::new();
     let mut keys = Vec::new();
@@ -115,10 +71,17 @@ pub fn transfer(
     })
 }
 
-fn key_of(object: &Views<'_>, named: &str, taken: &[usize]) -> Result<usize, TransferError> {
+/// Adds the name of a view to an error.
+fn in_view_of_instance(named: &str, error: Error) -> Error {
+    error.within(format_args!("view \"{named}\" of the instance"))
+}
+
+fn key_of(object: &Views<'_>, named: &str, taken: &[usize]) -> Result<usize, Error> {
     let names: Vec<&str> = (0..).map_while(|view| object.view_name(view)).collect();
-    let wrong =
-        |what| TransferError::View { view: named.to_owned(), what, expected: names.join(", ") };
+    let wrong = |what: &str| {
+        let text = format!("{what}; the prototype's are {}", names.join(", "));
+        in_view_of_instance(named, Error::value(text))
+    };
     let number = names.iter().position(|name| *name == named);
     let number = number.ok_or_else(|| wrong("no key view"))?;
     if taken.contains(&number) { Err(wrong("it is there twice")) } else { Ok(number) }
@@ -130,13 +93,15 @@ fn key_view(
     named: &str,
     view: &View,
     by_size: bool,
-) -> Result<KeyView, TransferError> {
-    let (view_name, expected, found) = (named.to_owned(), object.point_len(), view.points.len());
+) -> Result<KeyView, Error> {
+    let (expected, found) = (object.point_len(), view.points.len());
     if expected != found {
-        return Err(TransferError::Points { view: view_name, expected, found });
+        let text = format!("expected {expected} points, found {found}");
+        return Err(in_view_of_instance(named, Error::mismatch(text)));
     }
     if let Some(point) = view.points.iter().position(Option::is_none) {
-        return Err(TransferError::Unknown { view: view_name, point });
+        let text = format!("point {point} has no place");
+        return Err(in_view_of_instance(named, Error::missing(text)));
     }
     check_layers(object, named, view)?;
     // All pictures have the size of the first picture.
@@ -158,7 +123,7 @@ fn key_view(
     let own: Vec<[f64; 2]> = own.map(|point| point.map(f64::from)).collect();
     let points = view.known();
     Ok(KeyView {
-        name: view_name,
+        name: named.to_owned(),
         pictures,
         reference: Some(Reference::new(&own, &points, by_size)),
         points,
@@ -167,8 +132,8 @@ fn key_view(
 }
 
 /// Checks that the pictures of a view match the layers of the prototype.
-fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), TransferError> {
-    let wrong = |what: String| TransferError::Layers { view: named.to_owned(), what };
+fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Error> {
+    let wrong = |what: String| in_view_of_instance(named, Error::mismatch(what));
     let names: Vec<&str> = (0..).map_while(|layer| object.layer_name(layer)).collect();
     let (expected, found) = (names.len(), view.layers.len());
     if found == 0 && expected > 1 {
@@ -188,7 +153,7 @@ fn check_layers(object: &Views<'_>, named: &str, view: &View) -> Result<(), Tran
         )));
     }
     if !view.is_key() {
-        return Err(SetError::Empty("pictures").into());
+        return Err(Error::missing("there are no pictures"));
     }
     Ok(())
 }

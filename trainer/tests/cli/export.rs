@@ -116,7 +116,7 @@ fn clips_and_space_of_an_npz_reach_the_export() {
     bad.reals.get_mut("bone_transforms").unwrap().1[place] *= 2.0;
     bad.write(&folder.path("bad.npz"));
     for command in ["eval new.sinew bad.npz", "export new.sinew --clip bad.npz -o none.glb"] {
-        let expected = format!("bad.npz: at frame {}, joint hand is ", 101 + frame);
+        let expected = format!("bad.npz: frame {}: joint hand is ", 101 + frame);
         let line = folder.sinew(&format!("{command} --quiet")).failed();
         assert!(line.starts_with(&expected), "{line}");
     }

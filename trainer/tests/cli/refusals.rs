@@ -33,7 +33,7 @@ fn examples_that_are_not_finite_are_refused_by_array_frame_and_place() {
             real(set, "vertices", place, number);
         }
     };
-    let expected = "bad.npz: array vertices is not finite at frame 7, vertex 11";
+    let expected = "bad.npz: frame 7: array vertices is not finite at vertex 11";
     refused("nan", posed(f64::NAN), expected);
     refused("infinite", posed(f64::NEG_INFINITY), expected);
     let expected = "bad.npz: array rest is not finite at vertex 4";
@@ -42,7 +42,7 @@ fn examples_that_are_not_finite_are_refused_by_array_frame_and_place() {
         let place = 16 * (9 * set.joint_len() + 1) + 3;
         real(set, "bone_transforms", place, f64::INFINITY);
     };
-    let expected = "bad.npz: array bone_transforms is not finite at frame 9, joint clavicle";
+    let expected = "bad.npz: frame 9: array bone_transforms is not finite at joint clavicle";
     refused("infinite-joint", joint, expected);
 }
 
@@ -84,7 +84,7 @@ fn matrices_that_are_not_rigid_are_refused_by_frame_and_joint() {
             set.reals.get_mut("bone_transforms").unwrap().1[place + axis] *= 2.0;
         }
     };
-    let expected = "bad.npz: at frame 5, joint hand is scaled or sheared, by 2.0000, 1.0000 and \
+    let expected = "bad.npz: frame 5: joint hand is scaled or sheared, by 2.0000, 1.0000 and \
                     1.0000: joints only turn and move; remove its scale keys, and stretch in its \
                     constraints, and export again";
     refused("rigid", scaled, expected);

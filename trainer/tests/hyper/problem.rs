@@ -6,9 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::scattered::hyper::{
-    Entries, HyperError, Learned, Method, Metric, Options, Start, learn,
-};
+use sinew_trainer::Error;
+use sinew_trainer::scattered::hyper::{Entries, Learned, Method, Metric, Options, Start, learn};
 use sinew_trainer::scattered::sum::KernelSum;
 use std::path::Path;
 
@@ -36,7 +35,7 @@ impl Problem {
     }
 
     /// Learns with inputs relative to the middle of the box.
-    pub(crate) fn learn(&self, options: &Options) -> Result<Learned, HyperError> {
+    pub(crate) fn learn(&self, options: &Options) -> Result<Learned, Error> {
         let inputs = self.sites.ncols();
         let (shift, scale) = (vec![0.5; inputs], vec![1.0; inputs]);
         learn(self.sites.as_ref(), self.values.as_ref(), &shift, &scale, options)

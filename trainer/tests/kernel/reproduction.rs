@@ -4,10 +4,10 @@
 use crate::kernel::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
 use faer::Mat;
 use sinew_runtime::kernel::{EulerOrder, Kernel};
+use sinew_trainer::ErrorKind;
 use sinew_trainer::regression::function::Exact;
 use sinew_trainer::regression::rotations::{Feature, from_euler};
 use sinew_trainer::scattered::solver::choose::{Choice, Freedom};
-use sinew_trainer::scattered::solver::error::KernelError;
 use sinew_trainer::scattered::solver::fit::{Centres, FewerFit, Fit};
 use sinew_trainer::scattered::solver::leave_one_out::Variance;
 use sinew_trainer::scattered::solver::options::{Options, wendland};
@@ -137,14 +137,20 @@ fn few_centres_are_the_least_squares_of_the_penalty() {
             assert!(penalised(&moved) > least, "coefficient {k}");
         }
     }
-    let refused =
-        |centres: Vec<usize>| FewerFit::new(&samples, &options, &Centres::Given(centres)).err();
-    assert_eq!(refused(vec![3, 30]), Some(KernelError::Centre { centre: 30, samples: 30 }));
-    assert_eq!(refused(vec![3, 3]), Some(KernelError::Centre { centre: 3, samples: 30 }));
+    let refused = |centres: Vec<usize>| {
+        let fit = FewerFit::new(&samples, &options, &Centres::Given(centres));
+        fit.err().map(|error| error.to_string())
+    };
+    let expected = |centre: usize| {
+        Some(format!("centre {centre} is not one of 30 samples, or is given twice"))
+    };
+    assert_eq!(refused(vec![3, 30]), expected(30));
+    assert_eq!(refused(vec![3, 3]), expected(3));
     let more = Options { smoothing: 0.0, ..options };
     let all = Centres::Given((0..30).collect());
-    let refused = FewerFit::new(&samples, &more, &all).err();
-    assert!(matches!(refused, Some(KernelError::IllConditioned { .. })), "33 unknowns, 30 samples");
+    let refused = FewerFit::new(&samples, &more, &all).err().expect("33 unknowns, 30 samples");
+    assert_eq!(refused.kind(), ErrorKind::Fit);
+    assert!(refused.message().starts_with("the fit is ill-conditioned ("), "{refused}");
     // The power function chooses at most as many centres as the samples determine: with three
     // polynomials 27.
     let most = FewerFit::new(&samples, &more, &Centres::Greedy(30)).unwrap();
@@ -253,7 +259,8 @@ fn the_choice_is_near_the_best_of_a_dense_search() {
     let both = [vec![0, 1]];
     let refused =
         Choice::new(&two, &Options::new(Kernel::Linear), Freedom::ALL, &both, None).unwrap_err();
-    assert_eq!(refused, KernelError::NoChoice);
+    assert_eq!(refused.kind(), ErrorKind::Fit);
+    assert!(refused.message().starts_with("no smoothing can be chosen: "), "{refused}");
 }
 
 #[test]

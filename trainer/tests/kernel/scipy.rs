@@ -7,9 +7,10 @@ use crate::kernel::common::{
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use sinew_runtime::kernel::Kernel;
+use sinew_trainer::ErrorKind;
 use sinew_trainer::regression::function::order;
 use sinew_trainer::scattered::compat::scipy::{
-    RbfInterpolator, ScipyError, ScipyOptions, ScipyWarning, Smoothing,
+    RbfInterpolator, ScipyOptions, ScipyWarning, Smoothing,
 };
 use sinew_trainer::scattered::solver::matrix::matrix;
 use sinew_trainer::scattered::solver::options::wendland;
@@ -257,24 +258,29 @@ fn arguments_that_do_not_fit_are_errors() {
         RbfInterpolator::new(x, y, options).unwrap_err()
     };
     let flat = RbfInterpolator::new(&x, &y, &default).unwrap();
-    assert_eq!(flat.evaluate(&[0.0, 0.0]), Err(ScipyError::Query { expected: 1, found: 2 }));
-    assert!(matches!(refused(&x, &Mat::zeros(1, 1), &default), ScipyError::Samples(_)));
+    let query = flat.evaluate(&[0.0, 0.0]).unwrap_err();
+    assert_eq!(query.message(), "expected a query of 1 numbers, found 2");
+    let rows = refused(&x, &Mat::zeros(1, 1), &default);
+    assert_eq!(rows.message(), "expected a row of values for each of 5 sites, found 1");
     let one = ScipyOptions { smoothing: Smoothing::Each(vec![1.0]), ..default.clone() };
-    assert_eq!(refused(&x, &y, &one), ScipyError::SmoothingLen { samples: 5, found: 1 });
-    assert_eq!(refused(&x, &y, &options("test", None, None)), ScipyError::Kernel("test".into()));
+    assert_eq!(refused(&x, &y, &one).message(), "expected one smoothing or 5, found 1");
+    let unknown = refused(&x, &y, &options("test", None, None));
+    let expected = "\"test\" is no kernel of SciPy's: expected one of linear, ";
+    assert!(unknown.message().starts_with(expected), "{unknown}");
     for kernel in OTHERS {
-        assert!(matches!(refused(&x, &y, &options(kernel, None, None)), ScipyError::Epsilon(_)));
+        let error = refused(&x, &y, &options(kernel, None, None));
+        assert_eq!(error.kind(), ErrorKind::Missing);
+        assert!(error.message().ends_with(" needs an epsilon"), "{error}");
     }
-    let needed = ScipyError::TooFew { degree: 1, inputs: 1, needed: 2, found: 1 };
-    assert_eq!(refused(&Mat::zeros(1, 1), &Mat::zeros(1, 1), &default), needed);
-    assert_eq!(refused(&x, &y, &options("cubic", None, Some(1))), needed);
+    let needed = "degree 1 in 1 inputs needs 2 samples, found 1";
+    assert_eq!(refused(&Mat::zeros(1, 1), &Mat::zeros(1, 1), &default).message(), needed);
+    assert_eq!(refused(&x, &y, &options("cubic", None, Some(1))).message(), needed);
     let low = ScipyOptions { degree: Some(-2), ..default.clone() };
-    assert!(matches!(refused(&x, &y, &low), ScipyError::Option { what: "degree", .. }));
-    assert!(matches!(
-        refused(&x, &y, &options("cubic", Some(0.0), None)),
-        ScipyError::Option { .. }
-    ));
-    assert!(matches!(refused(&x, &y, &options("cubic", None, Some(0))), ScipyError::Option { .. }));
+    assert_eq!(refused(&x, &y, &low).message(), "degree is -2, expected -1 or more");
+    let zero = refused(&x, &y, &options("cubic", Some(0.0), None));
+    assert_eq!(zero.message(), "epsilon is 0, expected a finite number other than 0");
+    let none = refused(&x, &y, &options("cubic", None, Some(0)));
+    assert_eq!(none.message(), "neighbors is 0, expected at least 1");
 }
 
 #[test]
@@ -311,7 +317,9 @@ fn samples_on_a_line_of_the_plane_are_singular() {
             Ok(function) => function.evaluate(&[0.0, 0.0]).unwrap_err(),
             Err(refused) => refused,
         };
-        assert_eq!(refused, ScipyError::Rank { rank: 2, terms: 3 });
+        assert_eq!(refused.kind(), ErrorKind::Fit);
+        let singular = "the system is singular: the samples determine 2 of 3 monomials";
+        assert_eq!(refused.message(), singular);
     }
 }
 

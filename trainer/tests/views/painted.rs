@@ -2,9 +2,10 @@
 
 use super::common::Folder;
 use serde_json::{Value, json};
+use sinew_trainer::Error;
 use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::fit::FitOptions;
-use sinew_trainer::views::set::{SetError, ViewSet, as_json, read, read_instance};
+use sinew_trainer::views::set::{ViewSet, as_json, read, read_instance};
 use sinew_trainer::views::train::train;
 use std::fs::{self, File};
 use std::io::Write;
@@ -59,7 +60,7 @@ fn written(folder: &Folder, more: Value) -> PathBuf {
     folder.path("views.json")
 }
 
-fn refused(found: Result<ViewSet, SetError>) -> String {
+fn refused(found: Result<ViewSet, Error>) -> String {
     let text = found.unwrap_err().to_string();
     // The error without the folder of the test.
     let folder = std::env::temp_dir().display().to_string();

@@ -5,9 +5,9 @@ use super::{arm, clip, distances, export, farthest, model, pose, runtime_palette
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::levels::{Level, LevelError};
+use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::Examples;
-use sinew_trainer::export::{ExportError, Exported, Stand};
+use sinew_trainer::export::{Exported, Stand};
 use sinew_trainer::formats::Mesh;
 use sinew_trainer::mesh::EngineMesh;
 
@@ -120,12 +120,13 @@ fn a_mesh_in_other_axes_and_units_is_converted_or_reported_and_strays_are_report
     });
     assert!(farthest(&found[0], &found[1]) < 1e-6);
 
-    match exported(turned(|x| x.map(|x| 1e6 * x))) {
-        Err(ExportError::Level(LevelError::Far { name, percent })) => {
-            assert!(name == "lod1" && percent > 100.0)
-        }
-        other => panic!("{:?}", other.map(|exported| exported.levels)),
-    }
+    let far = exported(turned(|x| x.map(|x| 1e6 * x))).map(|exported| exported.levels).unwrap_err();
+    let percent = far.message().strip_prefix("mesh lod1 is ").and_then(|rest| {
+        let (number, rest) = rest.split_once(" % ")?;
+        let expected = "of the diagonal away from the model's surface, expected at most 10 %";
+        number.parse::<f64>().ok().filter(|_| rest.starts_with(expected))
+    });
+    assert!(percent.is_some_and(|percent| percent > 100.0), "{far}");
     let mut stray = level("lod1", &examples);
     stray.mesh.positions[5] = [9.0, 9.0, 9.0];
     let exported = export(&model, None, &examples, &clips, &[stray], Stand::AsModel).unwrap();

@@ -14,12 +14,13 @@ use models::shared;
 use nalgebra::Vector3;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_trainer::Error;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, npz};
-use sinew_trainer::export::{Export, ExportError, Exported, Stand};
+use sinew_trainer::export::{Export, Exported, Stand};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 
@@ -46,7 +47,7 @@ fn export(
     clips: &[Clip],
     levels: &[Level],
     stand: Stand,
-) -> Result<Exported, ExportError> {
+) -> Result<Exported, Error> {
     let appearance = &Appearance::default();
     Export { model, skin, examples, clips, between: false, levels, appearance, stand }.run()
 }

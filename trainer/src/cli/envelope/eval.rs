@@ -7,9 +7,10 @@ use crate::cli::{
 };
 use anyhow::{Context, bail};
 use sinew_trainer::evaluate::{
-    Character, EvaluateError, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin,
+    Character, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin,
 };
-use sinew_trainer::examples::{Clip, Examples, Loaded, Split, Warning};
+use sinew_trainer::examples::{Clip, Examples, Loaded, Split, Warning, numbered};
+use sinew_trainer::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Measures a model on examples, beside linear blend skinning
@@ -110,25 +111,35 @@ impl MeasuredArgs {
         Ok(())
     }
 
-    /// Adds the name of the file that an error is about.
-    pub(super) fn blame(
+    /// Chooses the frames to measure.
+    ///
+    /// # Errors
+    /// There are none, or a joint is not rigid in one of them.
+    pub(super) fn frames(
         &self,
-        error: EvaluateError,
-        model: &Path,
+        recorded: &TrainingRecord,
         (examples, clips): (&Examples, &[Clip]),
-    ) -> anyhow::Error {
+    ) -> anyhow::Result<Frames> {
         let source = self.input.named();
-        let file = match &error {
-            EvaluateError::NoFrames { split } => {
-                let is_hinted = self.input.hold_out.is_none() && *split == Split::HeldOut.name();
+        let frames = self.split.unwrap_or_else(|| Frames::usual(examples, recorded));
+        match frames.measurable(examples, recorded) {
+            Ok(_) => Ok(frames),
+            Err(error) if error.kind() == ErrorKind::Missing => {
+                let is_held_out = frames == Frames::Of(Split::HeldOut);
+                let is_hinted = self.input.hold_out.is_none() && is_held_out;
                 let hint = if is_hinted { "; see --split and --hold-out" } else { "" };
-                let frames = input::describe_frames(examples);
-                return anyhow::anyhow!("{source}: {error}: {frames}{hint}");
+                bail!("{source}: {error}: {}{hint}", input::describe_frames(examples))
             }
-            EvaluateError::Frame(_) | EvaluateError::Examples(_) => source,
-            _ => model.display().to_string(),
-        };
-        anyhow::Error::new(error.called(clips)).context(file)
+            Err(error) => Err(numbered(error, clips).in_file(source).into()),
+        }
+    }
+
+    /// Adds the name of the file that an error is about: the examples for a frame, else the model.
+    pub(super) fn blame(&self, error: Error, model: &Path, clips: &[Clip]) -> Error {
+        match error.frame() {
+            Some(_) => numbered(error, clips).in_file(self.input.named()),
+            None => error.in_file(model),
+        }
     }
 }
 
@@ -145,14 +156,13 @@ impl Run for Eval {
         let loaded = measured.load(&model, &self.space, output)?;
         let Loaded { examples, clips, warnings } = loaded;
         let measuring = Bars::busy(output, "measuring");
-        let blamed = |error| measured.blame(error, &measured.model.file, (&examples, &clips));
+        let blamed = |error| measured.blame(error, &measured.model.file, &clips);
         let character =
             Character::open(&model, measured.skin.as_deref(), &examples).map_err(blamed)?;
         let recorded = TrainingRecord::of(&model, &character, &examples);
         let known = (&character, &recorded);
         measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
-        let usual = || Frames::usual(&examples, &recorded);
-        let frames = measured.split.unwrap_or_else(usual);
+        let frames = measured.frames(&recorded, (&examples, &clips))?;
         let evaluation = Evaluation::of((&character, model.len()), &recorded, &examples, frames)
             .map_err(blamed)?;
         let chosen = frames.of(&examples, &recorded);

@@ -9,15 +9,14 @@ use crate::cli::{
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::envelope::levels::LevelReport;
+use sinew_trainer::envelope::levels::{LevelReport, check_places};
 use sinew_trainer::envelope::posed::rest;
-use sinew_trainer::evaluate::{Character, EvaluateError};
-use sinew_trainer::examples::{
-    Clip, ExamplesError, ImportError, JointNames, LoadError, Loaded, RATES, Source,
-};
-use sinew_trainer::export::{Export, ExportError, ExportInto, Grafted, IntoError, Stand};
+use sinew_trainer::evaluate::Character;
+use sinew_trainer::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
+use sinew_trainer::export::{Export, ExportInto, Grafted, Stand, check_clips};
 use sinew_trainer::formats::appearance;
 use sinew_trainer::space::SpaceRequest;
+use sinew_trainer::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
@@ -112,7 +111,8 @@ impl Run for ExportArgs {
         let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb"])?;
         let model = files::read_model(&self.model.file)?;
         let skin = self.skin.as_deref();
-        let character = Character::find(&model, skin).map_err(|error| self.blame(error.into()))?;
+        let character =
+            Character::find(&model, skin).map_err(|error| error.in_file(&self.model.file))?;
         let known =
             (0..character.envelope.joint_len()).filter_map(|j| character.envelope.joint_name(j));
         let known: Vec<String> = known.map(str::to_owned).collect();
@@ -133,6 +133,9 @@ impl Run for ExportArgs {
         let exporting = Bars::busy(output, "exporting");
         let (examples, clips, levels) = (&examples, &clips, &levels);
         let model = &model;
+        check_clips(clips).map_err(|error| error.in_file(&self.clip))?;
+        // The error names the further mesh.
+        check_places(levels, examples)?;
         let (glb, exported) = match &self.into {
             None => {
                 let stand = stand(&self.space, &self.target, &character.space)?;
@@ -145,14 +148,14 @@ impl Run for ExportArgs {
                 }
                 let export =
                     Export { model, skin, examples, clips, between, levels, appearance, stand };
-                let exported = export.run().map_err(|error| self.blame(error.called(clips)))?;
+                let exported = export.run().map_err(|error| self.blame(error, clips))?;
                 let names = clips.iter().map(|clip| clip.name.clone()).collect();
                 (exported.glb, Exported { names, levels: exported.levels, into: None })
             }
             Some(file) => {
                 let export =
                     ExportInto { model, skin, examples, clips, between, levels, names, file };
-                let grafted = export.run().map_err(|error| self.blame(error.called(clips)))?;
+                let grafted = export.run().map_err(|error| self.blame(error, clips))?;
                 let Grafted { animations: names, meshes, added_joints, kept_animations, .. } =
                     grafted;
                 let into = Some(IntoReport { meshes, added_joints, kept_animations });
@@ -204,41 +207,26 @@ impl ExportArgs {
             // The clip's own mesh first. A clip without a mesh, or with other joints, needs the other file.
             (None, Some(into)) => match load(None) {
                 Ok(input) if input.examples.skeleton.names == names.known => Ok(input),
-                Err(error) if !has_no_mesh(&error) => Err(error),
+                Err(error) if !has_no_mesh(&self.clip) => Err(error),
                 _ => load(Some(into)),
             },
             (None, None) => load(None),
         }
     }
 
-    /// Adds the name of the file that an error is about.
-    fn blame(&self, error: ExportError) -> anyhow::Error {
-        let file = match &error {
-            ExportError::Model(
-                EvaluateError::Frame(_)
-                | EvaluateError::Examples(_)
-                | EvaluateError::JointName { .. },
-            )
-            | ExportError::Frame(_)
-            | ExportError::NoFrames { .. }
-            | ExportError::Times { .. } => &self.clip,
-            ExportError::Model(_) | ExportError::Space(_) => &self.model.file,
-            // The error of a file that cannot be read names the file.
-            ExportError::Level(_)
-            | ExportError::LeftHanded
-            | ExportError::Into(IntoError::File(_)) => return error.into(),
-            ExportError::Into(_) => self.into.as_ref().unwrap_or(&self.output),
-            ExportError::Glb(_) => &self.output,
+    /// Adds the name of the file that an error of an export is about, unless the error names the artist's file.
+    fn blame(&self, error: Error, clips: &[Clip]) -> Error {
+        let file = match error.kind() {
+            _ if error.frame().is_some() => &self.clip,
+            // The skeleton or the mesh is not the model's.
+            ErrorKind::Mismatch => &self.clip,
+            ErrorKind::Limit | ErrorKind::Write => &self.output,
+            // A request for a space that glTF does not have.
+            ErrorKind::Unsupported => return error,
+            _ => &self.model.file,
         };
-        anyhow::Error::new(error).context(file.display().to_string())
+        numbered(error, clips).in_file(file)
     }
-}
-
-/// Returns whether an error is that of a scene without a mesh.
-fn has_no_mesh(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<LoadError>().is_some_and(|error| {
-        matches!(error.error, ExamplesError::Import(ImportError::JointsAlone { .. }))
-    })
 }
 
 /// Moves clips that begin before time 0 to time 0: glTF has no negative times.

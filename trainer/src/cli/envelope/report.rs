@@ -88,11 +88,12 @@ impl Run for ReportArgs {
         let loaded = measured.load(&bytes, &self.space, output)?;
         let Loaded { examples, clips, warnings } = loaded;
         let skin = measured.skin.as_deref();
-        let blamed = |error, model| measured.blame(error, model, (&examples, &clips));
+        let blamed = |error, model| measured.blame(error, model, &clips);
         // Errors of the models are found before LBS is fitted.
         let character = Character::open(&bytes, skin, &examples);
         let character = character.map_err(|error| blamed(error, &measured.model.file))?;
-        let known = (&character, &TrainingRecord::of(&bytes, &character, &examples));
+        let recorded = TrainingRecord::of(&bytes, &character, &examples);
+        let known = (&character, &recorded);
         measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
         let compared = self.compare.as_deref().zip(other.as_deref());
         if let Some((path, bytes)) = compared {
@@ -106,7 +107,8 @@ impl Run for ReportArgs {
         let source_name = files.join(", ");
         let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
         let file = NamedModel { name, bytes: &bytes, skin };
-        let mut comparison = Comparison::new(source, measured.split, file)
+        let frames = measured.frames(&recorded, (&examples, &clips))?;
+        let mut comparison = Comparison::new(source, Some(frames), file)
             .map_err(|error| blamed(error, &measured.model.file))?;
         if let Some((path, bytes)) = compared {
             let file = NamedModel { name: other_name, bytes, skin };

@@ -15,9 +15,9 @@ use sinew_trainer::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::check::judge;
 use sinew_trainer::envelope::clean::Inliers;
 use sinew_trainer::envelope::lbs::blend::CANDIDATES;
-use sinew_trainer::envelope::levels::AddError;
+use sinew_trainer::envelope::levels::check_places;
 use sinew_trainer::envelope::s3::{Method, ProxyCount};
-use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train_on};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train_on};
 use sinew_trainer::evaluate::NOTHING;
 use sinew_trainer::examples::{Loaded, Split, Warning};
 use sinew_trainer::progress::Silent;
@@ -181,7 +181,8 @@ impl FitArguments {
                 "--published: a file has room for {most} helpers, since each takes the room of two"
             )
         }
-        let triangles = sound.training.examples.triangles.len();
+        let examples = sound.training.examples;
+        let triangles = examples.triangles.len();
         let proxies = match (self.max_error, self.proxies) {
             (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
             (None, Some(count)) if count > triangles => {
@@ -198,11 +199,12 @@ impl FitArguments {
             meshes,
             settings: Settings::default(),
         };
-        train_on(sound, &options, &Bars::new(output)).map_err(|error| match error {
+        if let FileSkins::Skins(further) = &options.meshes {
             // The error names the further mesh.
-            TrainError::Level(AddError::Level(error)) => error.into(),
-            error => anyhow::Error::new(error).context(source.to_owned()),
-        })
+            check_places(further, examples)?;
+        }
+        let trained = train_on(sound, &options, &Bars::new(output));
+        Ok(trained.map_err(|error| error.in_file(source))?)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The process of a signal, as the command line states it.
 
 use crate::cli::{OfFile, Output, named};
+use sinew_trainer::Error;
 use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
-use sinew_trainer::signal::covariance::Covariance;
-use sinew_trainer::signal::error::{SignalError, Subject};
+use sinew_trainer::signal::covariance::{Covariance, Subject};
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::kriging::Mean;
 use sinew_trainer::signal::kriging::Process;
@@ -71,7 +71,7 @@ impl ProcessArguments {
         process: &Process,
         factor: usize,
         sample: Sample,
-    ) -> Result<GridFilter, SignalError> {
+    ) -> Result<GridFilter, Error> {
         GridFilter::new(process, self.grid(factor, sample))
     }
 

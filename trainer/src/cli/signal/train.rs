@@ -8,10 +8,9 @@ use sinew_runtime::format::Space;
 use sinew_trainer::bake::bake;
 use sinew_trainer::scattered;
 use sinew_trainer::signal::choose::variance;
-use sinew_trainer::signal::error::Remedy;
 use sinew_trainer::signal::model::{self, FilterModel, LeftOut};
 use sinew_trainer::signal::observations::{Observations, function};
-use sinew_trainer::signal::sum::samples_remedy;
+use sinew_trainer::signal::sum::{Remedy, samples_remedy};
 use sinew_trainer::signal::table::read_signal;
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use crate::cli::{ModelArgs, OfFile};
 use anyhow::bail;
 use serde::Deserialize;
 use sinew_runtime::Model;
-use sinew_trainer::views::fit::FitError;
+use sinew_trainer::Error;
 use sinew_trainer::views::inverse::{Found, starts};
 use sinew_trainer::views::object::FileMap;
 use sinew_trainer::views::player::Player;
@@ -136,7 +136,7 @@ impl Follower {
     }
 
     /// Finds the parameters of a frame. The search of the next frame starts from them.
-    pub(super) fn find(&mut self, points: &Points) -> Result<Found, FitError> {
+    pub(super) fn find(&mut self, points: &Points) -> Result<Found, Error> {
         let found = self.map.object().find(points, &self.near)?;
         self.near = vec![found.values.clone()];
         Ok(found)

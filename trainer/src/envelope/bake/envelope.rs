@@ -1,7 +1,8 @@
 //! Writes an envelope, its groups and their kernel maps as a part of a file.
 
+use crate::Error;
+use crate::bake::Part;
 use crate::bake::sections::{blocks, check_len, check_shape, floats, names, narrow, words};
-use crate::bake::{BakeError, Part};
 use crate::envelope::model::{EnvelopeModel, Group, Input, Key, Reconstruction};
 use crate::examples::{Matrix3x4, Skeleton};
 use faer::Col;
@@ -15,8 +16,8 @@ impl EnvelopeModel {
     /// Writes the envelope as a part.
     ///
     /// # Errors
-    /// Every [`BakeError`] of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concerns an envelope.
-    pub(super) fn part(&self) -> Result<Part, BakeError> {
+    /// Those of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concern an envelope.
+    pub(super) fn part(&self) -> Result<Part, Error> {
         let groups = group_sections(&self.groups)?;
         let counts = self.counts(groups.scratch_len)?;
         let matrices = self.reconstruction.as_ref();
@@ -44,7 +45,7 @@ impl EnvelopeModel {
     }
 
     /// Checks that the arrays have matching lengths, and counts them.
-    fn counts(&self, correction_len: usize) -> Result<EnvelopeCounts, BakeError> {
+    fn counts(&self, correction_len: usize) -> Result<EnvelopeCounts, Error> {
         let (j, p) = (self.joint_len(), self.proxy_len());
         check_len("joint names", j, self.skeleton.names.len())?;
         check_len("rest frames", j, self.skeleton.rest.len())?;
@@ -66,7 +67,7 @@ impl EnvelopeModel {
 }
 
 /// Writes parents, the evaluation order (breadth first, then by index), and the inverse of that order.
-fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, BakeError> {
+fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, Error> {
     let (parents, root) = (&skeleton.parents, skeleton.root());
     let mut order = Vec::from([root]);
     let mut next = 0;
@@ -74,10 +75,11 @@ fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, BakeError> {
         order.extend((0..parents.len()).filter(|&j| parents[j] == Some(parent) && j != root));
         next += 1;
     }
-    let rank = |joint: usize| order.iter().position(|&j| j == joint);
-    let ranks = (0..parents.len())
-        .map(|joint| rank(joint).ok_or(BakeError::Hierarchy { joint }))
-        .collect::<Result<Vec<_>, _>>()?;
+    let rank = |joint: usize| {
+        let apart = || Error::value(format!("joint {joint} does not descend from the root"));
+        order.iter().position(|&j| j == joint).ok_or_else(apart)
+    };
+    let ranks = (0..parents.len()).map(rank).collect::<Result<Vec<_>, _>>()?;
     let mut out = Vec::new();
     for parent in parents {
         out.extend(joint_number(*parent)?);
@@ -89,17 +91,19 @@ fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Encodes a joint index; `None` becomes [`NO_JOINT`].
-fn joint_number(joint: Option<usize>) -> Result<[u8; 2], BakeError> {
+fn joint_number(joint: Option<usize>) -> Result<[u8; 2], Error> {
     joint.map_or(Ok(NO_JOINT), |joint| narrow("joint", joint)).map(u16::to_le_bytes)
 }
 
 /// Writes the inverses of the rest frames: rows of 3 x 4 matrices.
-fn inverse_binds(rest_frames: &[Matrix3x4]) -> Result<Vec<u8>, BakeError> {
+fn inverse_binds(rest_frames: &[Matrix3x4]) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for (joint, [x, y, z]) in rest_frames.iter().enumerate() {
         let rows = [*x, *y, *z, [0.0, 0.0, 0.0, 1.0]];
         let frame = Matrix4::from_row_slice(rows.as_flattened());
-        let inverse = frame.try_inverse().ok_or(BakeError::RestFrame { joint })?;
+        let singular =
+            || Error::value(format!("the rest frame of joint {joint} cannot be inverted"));
+        let inverse = frame.try_inverse().ok_or_else(singular)?;
         // Columns of the transpose are rows of the inverse.
         out.extend(floats(&inverse.transpose().as_slice()[..12]));
     }
@@ -107,7 +111,7 @@ fn inverse_binds(rest_frames: &[Matrix3x4]) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Writes the keys: joints, twists and shear.
-fn keys(keys: &[Key]) -> Result<Vec<u8>, BakeError> {
+fn keys(keys: &[Key]) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for key in keys {
         out.extend(joint_number(Some(key.joint))?);
@@ -137,7 +141,7 @@ struct GroupSections {
 }
 
 /// Writes all groups and their kernel maps.
-fn group_sections(groups: &[Group]) -> Result<GroupSections, BakeError> {
+fn group_sections(groups: &[Group]) -> Result<GroupSections, Error> {
     let mut out = GroupSections { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
     let mut proxies = 0;
     for group in groups {
@@ -156,7 +160,7 @@ impl Group {
     /// Returns the row of the group.
     ///
     /// - `offset`: of its words in the section `corrections`.
-    fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
+    fn row(&self, offset: usize) -> Result<GroupRow, Error> {
         let confidence = self.map.confidence;
         Ok(GroupRow {
             joint: narrow("joint of a group", self.joint)?,
@@ -177,7 +181,7 @@ impl Group {
     }
 
     /// Checks that the arrays of the group have matching shapes.
-    fn check(&self) -> Result<(), BakeError> {
+    fn check(&self) -> Result<(), Error> {
         let (d, n, r) = (self.inputs.len(), self.map.centres.ncols(), self.outputs.ncols());
         check_len("coordinates of a group's centres", d, self.map.centres.nrows())?;
         let coefficients = ["rows of a group's coefficients", "columns of a group's coefficients"];
@@ -186,7 +190,7 @@ impl Group {
     }
 
     /// Writes the arrays of the group, each padded to blocks.
-    fn words(&self) -> Result<Vec<u8>, BakeError> {
+    fn words(&self) -> Result<Vec<u8>, Error> {
         let d = self.inputs.len();
         let mut out = Vec::new();
         for &Input { feature, .. } in &self.inputs {

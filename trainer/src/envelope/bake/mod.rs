@@ -4,8 +4,9 @@
 mod envelope;
 mod skin;
 
+use crate::Error;
 use crate::bake::sections::{floats, names, narrow, words};
-use crate::bake::{BakeError, Part, Sections, bake};
+use crate::bake::{Part, Sections, bake};
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::model::{FileModel, RecordModel};
 use sinew_runtime::format::{Element, PartKind, SectionKind};
@@ -17,16 +18,14 @@ impl FileModel {
     /// Weights are divided by their sum and rounded; all other numbers are only rounded.
     ///
     /// # Errors
-    /// - [`BakeError::Length`]: arrays differ in length.
-    /// - [`BakeError::Size`]: an index or a size does not fit the file.
-    /// - [`BakeError::Hierarchy`]: joints do not form one tree.
-    /// - [`BakeError::RestFrame`]: a rest frame is singular.
-    /// - [`BakeError::Weights`]: a vertex has no positive sum of weights.
-    /// - [`BakeError::Covariance`]: a prior's covariance has no inverse.
-    /// - [`BakeError::NoEnvelope`]: a skin follows an envelope that does not exist.
-    /// - [`BakeError::Refused`]: the runtime refuses the file for another reason, for example a number that is not
-    ///   finite.
-    pub fn bake(&self) -> Result<Vec<u8>, BakeError> {
+    /// - Arrays differ in length.
+    /// - An index or a size does not fit the file.
+    /// - Joints do not form one tree, or a rest frame is singular.
+    /// - A vertex has no positive sum of weights.
+    /// - A prior's covariance has no inverse.
+    /// - A skin follows an envelope that does not exist.
+    /// - The runtime refuses the file for another reason, for example a number that is not finite.
+    pub fn bake(&self) -> Result<Vec<u8>, Error> {
         let mut parts = Vec::new();
         for envelope in &self.envelopes {
             parts.push(envelope.part()?);
@@ -34,8 +33,10 @@ impl FileModel {
         let found = self.envelopes.len();
         for (skin, model) in self.skins.iter().enumerate() {
             let followed = |envelope| {
-                let missing = BakeError::NoEnvelope { skin, envelope, found };
-                self.envelopes.get(envelope).ok_or(missing)
+                let missing = || {
+                    Error::missing(format!("skin {skin} follows envelope {envelope}, of {found}"))
+                };
+                self.envelopes.get(envelope).ok_or_else(missing)
             };
             parts.push(model.part(model.envelope.map(followed).transpose()?)?);
         }
@@ -53,8 +54,8 @@ impl RecordModel {
     /// Writes the record as a part.
     ///
     /// # Errors
-    /// [`BakeError::Size`]: an index or a size does not fit the file.
-    pub(crate) fn part(&self) -> Result<Part, BakeError> {
+    /// An index or a size does not fit the file.
+    pub(crate) fn part(&self) -> Result<Part, Error> {
         let [vertices, most] = self.lbs.as_ref().map_or([0; 2], |lbs| [lbs.len(), lbs.most()]);
         let counts = RecordCounts {
             frame_len: narrow("training frames", self.marks.len())?,
@@ -78,7 +79,7 @@ impl RecordModel {
 }
 
 /// Writes the joints (u16) and the weights (in units of 1/65,535, u16) of all vertices.
-fn influences(lbs: &Weights) -> Result<(Vec<u8>, Vec<u8>), BakeError> {
+fn influences(lbs: &Weights) -> Result<(Vec<u8>, Vec<u8>), Error> {
     let (mut joints, mut weights) = (Vec::new(), Vec::new());
     for vertex in 0..lbs.len() {
         let all = lbs.of(vertex).chain(std::iter::repeat((0, 0.0)));

@@ -1,8 +1,9 @@
 //! Writes a skin and its shapes as a part of a file. Shapes are stored by blocks of vertices. A block holds the deltas
 //! of every shape that moves at least one of its vertices.
 
+use crate::Error;
+use crate::bake::Part;
 use crate::bake::sections::{check_len, floats, half, halves, names, narrow, words};
-use crate::bake::{BakeError, Part};
 use crate::envelope::model::{EnvelopeModel, ShapeNumbers, Shapes, SkinModel};
 use half::f16;
 use nalgebra::Vector3;
@@ -27,8 +28,8 @@ impl SkinModel {
     /// - `envelope`: the envelope with the index `self.envelope`.
     ///
     /// # Errors
-    /// Every [`BakeError`] of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concerns a skin.
-    pub(super) fn part(&self, envelope: Option<&EnvelopeModel>) -> Result<Part, BakeError> {
+    /// Those of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concern a skin.
+    pub(super) fn part(&self, envelope: Option<&EnvelopeModel>) -> Result<Part, Error> {
         let v = self.rest_positions.len();
         check_len("rest normals", v, self.rest_normals.len())?;
         check_len("rest tangents", v, self.rest_tangents.as_ref().map_or(v, Vec::len))?;
@@ -91,7 +92,7 @@ impl SkinModel {
 }
 
 /// Writes K palette indices per vertex; unused places are 0.
-fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
+fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for influences in &skin.influences {
         for slot in 0..k {
@@ -103,12 +104,13 @@ fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Writes K normalised weights per vertex; unused places are 0.
-fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
+fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for (vertex, influences) in skin.influences.iter().enumerate() {
         let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
         if !(sum > 0.0 && sum.is_finite()) {
-            return Err(BakeError::Weights { vertex, sum });
+            let message = format!("the weights of vertex {vertex} sum to {sum}, expected 1");
+            return Err(Error::value(message));
         }
         let normalised = influences.iter().map(|&(_, weight)| weight / sum);
         out.extend(floats(&normalised.chain(std::iter::repeat(0.0)).take(k).collect::<Vec<_>>()));
@@ -117,7 +119,7 @@ fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Writes g, h of the first K - 1 influences of each vertex; `None` without coefficients.
-fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, BakeError> {
+fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, Error> {
     let Some(all) = &skin.tangent_coefficients else { return Ok(None) };
     check_len("vertices with tangent coefficients", skin.rest_positions.len(), all.len())?;
     let mut out = Vec::new();
@@ -173,7 +175,7 @@ struct Rounded {
 }
 
 /// Writes all shapes of a skin.
-fn shape_sections(shapes: &Shapes, vertex_len: usize) -> Result<ShapeSections, BakeError> {
+fn shape_sections(shapes: &Shapes, vertex_len: usize) -> Result<ShapeSections, Error> {
     check_len("deltas of all shapes", shapes.len(), shapes.deltas.len())?;
     check_len("slopes of all shapes", shapes.len(), shapes.slopes.len())?;
     let mut out = ShapeSections::default();

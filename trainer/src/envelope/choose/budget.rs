@@ -1,6 +1,6 @@
 //! Sizes of model files, and the budget of bytes.
 
-use crate::envelope::error::TrainError;
+use crate::Error;
 use crate::envelope::fitted::{Fitted, NAME};
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::training::Training;
@@ -23,12 +23,9 @@ impl<'a> Budget<'a> {
     /// Creates the budget, and refuses a budget below the size of the skeleton and one weight a vertex.
     ///
     /// # Errors
-    /// - [`TrainError::BudgetOfMesh`]: no model can meet the budget.
-    /// - [`TrainError::Bake`]: the smallest model cannot be baked.
-    pub(super) fn new(
-        training: &'a Training<'a>,
-        options: &'a Options,
-    ) -> Result<Self, TrainError> {
+    /// - No model can meet the budget.
+    /// - The smallest model cannot be baked.
+    pub(super) fn new(training: &'a Training<'a>, options: &'a Options) -> Result<Self, Error> {
         let lbs = &training.lbs.weights;
         let mut frames = training.poses.frames();
         frames.dedup();
@@ -43,7 +40,9 @@ impl<'a> Budget<'a> {
             let weights = Weights::from_lists(1, (0..lbs.len()).map(strongest));
             let least = budget.size(&Fitted::new(training, weights, None), false)?;
             if least > most {
-                return Err(TrainError::BudgetOfMesh { budget: most, least });
+                return Err(Error::limit(format!(
+                    "a budget of {most} bytes is too small: skeleton and mesh alone take {least}"
+                )));
             }
         }
         Ok(budget)
@@ -61,23 +60,24 @@ impl<'a> Budget<'a> {
     }
 
     /// Computes the bytes of a candidate's file.
-    pub(super) fn bytes(
-        &mut self,
-        fitted: &Fitted,
-        coefficients: bool,
-    ) -> Result<usize, TrainError> {
+    pub(super) fn bytes(&mut self, fitted: &Fitted, coefficients: bool) -> Result<usize, Error> {
         let bytes = self.size(fitted, coefficients)?;
         self.least = self.least.min(bytes);
         Ok(bytes)
     }
 
     /// Returns the budget error.
-    pub(super) fn exceeded(&self) -> TrainError {
-        TrainError::Budget { budget: self.most(), least: self.least }
+    pub(super) fn exceeded(&self) -> Error {
+        Error::limit(format!(
+            "a budget of {} bytes is too small: the smallest model that was tried takes {}, \
+             most of which is the mesh itself",
+            self.most(),
+            self.least
+        ))
     }
 
     /// Bakes a model with the record of its training. The record is shortened or left out if the budget requires it.
-    pub(super) fn recorded(&self, mut model: FileModel) -> Result<Vec<u8>, TrainError> {
+    pub(super) fn recorded(&self, mut model: FileModel) -> Result<Vec<u8>, Error> {
         let most = self.most();
         let without_lbs = RecordModel { lbs: None, ..self.record.clone() };
         for record in [self.record.clone(), without_lbs] {
@@ -88,10 +88,10 @@ impl<'a> Budget<'a> {
             }
         }
         model.records.clear();
-        Ok(model.bake()?)
+        model.bake()
     }
 
-    fn size(&self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
+    fn size(&self, fitted: &Fitted, coefficients: bool) -> Result<usize, Error> {
         let mut model = fitted.file_model(self.training, Certificate::default());
         match &self.options.meshes {
             FileSkins::Skins(further) => {

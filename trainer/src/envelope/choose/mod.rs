@@ -9,16 +9,17 @@ use super::correction::Search;
 use super::correction::candidates::GroupReport;
 use super::correction::joint_sets::{self, JointSets};
 use super::correction::target::CorrectionTarget;
-use super::error::{FitError, TrainError};
+use super::error::out_of_reach;
 use super::fitted::{Fitted, corrected};
 use super::helpers::Helpers;
 use super::helpers::fit::{HelperFit, STEP};
 use super::lbs::prior::own_weights;
 use super::lbs::training::Training;
-use super::levels::{self, AddError, LevelReport};
+use super::levels::{self, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
 use super::s3::{self, ProxyCount, Rotational, RotationalOptions};
+use crate::Error;
 use crate::examples::spread;
 use crate::progress::{Progress, Silent};
 use crate::settings::FEW_VERTICES;
@@ -46,15 +47,15 @@ pub struct Trained {
 /// Fits every candidate that the options allow and bakes the best.
 ///
 /// # Errors
-/// Every [`TrainError`].
+/// Those of [`train`](super::train) about the budget, the accuracy, the further meshes and the runtime.
 pub fn choose(
     training: &Training,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<Trained, TrainError> {
+) -> Result<Trained, Error> {
     if let FileSkins::Skins(further) = &options.meshes {
-        levels::check_names(further).map_err(AddError::from)?;
-        levels::check_places(further, training.examples).map_err(AddError::from)?;
+        levels::check_names(further)?;
+        levels::check_places(further, training.examples)?;
     }
     let lbs = training.targets(&training.lbs.weights);
     let counts = proxy_counts(training, options);
@@ -150,7 +151,7 @@ impl PredictorSearch<'_> {
         RotationalOptions { proxies, influences, method: self.options.method() }
     }
 
-    fn rotational(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+    fn rotational(&mut self, count: ProxyCount) -> Result<(), Error> {
         let options = self.rotational_options(count);
         let rotational = s3::fit(self.training, &options, self.progress)?;
         let fitted = rotational.fitted(self.training);
@@ -163,7 +164,7 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+    fn kernel(&mut self, count: ProxyCount) -> Result<(), Error> {
         self.progress.step(STEP, 1);
         let is_usual = count == ProxyCount::Fixed(usual_count(self.training));
         let helpers = match count {
@@ -180,7 +181,7 @@ impl PredictorSearch<'_> {
     }
 
     /// Adds plain LBS as a candidate: a palette of joints without helpers.
-    fn joints_alone(&mut self) -> Result<(), TrainError> {
+    fn joints_alone(&mut self) -> Result<(), Error> {
         let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
         let palette = self.training.poses.stacked();
         for coefficients in self.budget.with_coefficients() {
@@ -192,7 +193,7 @@ impl PredictorSearch<'_> {
     }
 
     /// Doubles the number of helpers until their true transforms reach an RMS error; `None` if LBS reaches it.
-    fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, FitError> {
+    fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, Error> {
         if self.lbs_rms <= limit {
             return Ok(None);
         }
@@ -206,7 +207,7 @@ impl PredictorSearch<'_> {
                 return Ok(Some(helpers));
             }
             if count == most {
-                return Err(FitError::MaxError { limit, reached, proxies: count });
+                return Err(out_of_reach(limit, reached, count));
             }
             count = (2 * count).min(most);
         }
@@ -220,7 +221,7 @@ impl PredictorSearch<'_> {
         fitted: Fitted,
         target: &CorrectionTarget<'_>,
         base: &Mat<f64>,
-    ) -> Result<(), TrainError> {
+    ) -> Result<(), Error> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
         let target = CorrectionTarget { certainty, ..*target };
         let search = Search::new(target, &self.joint_sets, self.progress);
@@ -320,7 +321,7 @@ impl PredictorSearch<'_> {
     }
 
     /// Bakes the best candidate and reports all candidates.
-    fn take(self) -> Result<Trained, TrainError> {
+    fn take(self) -> Result<Trained, Error> {
         let (training, progress, lbs_rms) = (self.training, self.progress, self.lbs_rms);
         let Some(chosen) = chosen(&self.candidates, &self.reports) else {
             return Err(self.budget.exceeded());

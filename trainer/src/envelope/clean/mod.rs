@@ -6,7 +6,7 @@ mod region;
 pub use outliers::{OutlierPose, RigidOffset, outliers, rigid_offsets};
 pub use region::{HOPS, Region, compared, regions};
 
-use crate::envelope::error::FitError;
+use crate::Error;
 use crate::envelope::lbs::poses::MIN_POSES;
 use crate::envelope::lbs::training::Training;
 use crate::examples::{Examples, Split, spread};
@@ -46,7 +46,7 @@ impl<'a> Inliers<'a> {
     ///
     /// # Errors
     /// Those of [`Training::new`].
-    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
+    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, Error> {
         let frames = examples.frames_of(Split::Train);
         let all = Training::of(examples, &frames, progress)?;
         let without_outliers = |all: Training<'a>| Self {
@@ -106,7 +106,7 @@ impl<'a> Inliers<'a> {
     ///
     /// # Errors
     /// Those of [`Training::new`].
-    pub fn weighted(self, progress: &dyn Progress) -> Result<Training<'a>, FitError> {
+    pub fn weighted(self, progress: &dyn Progress) -> Result<Training<'a>, Error> {
         let examples = self.training.examples;
         let frames = self.training.poses.frames();
         let repeated = examples.repeated(&frames);

@@ -5,7 +5,7 @@ use super::poses::{MIN_POSES, Poses, local, seen_from};
 use super::prior::prior;
 use super::targets::Targets;
 use super::weights::{FREE, Lbs};
-use crate::envelope::error::FitError;
+use crate::Error;
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
@@ -54,9 +54,9 @@ impl<'a> Training<'a> {
     /// Gathers the training frames of the examples. Other frames are not read.
     ///
     /// # Errors
-    /// - [`FitError::TooFewPoses`]: fewer than [`MIN_POSES`] frames.
-    /// - [`FitError::NoTriangles`]: no triangle has an area.
-    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, FitError> {
+    /// - [`ErrorKind::Fit`](crate::ErrorKind::Fit): there are fewer than [`MIN_POSES`] frames.
+    /// - [`ErrorKind::Value`](crate::ErrorKind::Value): no triangle of the rest mesh has an area.
+    pub fn new(examples: &'a Examples, progress: &dyn Progress) -> Result<Self, Error> {
         Ok(Self::of(examples, &examples.frames_of(Split::Train), progress)?.pulled())
     }
 
@@ -68,13 +68,16 @@ impl<'a> Training<'a> {
         examples: &'a Examples,
         frames: &[usize],
         progress: &dyn Progress,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, Error> {
         if frames.len() < MIN_POSES {
-            return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
+            return Err(Error::fit(format!(
+                "the fit needs {MIN_POSES} training poses, found {}",
+                frames.len()
+            )));
         }
         let triangles = examples.solid_triangles();
         if triangles.is_empty() {
-            return Err(FitError::NoTriangles);
+            return Err(Error::value("no triangle of the rest mesh has an area"));
         }
         let space @ (centre, unit) = (examples.centroid(), examples.diagonal());
         let rest: Vec<_> = examples.rest.iter().map(|x| local(x, space)).collect();

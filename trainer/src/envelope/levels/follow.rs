@@ -1,6 +1,7 @@
 //! Weights of a further mesh: transferred from the nearest surface, then fitted to the motion of that surface.
 
 use super::nearest::{Foot, Tree, Triangle};
+use crate::Error;
 use crate::formats::Mesh;
 use crate::numeric::columns;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -24,60 +25,6 @@ pub struct Level {
     pub mesh: Mesh,
     /// True if its axes and unit were given: other axes and units are not searched.
     pub is_placed: bool,
-}
-
-/// Reasons why a further mesh cannot follow a model's palette.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LevelError {
-    /// The mesh does not lie on the model's surface.
-    #[error(
-        "mesh {name} is {percent:.0} % of the diagonal away from the model's surface, expected at \
-         most 10 % at the median, in any axes and unit: export it in the rest pose of the examples"
-    )]
-    Far {
-        /// Name of the mesh.
-        name: String,
-        /// Median distance in % of the diagonal.
-        percent: f64,
-    },
-    /// The mesh does not lie on the model's surface in the axes that were given.
-    #[error(
-        "mesh {name} is {percent:.0} % of the diagonal away from the model's surface in the axes and unit given as \
-         --also-axes, expected at most 10 % at the median: give others, or leave --also-axes out, so that they are \
-         recognised"
-    )]
-    GivenAxes {
-        /// Name of the mesh.
-        name: String,
-        /// Median distance in % of the diagonal.
-        percent: f64,
-    },
-    /// The mesh lies on the model's surface in several axes, so its axes are ambiguous.
-    #[error(
-        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away \
-         from the model's surface, and nearly as near turned to {}: give one of these, as --also-axes \"{axes}\", or \
-         export it in the axes and unit of the examples",
-        alternatives.join(", ")
-    )]
-    Axes {
-        /// Name of the mesh.
-        name: String,
-        /// Smallest median distance in % of the diagonal.
-        percent: f64,
-        /// Axes of the smallest distance.
-        axes: String,
-        /// Axes of nearly that distance.
-        alternatives: Vec<String>,
-    },
-    /// Two skins have the same name.
-    #[error(
-        "two skins have the name {name}: a further mesh has the name of its file without the ending, \
-         and the examples' own skin is called skin; rename the file"
-    )]
-    Duplicate {
-        /// Name of both skins.
-        name: String,
-    },
 }
 
 /// Report on a further mesh that follows the model's own skin.
@@ -129,8 +76,8 @@ impl SkinSurface<'_> {
     /// then fits them to the vertex's position on the posed surface in all frames.
     ///
     /// # Errors
-    /// [`LevelError::Far`]: the median distance from the surface is too large.
-    pub fn follow(&self, level: &Level) -> Result<(Influences, LevelReport), LevelError> {
+    /// The median distance from the surface is too large.
+    pub fn follow(&self, level: &Level) -> Result<(Influences, LevelReport), Error> {
         let Level { name, mesh, .. } = level;
         let tree = Tree::new(self.rest, self.triangles);
         let around = self.around();
@@ -146,7 +93,7 @@ impl SkinSurface<'_> {
         let far = distances.iter().filter(|&&distance| distance > FAR).count();
         let median = median(distances);
         if median > FAR {
-            return Err(LevelError::Far { name: name.clone(), percent: 100.0 * median });
+            return Err(far_away(name, median));
         }
         let count = (followed.len() * self.palettes.len()) as f64;
         let percent = |error: fn(&Followed) -> f64| {
@@ -272,6 +219,17 @@ impl SkinSurface<'_> {
         }
         around
     }
+}
+
+/// Returns the error of a mesh that does not lie on the model's surface.
+///
+/// - `distance`: median distance, as a share of the diagonal.
+pub(super) fn far_away(name: &str, distance: f64) -> Error {
+    Error::mismatch(format!(
+        "mesh {name} is {:.0} % of the diagonal away from the model's surface, expected at \
+         most 10 % at the median, in any axes and unit: export it in the rest pose of the examples",
+        100.0 * distance
+    ))
 }
 
 /// Returns the median of distances; infinite if there are none.

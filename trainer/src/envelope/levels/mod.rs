@@ -3,20 +3,20 @@
 mod follow;
 mod nearest;
 
-pub use follow::{Influences, Level, LevelError, LevelReport, SkinSurface};
+pub use follow::{Influences, Level, LevelReport, SkinSurface};
 
-use crate::bake::BakeError;
+use crate::Error;
 use crate::envelope::model::{FileModel, Shapes, SkinModel};
 use crate::envelope::normals::{Fan, PosedSurface};
-use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
+use crate::envelope::posed::{influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, spread};
 use crate::space::{Conversion, SCALES, rotations};
 use faer::Mat;
-use follow::{FAR, median};
+use follow::{FAR, far_away, median};
 use nalgebra::Vector3;
 use nearest::Tree;
 use rayon::prelude::*;
-use sinew_runtime::{FileError, Model};
+use sinew_runtime::Model;
 
 /// Name of the examples' own skin.
 pub const OWN: &str = "skin";
@@ -31,32 +31,20 @@ const TIED: f64 = 1e-3;
 /// Number of vertices whose distances are measured.
 const SAMPLE: usize = 150;
 
-/// Reasons why further meshes cannot become skins.
-#[derive(Debug, thiserror::Error)]
-pub enum AddError {
-    /// A mesh cannot follow the model.
-    #[error(transparent)]
-    Level(#[from] LevelError),
-    /// The model cannot be written.
-    #[error(transparent)]
-    Bake(#[from] BakeError),
-    /// The model cannot be loaded.
-    #[error("the model is refused: {0}")]
-    Model(#[from] FileError),
-    /// The runtime refuses a frame.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-}
-
 /// Checks that all skins of a file have different names.
 ///
 /// # Errors
-/// [`LevelError::Duplicate`]: the first name that appears twice.
-pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
+/// A name appears twice.
+pub fn check_names(levels: &[Level]) -> Result<(), Error> {
     let names = levels.iter().map(|level| level.name.as_str());
     let names: Vec<&str> = std::iter::once(OWN).chain(names).collect();
     let again = (1..names.len()).find(|&number| names[..number].contains(&names[number]));
-    again.map_or(Ok(()), |number| Err(LevelError::Duplicate { name: names[number].to_owned() }))
+    let Some(number) = again else { return Ok(()) };
+    Err(Error::value(format!(
+        "two skins have the name {}: a further mesh has the name of its file without the ending, \
+         and the examples' own skin is called skin; rename the file",
+        names[number]
+    )))
 }
 
 /// Adds meshes as skins that follow a model's first envelope. Their weights are fitted to the first skin, which the
@@ -65,19 +53,20 @@ pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
 /// - `coefficients`: whether the new skins get tangent coefficients.
 ///
 /// # Errors
-/// - [`AddError::Level`]: a mesh cannot follow the model.
-/// - [`AddError::Bake`], [`AddError::Model`]: the model cannot be written or loaded.
-/// - [`AddError::Frame`]: the runtime refuses a training frame.
+/// - A mesh cannot follow the model, as in [`SkinSurface::follow_all`].
+/// - The model cannot be written or loaded.
+/// - The runtime refuses a training frame.
 pub fn add(
     model: &mut FileModel,
     levels: &[Level],
     coefficients: bool,
     examples: &Examples,
-) -> Result<Vec<LevelReport>, AddError> {
+) -> Result<Vec<LevelReport>, Error> {
     if levels.is_empty() {
         return Ok(Vec::new());
     }
-    let loaded = Model::from_bytes(model.bake()?)?;
+    let loaded = Model::from_bytes(model.bake()?)
+        .map_err(|error| Error::from(error).within("the model is refused"))?;
     let Some((envelope, skin)) = loaded.envelope().zip(loaded.skin()) else {
         return Ok(Vec::new());
     };
@@ -89,7 +78,7 @@ pub fn add(
         Ok((palette, own.of_first_copies(positions.as_chunks().0)))
     });
     let (palettes, posed): (Vec<_>, Vec<_>) =
-        posed.collect::<Result<Vec<_>, FrameError>>()?.into_iter().unzip();
+        posed.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     // Without influences of weight 0, which only normals use.
     let followed = own.of_first_copies(&influences(&skin));
     let surface = SkinSurface {
@@ -126,10 +115,10 @@ pub fn reserve(model: &mut FileModel, levels: &[Level]) {
 /// Checks that further meshes lie on the surface of the examples at rest, in any axes and unit.
 ///
 /// # Errors
-/// - [`LevelError::Far`]: a mesh is far from the surface in all axes and units.
-/// - [`LevelError::Axes`]: several axes are equally near.
-/// - [`LevelError::GivenAxes`]: a mesh is far from the surface in the axes given for it.
-pub fn check_places(levels: &[Level], examples: &Examples) -> Result<(), LevelError> {
+/// - A mesh is far from the surface in all axes and units.
+/// - Several axes are equally near.
+/// - A mesh is far from the surface in the axes given for it.
+pub fn check_places(levels: &[Level], examples: &Examples) -> Result<(), Error> {
     let surface = SkinSurface {
         rest: &examples.rest,
         triangles: &examples.solid_triangles(),
@@ -190,19 +179,19 @@ impl SkinSurface<'_> {
     /// Finds weights for further meshes, as [`Self::follow`] does. First converts meshes in other axes or another unit.
     ///
     /// # Errors
-    /// - [`LevelError::Far`]: a mesh is far from the surface in all axes and units.
-    /// - [`LevelError::Axes`]: several axes are equally near.
-    /// - [`LevelError::GivenAxes`]: a mesh is far from the surface in the axes given for it.
+    /// - A mesh is far from the surface in all axes and units.
+    /// - Several axes are equally near.
+    /// - A mesh is far from the surface in the axes given for it.
     pub fn follow_all(
         &self,
         levels: &mut [Level],
-    ) -> Result<(Vec<Influences>, Vec<LevelReport>), LevelError> {
+    ) -> Result<(Vec<Influences>, Vec<LevelReport>), Error> {
         let follow = |level: &mut Level| {
             let moved = self.place(level)?;
             let (influences, report) = self.follow(level)?;
             Ok((influences, LevelReport { moved, ..report }))
         };
-        let followed = levels.iter_mut().map(follow).collect::<Result<Vec<_>, _>>()?;
+        let followed = levels.iter_mut().map(follow).collect::<Result<Vec<_>, Error>>()?;
         Ok(followed.into_iter().unzip())
     }
 
@@ -210,10 +199,10 @@ impl SkinSurface<'_> {
     /// the conversion, or `None` if the mesh was not converted.
     ///
     /// # Errors
-    /// - [`LevelError::Far`]: the mesh is far from the surface in all axes and units.
-    /// - [`LevelError::Axes`]: several axes are equally near.
-    /// - [`LevelError::GivenAxes`]: the mesh is far from the surface in the axes given for it.
-    fn place(&self, level: &mut Level) -> Result<Option<String>, LevelError> {
+    /// - The mesh is far from the surface in all axes and units.
+    /// - Several axes are equally near.
+    /// - The mesh is far from the surface in the axes given for it.
+    fn place(&self, level: &mut Level) -> Result<Option<String>, Error> {
         let tree = Tree::new(self.rest, self.triangles);
         let positions = &level.mesh.positions;
         let sample = spread(positions.len(), SAMPLE);
@@ -231,22 +220,33 @@ impl SkinSurface<'_> {
             return Ok(None);
         }
         if level.is_placed {
-            let (name, percent) = (level.name.clone(), 100.0 * unmoved);
-            return Err(LevelError::GivenAxes { name, percent });
+            return Err(Error::mismatch(format!(
+                "mesh {} is {:.0} % of the diagonal away from the model's surface in the axes and unit given as \
+                 --also-axes, expected at most 10 % at the median: give others, or leave --also-axes out, so that they are \
+                 recognised",
+                level.name,
+                100.0 * unmoved
+            )));
         }
         let conversions = conversions.into_par_iter();
         let mut found: Vec<_> = conversions.map(|c| (distance(&c), c)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let [(nearest, conversion), others @ ..] = &found[..] else { return Ok(None) };
         if *nearest > NEAR {
-            return Err(LevelError::Far { name: level.name.clone(), percent: 100.0 * unmoved });
+            return Err(far_away(&level.name, unmoved));
         }
         let ties = others.iter().take_while(|(other, _)| nearest.max(TIED) > CLEAR * other);
         let alternatives: Vec<String> =
             ties.map(|(_, conversion)| conversion.to_string()).collect();
         if !alternatives.is_empty() {
-            let (name, axes) = (level.name.clone(), conversion.to_string());
-            return Err(LevelError::Axes { name, percent: 100.0 * nearest, axes, alternatives });
+            return Err(Error::fit(format!(
+                "mesh {} is not in the model's axes and unit: turned to {conversion} it is {:.1} % of the diagonal away \
+                 from the model's surface, and nearly as near turned to {}: give one of these, as \
+                 --also-axes \"{conversion}\", or export it in the axes and unit of the examples",
+                level.name,
+                100.0 * nearest,
+                alternatives.join(", ")
+            )));
         }
         level.mesh.convert(conversion);
         Ok(Some(conversion.to_string()))
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    fn place(bent: f64) -> Result<(Level, Option<String>), LevelError> {
+    fn place(bent: f64) -> Result<(Level, Option<String>), Error> {
         let own = bar(bent);
         let surface = SkinSurface {
             rest: &own.positions,
@@ -301,15 +301,14 @@ mod tests {
         assert!(apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
 
         // The four sides of the straight bar are equal.
-        let LevelError::Axes { name, axes, alternatives, .. } = place(0.0).unwrap_err() else {
-            panic!("the error must list the axes")
-        };
-        let mut all = [vec![axes], alternatives].concat();
-        all.sort();
-        assert_eq!(name, "bar");
-        assert_eq!(
-            all,
-            ["(z, -x, -y) x 0.01", "(z, -y, x) x 0.01", "(z, x, y) x 0.01", "(z, y, -x) x 0.01"]
-        );
+        let error = place(0.0).unwrap_err().to_string();
+        let sides =
+            ["(z, -x, -y) x 0.01", "(z, -y, x) x 0.01", "(z, x, y) x 0.01", "(z, y, -x) x 0.01"];
+        // The nearest is named once more, in the advice.
+        let mut counts = sides.map(|axes| error.matches(axes).count());
+        counts.sort_unstable();
+        assert_eq!((counts, error.matches(" x 0.01").count()), ([1, 1, 1, 2], 5), "{error}");
+        let begin = "mesh bar is not in the model's axes and unit: turned to (z, ";
+        assert!(error.starts_with(begin), "{error}");
     }
 }

@@ -1,8 +1,9 @@
 //! A prior over the weights of a skin's shapes, in f64, and its part in a file.
 
 use super::key::wide;
+use crate::Error;
 use crate::bake::sections::{check_len, check_shape, floats, names, narrow, words};
-use crate::bake::{BakeError, Part, Sections};
+use crate::bake::{Part, Sections};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef, Side};
 use sinew_runtime::Prior;
@@ -71,10 +72,10 @@ impl PriorModel {
     /// - `skin`: index of the skin among the file's parts.
     ///
     /// # Errors
-    /// - [`BakeError::Length`]: arrays differ in length.
-    /// - [`BakeError::Size`]: an index or a size does not fit the file.
-    /// - [`BakeError::Covariance`]: the covariance has no inverse.
-    pub fn part(&self, skin: usize) -> Result<Part, BakeError> {
+    /// - Arrays differ in length.
+    /// - An index or a size does not fit the file.
+    /// - The covariance has no inverse.
+    pub fn part(&self, skin: usize) -> Result<Part, Error> {
         let n = self.shape_len();
         check_shape(
             ["rows of the covariance", "columns of the covariance"],
@@ -82,7 +83,8 @@ impl PriorModel {
             &self.covariance,
         )?;
         check_len("bounds of weights", n, self.bounds.len())?;
-        let factor = self.factor().ok_or(BakeError::Covariance)?;
+        let no_inverse = || Error::value("the covariance of the weights has no inverse");
+        let factor = self.factor().ok_or_else(no_inverse)?;
         let rows: Vec<f64> =
             (0..n).flat_map(|i| (i..n).map(move |j| (i, j))).map(|at| factor[at]).collect();
         let counts = PriorCounts {
@@ -125,7 +127,7 @@ fn inverse_of_square(factor: MatRef<'_, f64>) -> Mat<f64> {
 }
 
 /// Encodes a pair of shape indices.
-fn shapes(pair: [usize; 2]) -> Result<Vec<u8>, BakeError> {
+fn shapes(pair: [usize; 2]) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
     for shape in pair {
         out.extend(narrow::<u16>("shapes", shape)?.to_le_bytes());

@@ -9,10 +9,10 @@ pub use fan::Fan;
 pub use fit::PosedSurface;
 pub use truth::TrueNormals;
 
-use crate::envelope::error::TrainError;
+use crate::Error;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::model::FileModel;
-use crate::evaluate::{Baseline, Character, EvaluateError, Measured};
+use crate::evaluate::{Baseline, Character, Measured};
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
 
@@ -27,13 +27,13 @@ const CHUNK: usize = 16;
 /// - `influences_max`: maximum number of influences of a vertex, influences for its normal included.
 ///
 /// # Errors
-/// [`TrainError`]: the model cannot be baked, opened or evaluated.
+/// The model cannot be baked, opened or evaluated.
 pub fn fit_normals(
     model: &mut FileModel,
     palettes: Option<&Mat<f64>>,
     influences_max: usize,
     training: &Training,
-) -> Result<(), TrainError> {
+) -> Result<(), Error> {
     let examples = training.examples;
     if let Some(palettes) = palettes {
         let surface = PosedSurface {
@@ -61,8 +61,8 @@ pub fn fit_normals(
 /// - `measure`: measures a few frames.
 fn rms(
     frames: &[usize],
-    measure: impl Fn(&[usize]) -> Result<Measured, EvaluateError>,
-) -> Result<f64, EvaluateError> {
+    measure: impl Fn(&[usize]) -> Result<Measured, Error>,
+) -> Result<f64, Error> {
     let (mut sum, mut all) = (0.0, 0.0);
     for chunk in frames.chunks(CHUNK) {
         let part = measure(chunk)?.squared_angles();

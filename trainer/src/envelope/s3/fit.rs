@@ -10,7 +10,7 @@ use super::validation::{
     Candidates, Keyed, Refinement, RefinementTrial, Refining, Setting, SettingTrial, Validation,
 };
 use super::{keys, proxies, published, validation};
-use crate::envelope::FitError;
+use crate::Error;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::poses::Poses;
@@ -97,13 +97,13 @@ impl KeyChoice {
 /// Fits an envelope to the training frames.
 ///
 /// # Errors
-/// - [`FitError::MaxError`]: no number of proxies reaches the error asked for.
-/// - [`FitError::Singular`]: every reduced system is singular.
+/// - No number of proxies reaches the requested error.
+/// - Every reduced system is singular.
 pub fn fit(
     training: &Training,
     options: &RotationalOptions,
     progress: &dyn Progress,
-) -> Result<Rotational, FitError> {
+) -> Result<Rotational, Error> {
     let Training { rest, triangles, poses, trajectories, lbs, .. } = training;
     let parents = &training.skeleton.parents;
     let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
@@ -163,7 +163,7 @@ pub fn fit(
     };
     let fixed = validation::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
-    let unrefined = system.run().ok_or(FitError::Singular)?;
+    let unrefined = system.run().ok_or_else(validation::singular)?;
     let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
 
     let mut method = match options.method {

@@ -1,28 +1,12 @@
 //! Full Poisson reconstruction: vertices from the gradients of all triangles (METHOD §1.6, S3 §2.1, §2.2, Eq. 1 and 2).
 //! The reduced reconstruction is tested against it.
 
+use crate::Error;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use nalgebra::{Matrix3, Vector3};
-
-/// Reasons why a reconstruction cannot be set up.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
-pub enum PoissonError {
-    /// The sparse factorisation failed: out of memory, or rounding.
-    #[error("the sparse system of {unknowns} free vertices could not be factored")]
-    Factorisation {
-        /// Number of free vertices.
-        unknowns: usize,
-    },
-    /// No chain of edges joins a vertex to F, so its position is undetermined.
-    #[error("vertex {vertex} is joined to no near-rigid vertex, so its position is not determined")]
-    Floating {
-        /// Index of the vertex.
-        vertex: usize,
-    },
-}
 
 /// The factored system of one mesh and one set F.
 pub struct Poisson {
@@ -39,13 +23,9 @@ impl Poisson {
     /// - `fixed`: F, V flags; vertices without a triangle must belong to F.
     ///
     /// # Errors
-    /// - [`PoissonError::Floating`]: a connected part has no vertex in F.
-    /// - [`PoissonError::Factorisation`]: the factorisation failed.
-    pub fn new(
-        rest: &[[f64; 3]],
-        triangles: &[[usize; 3]],
-        fixed: &[bool],
-    ) -> Result<Self, PoissonError> {
+    /// - A connected part has no vertex in F; see [`floating`].
+    /// - The sparse factorisation failed: out of memory, or rounding.
+    pub fn new(rest: &[[f64; 3]], triangles: &[[usize; 3]], fixed: &[bool]) -> Result<Self, Error> {
         let mut count = 0;
         let unknown: Vec<Option<usize>> = fixed
             .iter()
@@ -57,7 +37,9 @@ impl Poisson {
             })
             .collect();
         if let Some(vertex) = floating(triangles, fixed) {
-            return Err(PoissonError::Floating { vertex });
+            return Err(Error::fit(format!(
+                "vertex {vertex} is joined to no near-rigid vertex, so its position is not determined"
+            )));
         }
         let mut entries = Vec::new();
         for [first, last] in edges(triangles) {
@@ -71,10 +53,13 @@ impl Poisson {
             }
         }
         // Every connected part has a vertex in F, so the graph Laplacian of the free vertices is positive definite.
+        let failed = || {
+            Error::fit(format!("the sparse system of {count} free vertices could not be factored"))
+        };
         let factor = SparseColMat::try_new_from_triplets(count, count, &entries)
             .ok()
             .and_then(|matrix| matrix.sp_cholesky(Side::Lower).ok())
-            .ok_or(PoissonError::Factorisation { unknowns: count })?;
+            .ok_or_else(failed)?;
         Ok(Self { rest: rest.to_vec(), triangles: triangles.to_vec(), unknown, factor })
     }
 
@@ -120,8 +105,10 @@ fn edges(triangles: &[[usize; 3]]) -> impl Iterator<Item = [usize; 2]> + '_ {
     triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]])
 }
 
-/// Finds a vertex that no chain of edges joins to F.
-fn floating(triangles: &[[usize; 3]], fixed: &[bool]) -> Option<usize> {
+/// Finds a vertex that no chain of edges joins to F, so that its position is not determined.
+///
+/// - `fixed`: F, V flags.
+pub fn floating(triangles: &[[usize; 3]], fixed: &[bool]) -> Option<usize> {
     let mut joined = fixed.to_vec();
     loop {
         let mut changed = false;
@@ -148,7 +135,7 @@ mod tests {
         let examples = demo(&DemoOptions { vertices: 400, poses: 4, held_out: 0, seed: 9 });
         let (rest, triangles) = (&examples.rest, &examples.triangles);
         let mut fixed = vec![false; rest.len()];
-        while let Err(PoissonError::Floating { vertex }) = Poisson::new(rest, triangles, &fixed) {
+        while let Some(vertex) = floating(triangles, &fixed) {
             fixed[vertex] = true;
         }
         let system = Poisson::new(rest, triangles, &fixed).unwrap();
@@ -178,6 +165,10 @@ mod tests {
             &[[0, 1, 2], [3, 4, 5]],
             &[true, false, false, false, false, false],
         );
-        assert_eq!(found.err(), Some(PoissonError::Floating { vertex: 3 }));
+        let error = found.err().unwrap();
+        assert!(
+            error.message().starts_with("vertex 3 is joined to no near-rigid vertex"),
+            "{error}"
+        );
     }
 }

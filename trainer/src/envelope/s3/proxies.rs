@@ -3,7 +3,8 @@
 use super::merge::{MergeTree, regular_inverse};
 use super::options::{ProxyCount, RotationalOptions};
 use super::surface::Surface;
-use crate::envelope::FitError;
+use crate::Error;
+use crate::envelope::error::out_of_reach;
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
@@ -84,14 +85,14 @@ impl Proxies {
 /// - `joints`: maps of the joints on the basis, r x 4J.
 ///
 /// # Errors
-/// [`FitError::MaxError`]: a file cannot hold enough proxies to reach the error asked for.
+/// A file cannot hold enough proxies to reach the requested error.
 pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
     joints: &Mat<f64>,
     options: &RotationalOptions,
     progress: &dyn Progress,
-) -> Result<Proxies, FitError> {
+) -> Result<Proxies, Error> {
     let influences = options.influences;
     let items = Items::vertices(surface.rest, surface.vertices, surface.importance);
     let equations = (surface.rest.len() * surface.frames).max(1) as f64;
@@ -140,12 +141,12 @@ fn fewest(
     at: &mut impl FnMut(usize) -> Proxies,
     most: usize,
     limit: f64,
-) -> Result<Proxies, FitError> {
+) -> Result<Proxies, Error> {
     let (mut below, mut p) = (0, 4.min(most));
     let mut found = at(p);
     while found.rms > limit {
         if p == most {
-            return Err(FitError::MaxError { limit, reached: found.rms, proxies: p });
+            return Err(out_of_reach(limit, found.rms, p));
         }
         below = p;
         p = (2 * p).min(most);
@@ -246,12 +247,13 @@ mod tests {
         let basis = basis(&trajectories);
         let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::UNIFORM);
         let tree = MergeTree::build(&surface, || ());
-        let options = RotationalOptions {
-            proxies: ProxyCount::MaxError(1e-30),
-            ..RotationalOptions::default()
+        let fit_to = |proxies| {
+            let options = RotationalOptions { proxies, ..RotationalOptions::default() };
+            fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)
         };
-        let asked = fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
-        let Some(FitError::MaxError { proxies, reached, .. }) = asked.err() else { panic!() };
-        assert!(proxies == most && reached > 0.0 && reached < 0.01);
+        let reached = fit_to(ProxyCount::Fixed(most)).unwrap().rms;
+        assert!(reached > 0.0 && reached < 0.01);
+        let error = fit_to(ProxyCount::MaxError(1e-30)).err().unwrap();
+        assert_eq!(error.message(), out_of_reach(1e-30, reached, most).message());
     }
 }

@@ -23,7 +23,8 @@ use super::proxies::{CountTrial, Proxies, group_maps};
 use super::reduce::{Anchors, Reduced};
 use super::surface::Surface;
 use super::validation::Setting;
-use crate::envelope::FitError;
+use crate::Error;
+use crate::envelope::error::out_of_reach;
 use crate::envelope::lbs::blend::{Blend, InTurn, Items, Maps, Supports, Weights};
 use crate::envelope::model::{Key, Reconstruction};
 use crate::numeric::affine::homogeneous;
@@ -72,13 +73,13 @@ pub fn fixed_on_joints(proxies: &Proxies, joints: &Weights, fixed: &[bool]) -> W
 /// merged group. They end at twice the number of proxies that is asked for.
 ///
 /// # Errors
-/// [`FitError::MaxError`]: a file cannot hold enough proxies to reach the error asked for.
+/// A file cannot hold enough proxies to reach the requested error.
 pub fn fit_proxies(
     surface: &Surface<'_>,
     tree: &MergeTree,
     options: &RotationalOptions,
     progress: &dyn Progress,
-) -> Result<Proxies, FitError> {
+) -> Result<Proxies, Error> {
     let all = surface.triangles.len();
     let max = all.min(options.method.proxies_max());
     let from = |groups: usize| Groups::new(surface, tree.cut(groups), options.influences, progress);
@@ -93,8 +94,7 @@ pub fn fit_proxies(
             let mut groups = from(FIRST.min(max));
             while groups.rms() > limit {
                 if groups.len() == max {
-                    let reached = groups.rms();
-                    return Err(FitError::MaxError { limit, reached, proxies: max });
+                    return Err(out_of_reach(limit, groups.rms(), max));
                 }
                 groups = from((NEXT * groups.len()).min(max));
             }
@@ -292,9 +292,12 @@ mod tests {
         }
         let found = fit_to(ProxyCount::MaxError(2e-3)).unwrap();
         assert!(found.rms <= 2e-3 && found.trials.len() > 1, "{:?}", found.trials);
-        let asked = fit_to(ProxyCount::MaxError(1e-30)).err();
-        let Some(FitError::MaxError { proxies, reached, .. }) = asked else { panic!() };
-        assert!(proxies == Method::Published.proxies_max() && reached > 0.0);
+        let error = fit_to(ProxyCount::MaxError(1e-30)).err().unwrap().to_string();
+        let most = Method::Published.proxies_max();
+        let (begin, reached) = error.split_once(", the most there can be, come to ").unwrap();
+        assert!(begin.ends_with(&format!(" % is out of reach: {most} helpers")), "{error}");
+        let reached: f64 = reached.trim_end_matches(" % of the diagonal").parse().unwrap();
+        assert!(reached > 0.0, "{error}");
     }
 
     #[test]

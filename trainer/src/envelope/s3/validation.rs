@@ -3,7 +3,7 @@
 
 use super::keys::{GradientPredictor, predict_stacked};
 use super::reduce::{Anchors, Reduced, Reduction, Regression};
-use crate::envelope::FitError;
+use crate::Error;
 use crate::envelope::folds::Folds;
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::poses::Poses;
@@ -184,11 +184,8 @@ impl Candidates<'_> {
     /// Tries fractions of F, then γ, then μ; returns the best candidate and all trials in order.
     ///
     /// # Errors
-    /// [`FitError::Singular`]: the system of every candidate is singular.
-    pub fn choose(
-        &self,
-        progress: &dyn Progress,
-    ) -> Result<(Setting, Vec<SettingTrial>), FitError> {
+    /// The system of every candidate is singular.
+    pub fn choose(&self, progress: &dyn Progress) -> Result<(Setting, Vec<SettingTrial>), Error> {
         progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
         let mut search = Sweep { candidates: self, trials: Vec::new(), best: None, progress };
         for near_rigid_fraction in FRACTIONS {
@@ -210,6 +207,11 @@ impl Candidates<'_> {
         let fixed = near_rigid(self.lbs_errors, choice.near_rigid_fraction);
         Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
     }
+}
+
+/// Returns the error of a fit whose every candidate gives a singular system.
+pub(super) fn singular() -> Error {
+    Error::fit("the reduced reconstruction is singular for every choice of near-rigid vertices")
 }
 
 /// Marks F among V vertices: the given fraction with the smallest LBS errors.
@@ -247,8 +249,8 @@ impl Sweep<'_> {
         }
     }
 
-    fn best(&self) -> Result<Setting, FitError> {
-        self.best.map(|best| best.0).ok_or(FitError::Singular)
+    fn best(&self) -> Result<Setting, Error> {
+        self.best.map(|best| best.0).ok_or_else(singular)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Aligns meshes from two files. Tools use different axes and units, so one mesh may be rotated by right angles and
 //! scaled. A rest mesh may also be translated.
 
-use super::error::ImportError;
+use crate::Error;
 use crate::examples::data::spread;
 use crate::examples::validate::same;
-use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
+use crate::examples::{Examples, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
 use crate::numeric::affine::apart_unordered;
 use crate::numeric::affine::{joined, parts, to_rows};
@@ -47,16 +47,21 @@ impl Examples {
     /// - `rest`: the model's rest positions; engine vertices or the mesh's vertices, in the examples' order.
     ///
     /// # Errors
-    /// [`ExamplesError::Mismatch`] for another count of vertices; [`ImportError::OtherMesh`] if no similarity aligns
-    /// the rest meshes.
-    pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
+    /// The model's mesh has another count of vertices, or no similarity aligns the rest meshes.
+    pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, Error> {
         self.unsplit_for(rest.len());
         let own = self.surface().copied(&self.rest);
         same("vertices", "the model's mesh", rest.len(), "the mesh of this file", own.len())?;
-        let similarity = meshes(&own, rest);
-        let other =
-            |percent| ImportError::OtherMesh { percent, is_shuffled: are_shuffled(&own, rest) };
-        let similarity = similarity.map_err(other)?;
+        let similarity = meshes(&own, rest).map_err(|percent| {
+            let order = match are_shuffled(&own, rest) {
+                true => ", the same vertices in another order; give a file of the kind that training had",
+                false => "",
+            };
+            Error::mismatch(format!(
+                "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
+                 diagonal at best{order}"
+            ))
+        })?;
         similarity.move_joints(&mut self.skeleton, &mut self.transforms);
         similarity.move_points(&mut self.rest);
         similarity.move_points(&mut self.vertices);
@@ -118,12 +123,12 @@ fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<>
 /// frame-major.
 ///
 /// # Errors
-/// [`ImportError::TargetsApart`] if no candidate is close.
+/// No candidate is close.
 pub(super) fn poses(
     rest: &[[f64; 3]],
     transforms: &[Matrix3x4],
     posed: &[[f64; 3]],
-) -> Result<Similarity, ImportError> {
+) -> Result<Similarity, Error> {
     let cloud = Cloud::new(rest);
     let frame_len = posed.len() / rest.len().max(1);
     let joint_len = transforms.len() / frame_len.max(1);
@@ -158,11 +163,19 @@ pub(super) fn poses(
     let scored: Vec<_> = candidates.into_par_iter().map(|s| (s, distance(s))).collect();
     let unmoved = Similarity::IDENTITY;
     match best(scored.into_iter(), (unmoved, distance(unmoved))) {
-        (_, distance) if distance > APART => {
-            Err(ImportError::TargetsApart { percent: 100.0 * distance })
-        }
+        (_, distance) if distance > APART => Err(targets_apart(100.0 * distance)),
         (similarity, _) => Ok(similarity),
     }
+}
+
+/// Creates the error of posed meshes that are not near the joints.
+///
+/// - `percent`: RMS distance, in % of the diagonal.
+pub(super) fn targets_apart(percent: f64) -> Error {
+    Error::mismatch(format!(
+        "its meshes do not lie on the scene's joints in any axes and unit: off by {percent:.0} % of the diagonal at \
+         best; export them in world space, and over the same frames as the clip"
+    ))
 }
 
 /// Returns whether posed meshes have the rest mesh's vertices in another order: joints carry rest vertices to the posed

@@ -1,7 +1,7 @@
 //! Clips: selects the requested clips, checks their rate, and finds the order in which posed meshes follow them.
 
 use super::align::{Similarity, carry, diagonal, scaled_turns};
-use super::error::ImportError;
+use crate::Error;
 use crate::examples::data::spread;
 use crate::examples::{Clip, Matrix3x4};
 use crate::formats::scene::{EVEN, Sampling};
@@ -45,8 +45,8 @@ pub(super) fn selected_rows<T: Copy>(all: Vec<T>, each: usize, frames: Option<&[
 /// Checks that the frames of every clip are evenly spaced in time, as in a point cache.
 ///
 /// # Errors
-/// [`ImportError::UnevenKeys`] with the step that differs most.
-pub(super) fn check_even(clips: &[Clip]) -> Result<(), ImportError> {
+/// A clip has uneven steps; the message has the step that differs most.
+pub(super) fn check_even(clips: &[Clip]) -> Result<(), Error> {
     for clip in clips {
         let steps = || clip.times.windows(2).map(|pair| pair[1] - pair[0]);
         let mut sorted: Vec<f64> = steps().collect();
@@ -57,8 +57,12 @@ pub(super) fn check_even(clips: &[Clip]) -> Result<(), ImportError> {
             .max_by(|(_, a), (_, b)| (a - usual).abs().total_cmp(&(b - usual).abs()));
         let Some((frame, step)) = worst else { continue };
         if (step - usual).abs() > EVEN * usual {
-            let (clip, at) = (clip.name.clone(), clip.times[frame]);
-            return Err(ImportError::UnevenKeys { clip, at, step, usual });
+            let (name, at) = (&clip.name, clip.times[frame]);
+            return Err(Error::value(format!(
+                "clip {name} has non-uniform key times: a step of {step:.4} s at {at:.4} s, elsewhere {usual:.4} s; \
+                 bake a key at every frame when exporting, or give the frames a second that the meshes were exported \
+                 at as --fps"
+            )));
         }
     }
     Ok(())
@@ -265,8 +269,7 @@ mod tests {
         };
         assert!(check_even(&[clip(&[0.0, 0.1, 0.2, 0.3]), clip(&[0.0]), clip(&[])]).is_ok());
         let error = check_even(&[clip(&[0.0, 0.1, 0.2, 0.4, 0.5])]).unwrap_err();
-        let ImportError::UnevenKeys { clip, at, step, usual } = error else { panic!("{error}") };
-        assert_eq!((clip.as_str(), at), ("run", 0.2));
-        assert!((step - 0.2).abs() < 1e-12 && (usual - 0.1).abs() < 1e-12);
+        let words = "clip run has non-uniform key times: a step of 0.2000 s at 0.2000 s, elsewhere 0.1000 s; ";
+        assert!(error.message().starts_with(words), "{error}");
     }
 }

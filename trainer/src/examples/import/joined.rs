@@ -1,7 +1,7 @@
 //! Joins examples of one character from several files.
 
-use super::error::ImportError;
-use crate::examples::{Clip, Examples, LoadError, Skeleton, Warning};
+use crate::Error;
+use crate::examples::{Clip, Examples, Skeleton, Warning};
 use crate::numeric::affine::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
 
@@ -25,11 +25,11 @@ const SAME: f64 = 1e-4;
 /// has any.
 ///
 /// # Errors
-/// A [`LoadError`] with the first file of another character.
+/// A file has another character than the first; the error names the file.
 ///
 /// # Panics
 /// If there is no file.
-pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<Clip>), LoadError> {
+pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<Clip>), Error> {
     assert!(!all.is_empty(), "no file");
     let several = all.len() > 1;
     let mut rest = all.into_iter();
@@ -39,8 +39,7 @@ pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<C
     }
     for (file, mut next, own) in rest {
         next.convert_to(&joined.space);
-        let blame = |error: ImportError| LoadError { file: file.clone(), error: error.into() };
-        check(&joined, &next, &first).map_err(blame)?;
+        check(&joined, &next, &first).map_err(|error| error.in_file(&file))?;
         clips.extend(named(&file, joined.frame_len(), &own));
         append(&mut joined, next);
     }
@@ -84,14 +83,16 @@ fn append(joined: &mut Examples, next: Examples) {
 }
 
 /// Checks that both examples have the same character: counts, joints, rest mesh, rest pose and faces.
-fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), ImportError> {
-    let first = || first.file_name().unwrap_or_default().to_string_lossy().into_owned();
+fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Error> {
+    let first = first.file_name().unwrap_or_default().to_string_lossy();
     for (what, expected, found) in [
         ("vertices", expected.vertex_len(), found.vertex_len()),
         ("joints", expected.joint_len(), found.joint_len()),
     ] {
         if expected != found {
-            return Err(ImportError::OtherCounts { what, expected, found, first: first() });
+            return Err(Error::mismatch(format!(
+                "has {found} {what}, {first} has {expected}: examples in several files are of one character"
+            )));
         }
     }
     let (own, other) = (&expected.skeleton, &found.skeleton);
@@ -103,14 +104,21 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
             format!("{} under {}", skeleton.names[joint], parent.map_or("none", String::as_str))
         };
         let (expected, found) = (hangs(own), hangs(other));
-        return Err(ImportError::OtherJoint { joint, expected, found, first: first() });
+        return Err(Error::mismatch(format!(
+            "joint {joint} is {found}, in {first} it is {expected}"
+        )));
     }
     let diagonal = expected.diagonal();
     let percent = 100.0 * apart(&expected.rest, &found.rest) / diagonal;
     if percent > 100.0 * SAME {
         // Detects equal positions in another order.
-        let is_shuffled = apart_unordered(&expected.rest, &found.rest) <= SAME * diagonal;
-        return Err(ImportError::OtherRest { percent, is_shuffled, first: first() });
+        let advice = match apart_unordered(&expected.rest, &found.rest) <= SAME * diagonal {
+            true => "the same vertices in another order; export both with the same settings",
+            false => "expected 0.01 % at most; export both in one rest pose, axes and unit",
+        };
+        return Err(Error::mismatch(format!(
+            "its rest mesh is not that of {first}: off by {percent:.2} % of the diagonal, {advice}"
+        )));
     }
     // Rest origins that were estimated from motion differ between files.
     let is_estimated =
@@ -121,10 +129,15 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
     };
     let percent = 100.0 * apart(&origins(expected), &origins(found)) / diagonal;
     if percent > 100.0 * SAME {
-        return Err(ImportError::OtherRestPose { percent, first: first() });
+        return Err(Error::mismatch(format!(
+            "its joints at rest are not where {first} has them: off by {percent:.2} % of the diagonal; export both in \
+             one rest pose"
+        )));
     }
     if expected.triangles != found.triangles {
-        return Err(ImportError::OtherFaces { first: first() });
+        return Err(Error::mismatch(format!(
+            "its faces are not those of {first}; export both from one mesh"
+        )));
     }
     Ok(())
 }

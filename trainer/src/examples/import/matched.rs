@@ -1,7 +1,7 @@
 //! Matches the meshes and vertices of posed meshes with a scene's.
 
 use super::align::{self, Similarity, similarities};
-use super::error::ImportError;
+use crate::Error;
 use crate::examples::Warning;
 use crate::examples::data::spread;
 use crate::formats::posed_meshes::{Part, PosedMeshes};
@@ -62,15 +62,19 @@ pub(super) fn arranged(
 /// With a rest mesh or reference positions they may be in any order, otherwise in the scene's order.
 ///
 /// # Errors
-/// [`ImportError::TargetVertices`] for another count; [`ImportError::CopiesApart`] if copies of a vertex separate.
-pub(super) fn matched(
-    scene: &Surface<'_>,
-    meshes: PosedMeshes,
-) -> Result<PosedMeshes, ImportError> {
+/// The count of vertices is another one, or copies of a vertex separate.
+pub(super) fn matched(scene: &Surface<'_>, meshes: PosedMeshes) -> Result<PosedMeshes, Error> {
     let (expected, engine) = (scene.positions.len(), scene.engine_len());
     let found = meshes.vertex_len;
     if found != expected && found != engine {
-        return Err(ImportError::TargetVertices { expected, engine, found });
+        let expected = match engine == expected {
+            true => expected.to_string(),
+            false => format!("{expected}, for engines {engine}"),
+        };
+        return Err(Error::mismatch(format!(
+            "holds meshes of {found} vertices, the scene's mesh has {expected}: export both from one mesh without \
+             modifiers that change its vertices; glTF splits vertices along seams of texture and normals, FBX does not"
+        )));
     }
     // Scene vertex of each posed vertex, if both have the same order.
     let one_each = found == expected;
@@ -193,7 +197,7 @@ fn bounds(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
 }
 
 /// Checks that the copies of each vertex coincide in all frames.
-fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), ImportError> {
+fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Error> {
     let vertex_len = meshes.vertex_len.max(1);
     let first = meshes.vertices.chunks(vertex_len).next().unwrap_or_default();
     let diagonal = diagonal(meshes.rest.as_deref().unwrap_or(first));
@@ -205,7 +209,12 @@ fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Impor
                 // NaN passes this comparison; a later check reports it with its location.
                 if apart > COPIES * diagonal {
                     let percent = 100.0 * apart / diagonal;
-                    return Err(ImportError::CopiesApart { first, second, frame, percent });
+                    let error = Error::mismatch(format!(
+                        "its vertices {first} and {second} are copies of one vertex of the scene's mesh, split along a \
+                         seam, but lie {percent:.4} % of the diagonal apart, expected 0.001 % at most; export both \
+                         from one mesh"
+                    ));
+                    return Err(error.in_frame(frame));
                 }
             }
         }

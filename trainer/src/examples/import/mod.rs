@@ -2,7 +2,6 @@
 
 mod align;
 mod clips;
-mod error;
 mod joined;
 mod matched;
 mod motion;
@@ -15,7 +14,6 @@ mod tests;
 
 pub(crate) use align::is_shuffled;
 pub(crate) use clips::PosedClips;
-pub use error::ImportError;
 pub use joined::Loaded;
 pub use joined::join;
-pub use source::{Source, load, load_motion, load_poses};
+pub use source::{Source, has_no_mesh, load, load_motion, load_poses};

@@ -1,15 +1,16 @@
 //! Plays a skeleton's animation on a character from another file.
 
 use super::align;
-use super::error::ImportError;
 use super::joined::Loaded;
 use super::scene::{rest_frame, rows, unscale};
+use crate::Error;
 use crate::examples::data::spread;
 use crate::examples::joints::idle;
-use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
+use crate::examples::validate::Origin;
+use crate::examples::{Examples, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
-use crate::formats::{FormatError, fbx, gltf};
+use crate::formats::{fbx, gltf};
 use crate::numeric::affine::apart;
 use crate::numeric::affine::{joined, parts, to_rows};
 use crate::numeric::so3;
@@ -40,14 +41,13 @@ type Frame = (Matrix3<f64>, Vector3<f64>);
 /// rest pose is used.
 ///
 /// # Errors
-/// [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; errors of reading the scene, including
-/// [`SceneError::OtherJoints`](crate::formats::SceneError::OtherJoints) if no name matches.
+/// The scene cannot be read, no name matches, the root is missing, or the rest poses differ.
 pub(super) fn play(
     file: &Path,
     mut character: Examples,
     joint_names: &JointNames<'_>,
     sampling: &Sampling<'_>,
-) -> Result<Loaded, ExamplesError> {
+) -> Result<Loaded, Error> {
     let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
     let motion = read(file, names, joint_names, sampling)?;
     let mut places: Vec<Option<usize>> = vec![None; names.len()];
@@ -55,8 +55,11 @@ pub(super) fn play(
     let mismatch = &motion.joints.mismatch;
     let root = character.skeleton.root();
     if places[root].is_none() {
-        let (joint, mismatch) = (names[root].clone(), mismatch.clone());
-        return Err(ImportError::NoRoot { joint, mismatch }.into());
+        return Err(Error::missing(format!(
+            "has no joint {}, the root of the character's: {}",
+            names[root],
+            mismatch.as_deref().unwrap_or("export the whole skeleton")
+        )));
     }
     let mut warnings: Vec<Warning> = motion.warnings.iter().cloned().map(Warning::from).collect();
     let found = match from_own_rest(&motion, &character, &places) {
@@ -88,20 +91,20 @@ pub(super) fn play(
     character.split = vec![Split::Train; frame_len];
     character.transforms = transforms;
     warnings.extend(character.unscale_idle_joints());
-    warnings.extend(character.validate()?);
+    warnings.extend(character.validate_of(&Origin::SCENE)?);
     Ok(Loaded { examples: character, clips: motion.clips, warnings })
 }
 
 /// Reads the motion of a character's joints from a file.
 ///
 /// # Errors
-/// [`FormatError`]
+/// The file cannot be read, or no node is a joint of the character.
 pub(super) fn read(
     file: &Path,
     joints: &[String],
     names: &JointNames<'_>,
     sampling: &Sampling<'_>,
-) -> Result<Motion, FormatError> {
+) -> Result<Motion, Error> {
     match extension(file).as_str() {
         "glb" | "gltf" => gltf::read_motion(file, joints, names, sampling),
         "fbx" => fbx::read_motion(file, joints, names, sampling),
@@ -113,12 +116,12 @@ pub(super) fn read(
 /// character's. The rest pose is the bind pose of a skin in the file, or else the pose without animation.
 ///
 /// # Errors
-/// [`ImportError::OtherSkeleton`]
+/// The rest poses differ.
 fn from_own_rest(
     motion: &Motion,
     character: &Examples,
     places: &[Option<usize>],
-) -> Result<Vec<Matrix3x4>, ImportError> {
+) -> Result<Vec<Matrix3x4>, Error> {
     let of = |rest: &[Matrix4<f64>]| {
         let mut found = AnimatedJoints::new(motion, rest, character);
         found.move_to(character, places).map(|()| found.transforms)
@@ -163,12 +166,8 @@ impl AnimatedJoints {
     /// - `places`: the animation's joint of each character joint.
     ///
     /// # Errors
-    /// [`ImportError::OtherSkeleton`]
-    fn move_to(
-        &mut self,
-        character: &Examples,
-        places: &[Option<usize>],
-    ) -> Result<(), ImportError> {
+    /// The rest poses differ.
+    fn move_to(&mut self, character: &Examples, places: &[Option<usize>]) -> Result<(), Error> {
         if let Some(conversion) = Conversion::between(&self.space, &character.space) {
             let moved = self.skeleton.rest.iter_mut().chain(&mut self.transforms);
             moved.for_each(|map| *map = conversion.transform(map));
@@ -190,7 +189,11 @@ impl AnimatedJoints {
         let (from, to) = pairs(&self.skeleton.rest);
         let share = apart(&from, &to) / diagonal;
         if share > SAME_REST {
-            return Err(ImportError::OtherSkeleton { percent: 100.0 * share });
+            let percent = 100.0 * share;
+            return Err(Error::mismatch(format!(
+                "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
+                 in its rest pose, with the animation, or give --mesh a file that says its axes"
+            )));
         }
         Ok(())
     }

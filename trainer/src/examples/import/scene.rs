@@ -4,17 +4,15 @@ use nalgebra::{Matrix3, Matrix4};
 
 use super::align::{self, Similarity, is_shuffled};
 use super::clips::{PosedClips, check_even, selected, selected_rows};
-use super::error::ImportError;
 use super::matched::{arranged, matched};
 use super::targets::TargetMeshes;
+use crate::Error;
 use crate::examples::joints::{idle, join_roots};
-use crate::examples::validate::numbers;
-use crate::examples::{
-    Clip, Element, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning,
-};
+use crate::examples::validate::{Origin, numbers, vertex};
+use crate::examples::{Clip, Examples, Matrix3x4, RIGID, Skeleton, Split, Warning};
+use crate::formats::FormatWarning;
 use crate::formats::posed_meshes::PosedMeshes;
-use crate::formats::scene::{SampledScene, Sampling};
-use crate::formats::{FormatError, FormatWarning, SceneError};
+use crate::formats::scene::{SampledScene, Sampling, faults};
 use crate::mesh::Surface;
 
 /// Unchecked examples, their clips, and warnings.
@@ -26,21 +24,22 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 /// move to the joints. If the targets cover more clips than requested, the other clips are removed.
 ///
 /// # Errors
-/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`] and [`ImportError::NoShapes`]. With targets:
-/// [`ImportError::TargetNumber`], [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`],
-/// [`ImportError::CopiesApart`], [`ImportError::TargetFrames`], [`ImportError::ClipOrder`],
-/// [`ImportError::VertexOrder`] and [`ImportError::TargetsApart`].
+/// - A bind matrix has no inverse, or a number of the rest mesh or of the poses is not finite.
+/// - Without targets: the scene has no shapes.
+/// - With targets: the keys are uneven. Errors about the targets name their file: a number is not finite or too large,
+///   counts of vertices or frames differ, copies of a vertex separate, several orders of the clips fit, the vertices
+///   have another order, or the meshes are not near the joints.
 pub(super) fn join(
     mut scene: SampledScene,
     targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
-) -> Result<Joined, ExamplesError> {
+) -> Result<Joined, Error> {
     let mut poses = ScenePoses::of(&mut scene)?;
     let Some(targets) = targets else {
         if !scene.morphs {
             poses.warnings.push(Warning::PlainSkin);
         }
-        let vertices = scene.shapes.take().ok_or(ImportError::NoShapes)?;
+        let vertices = scene.shapes.take().ok_or_else(no_shapes)?;
         let (mut examples, clips, warnings) = to_examples(scene, poses, vertices, None);
         examples.own_skin = true;
         return Ok((examples, clips, warnings));
@@ -50,6 +49,17 @@ pub(super) fn join(
     if sampling.fps.is_none() {
         check_even(&scene.clips)?;
     }
+    let path = targets.path.clone();
+    let all = join_targets(scene, poses, targets).map_err(|error| error.in_file(path))?;
+    Ok(cut(all, sampling))
+}
+
+/// Joins poses with posed meshes of all clips. Every error is about the posed meshes.
+fn join_targets(
+    mut scene: SampledScene,
+    mut poses: ScenePoses,
+    targets: TargetMeshes,
+) -> Result<Joined, Error> {
     let TargetMeshes { meshes, mut split, missing, .. } = targets;
     let surface = Surface {
         positions: &scene.rest,
@@ -63,8 +73,7 @@ pub(super) fn join(
     let clips = &scene.clips;
     match rest {
         Some(rest) => {
-            let similarity = align::meshes(&scene.rest, &rest)
-                .map_err(|percent| ImportError::TargetsApart { percent })?;
+            let similarity = align::meshes(&scene.rest, &rest).map_err(align::targets_apart)?;
             similarity.move_joints(&mut poses.skeleton, &mut poses.transforms);
             scene.space = similarity.space(&scene.space);
             poses.report_move(&similarity, "joints");
@@ -80,7 +89,7 @@ pub(super) fn join(
             let similarity = align::poses(&scene.rest, &poses.transforms, &vertices);
             let similarity = similarity.map_err(|error| {
                 let shuffled = is_shuffled(&scene.rest, &poses.transforms, &vertices);
-                if shuffled { ImportError::VertexOrder } else { error }
+                if shuffled { vertex_order() } else { error }
             })?;
             similarity.move_points(&mut vertices);
             poses.report_move(&similarity, "targets");
@@ -93,8 +102,21 @@ pub(super) fn join(
         let unweighted = FormatWarning::Unweighted { count, follow: "the targets" };
         poses.warnings.push(unweighted.into());
     }
-    let all = to_examples(scene, poses, vertices, split);
-    Ok(cut(all, sampling))
+    Ok(to_examples(scene, poses, vertices, split))
+}
+
+fn no_shapes() -> Error {
+    Error::missing(
+        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.abc, .pc2, .mdd, .npz, or a \
+         numbered sequence of .obj)",
+    )
+}
+
+fn vertex_order() -> Error {
+    Error::mismatch(
+        "its vertices are those of the scene's mesh, but in another order: export both from one mesh, neither as glTF, \
+         which sorts vertices anew; or give an .npz with the `rest` positions of its vertices",
+    )
 }
 
 /// Removes the frames of clips that were not requested.
@@ -114,8 +136,8 @@ fn cut((mut examples, clips, mut warnings): Joined, sampling: &Sampling<'_>) -> 
 /// Returns the poses with the rest mesh in every frame.
 ///
 /// # Errors
-/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`] and [`ExamplesError::TooLarge`].
-pub(super) fn still(mut scene: SampledScene) -> Result<Joined, ExamplesError> {
+/// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
+pub(super) fn still(mut scene: SampledScene) -> Result<Joined, Error> {
     let poses = ScenePoses::of(&mut scene)?;
     let vertices = scene.rest.repeat(frame_len(&scene));
     Ok(to_examples(scene, poses, vertices, None))
@@ -135,19 +157,16 @@ impl ScenePoses {
     /// Mesh and joints of a scene may have different units. The rest mesh is scaled to the joints' unit.
     ///
     /// # Errors
-    /// [`SceneError::SingularBind`]; [`ExamplesError::NotFinite`] for the rest mesh and the poses;
-    /// [`ExamplesError::TooLarge`] for the rest mesh.
-    fn of(scene: &mut SampledScene) -> Result<Self, ExamplesError> {
-        numbers("rest", scene.rest.iter().map(<[_; 3]>::as_slice), None, Element::Vertex, |_| {
-            true
-        })?;
-        let joint = |number: usize| Element::Joint(scene.names[number].clone());
+    /// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
+    fn of(scene: &mut SampledScene) -> Result<Self, Error> {
+        let origin = Origin::SCENE;
+        numbers(origin.rest, scene.rest.iter().map(<[_; 3]>::as_slice), None, vertex, |_| true)?;
+        let joint = |number: usize| format!("joint {}", scene.names[number]);
         let frames = scene.frames.iter().map(Matrix4::as_slice);
-        numbers("bone_transforms", frames, Some(scene.binds.len()), joint, |_| false)?;
+        numbers(origin.pose, frames, Some(scene.binds.len()), joint, |_| false)?;
         let mut inverses = Vec::with_capacity(scene.binds.len());
         for (bind, name) in scene.binds.iter().zip(&scene.names) {
-            let singular = || FormatError::from(SceneError::SingularBind { joint: name.clone() });
-            inverses.push(bind.try_inverse().ok_or_else(singular)?);
+            inverses.push(bind.try_inverse().ok_or_else(|| faults::singular_bind(name))?);
         }
         let joint_len = scene.binds.len().max(1);
         let maps = scene.frames.iter().enumerate();
@@ -169,7 +188,7 @@ impl ScenePoses {
     /// Sorts posed meshes (N x V) and the split into the clips' order, if they follow another order.
     ///
     /// # Errors
-    /// [`ImportError::ClipOrder`] if several orders fit.
+    /// Several orders fit.
     fn sort(
         &mut self,
         rest: &[[f64; 3]],
@@ -177,16 +196,20 @@ impl ScenePoses {
         split: &mut Option<Vec<Split>>,
         clips: &[Clip],
         placed: bool,
-    ) -> Result<(), ImportError> {
+    ) -> Result<(), Error> {
         let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
         let transforms = &self.transforms;
         let given = PosedClips { rest, transforms, posed: vertices, lens: &lens, placed };
         let Some(order) = given.order() else { return Ok(()) };
-        let names = |order: &[usize]| order.iter().map(|&clip| clips[clip].name.clone()).collect();
-        let other = names(&order.clips);
+        let other: Vec<_> = order.clips.iter().map(|&clip| clips[clip].name.clone()).collect();
         if order.is_one_of_several {
-            let given = clips.iter().map(|clip| clip.name.clone()).collect();
-            return Err(ImportError::ClipOrder { given, other });
+            let given: Vec<_> = clips.iter().map(|clip| clip.name.as_str()).collect();
+            return Err(Error::mismatch(format!(
+                "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
+                 the meshes over the clips in the scene's order",
+                given.join(", "),
+                other.join(", ")
+            )));
         }
         *vertices = order.sorted(vertices, rest.len(), &lens);
         if let Some(split) = split {
@@ -241,7 +264,7 @@ fn check_frames(
     scene: &SampledScene,
     meshes: &PosedMeshes,
     mut missing: Vec<String>,
-) -> Result<(), ImportError> {
+) -> Result<(), Error> {
     let (expected, found) = (frame_len(scene), meshes.frame_len());
     if expected != found {
         let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
@@ -249,10 +272,27 @@ fn check_frames(
         if found + missing.len() != expected {
             missing.clear();
         }
-        let clips = clips.join(", ");
-        return Err(ImportError::TargetFrames { expected, found, clips, missing });
+        return Err(Error::mismatch(format!(
+            "holds {found} meshes, the scene's clips have {expected} frames ({}): {}",
+            clips.join(", "),
+            remedy(&missing)
+        )));
     }
     Ok(())
+}
+
+/// Returns the advice for a wrong number of meshes.
+///
+/// - `missing`: files missing from a numbered sequence.
+fn remedy(missing: &[String]) -> String {
+    match missing {
+        [] => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
+               --fps"
+            .to_owned(),
+        [one] => format!("{one} is missing"),
+        [one, two] => format!("{one} and {two} are missing"),
+        [one, others @ ..] => format!("{one} and {} others are missing", others.len()),
+    }
 }
 
 /// Divides maps by their common scale and returns the scale. Returns 1 if the maps are rigid or have no common scale,

@@ -1,13 +1,15 @@
 //! Loads examples from every supported format.
 
-use super::error::ImportError;
 use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{Examples, ExamplesError, LoadError};
+use crate::examples::Examples;
+use crate::examples::validate::Origin;
 use crate::formats::extension::{check_content, extension, unknown_format};
+use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::scene::{JointNames, SampledScene, Sampling};
-use crate::formats::{FormatError, SceneError, fbx, gltf};
+use crate::formats::{MeshFile, fbx, gltf};
+use crate::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.
@@ -52,31 +54,31 @@ impl<'a> Source<'a> {
     }
 
     /// Reads the skeleton, mesh and clips of a scene; `None` for an `.npz`.
-    fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, ExamplesError> {
-        let read = match extension(self.file).as_str() {
-            "npz" => return Ok(None),
-            "glb" | "gltf" => gltf::read(self.file, sampling),
-            "fbx" => fbx::read(self.file, sampling),
-            "abc" | "mdd" | "obj" | "pc2" => return Err(ImportError::MeshesAlone.into()),
+    fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, Error> {
+        match extension(self.file).as_str() {
+            "npz" => Ok(None),
+            "glb" | "gltf" => gltf::read(self.file, sampling).map(Some),
+            "fbx" => fbx::read(self.file, sampling).map(Some),
+            "abc" | "mdd" | "obj" | "pc2" => Err(meshes_alone()),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
-        };
-        Ok(Some(read?))
+        }
     }
 
     /// Checks that no option for scenes is given.
-    fn check_whole(&self) -> Result<(), ExamplesError> {
+    fn check_whole(&self) -> Result<(), Error> {
         let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
         match given.into_iter().find(|(_, given)| *given) {
-            Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
+            Some((option, _)) => Err(Error::unsupported(format!(
+                "{option} goes with a scene (.glb, .gltf, .fbx); an .npz holds its own poses and meshes"
+            ))),
             None => Ok(()),
         }
     }
 
     /// Checks that the content of each file matches its extension.
-    fn check_content(&self) -> Result<(), LoadError> {
+    fn check_content(&self) -> Result<(), Error> {
         for file in [Some(self.file), self.targets].into_iter().flatten() {
-            check_content(file)
-                .map_err(|error| LoadError { file: file.to_owned(), error: error.into() })?;
+            check_content(file).map_err(|error| error.in_file(file))?;
         }
         Ok(())
     }
@@ -99,46 +101,37 @@ impl<'a> Source<'a> {
     fn played(&self) -> Sampling<'a> {
         Sampling { played: true, ..self.sampling(false) }
     }
+}
 
-    fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
-        |error| LoadError { file: self.file.to_owned(), error }
-    }
+/// Creates the error of a file of posed meshes that is given as a scene.
+pub(super) fn meshes_alone() -> Error {
+    Error::missing(
+        "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and this \
+         file as --targets",
+    )
 }
 
 /// Loads examples.
 ///
 /// # Errors
-/// A [`LoadError`] with the file that cannot be read, is incomplete, or fails
-/// [`Examples::validate`](crate::examples::Examples::validate).
-pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
-    let blame = source.blame();
+/// A file cannot be read, is incomplete, or fails [`Examples::validate`](crate::examples::Examples::validate); the
+/// error names the file.
+pub fn load(source: &Source<'_>) -> Result<Loaded, Error> {
     source.check_content()?;
-    let sampling = source.sampling(source.targets.is_none());
-    let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else {
-        source.check_whole().map_err(&blame)?;
-        return npz::load_clips(source.file, &sampling);
-    };
-    let targets = source.targets.map(targets::read).transpose()?;
-    let scene = source.with_all_clips(scene, targets.as_ref());
-    let at_fault = source.targets.unwrap_or(source.file);
-    let join = || {
+    let load = || {
+        let sampling = source.sampling(source.targets.is_none());
+        let Some(scene) = source.scene(&sampling)? else {
+            source.check_whole()?;
+            return npz::load_clips(source.file, &sampling);
+        };
+        let targets = source.targets.map(targets::read).transpose()?;
+        let scene = source.with_all_clips(scene, targets.as_ref());
         let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;
-        warnings.extend(examples.validate()?);
+        let origin = Origin { posed_file: source.targets, ..Origin::SCENE };
+        warnings.extend(examples.validate_of(&origin)?);
         Ok(Loaded { examples, clips, warnings })
     };
-    join().map_err(|error| match error {
-        ExamplesError::Import(error) => {
-            let file = if error.is_about_targets() { at_fault } else { source.file };
-            LoadError { file: file.to_owned(), error: error.into() }
-        }
-        // The posed positions come from the targets.
-        error @ (ExamplesError::NotFinite { array: "vertices", .. }
-        | ExamplesError::TooLarge { array: "vertices", .. }) => {
-            LoadError { file: at_fault.to_owned(), error: error.of_scene() }
-        }
-        error => blame(error.of_scene()),
-    })
+    load().map_err(|error: Error| error.in_file(source.file))
 }
 
 /// Loads poses to be played. The source's targets are not read, and the rest mesh replaces posed meshes. Clips have as
@@ -147,31 +140,34 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
-    let blame = source.blame();
+pub fn load_poses(source: &Source<'_>) -> Result<Loaded, Error> {
     Source::file(source.file).check_content()?;
-    let sampling = source.played();
-    let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else {
-        let mut loaded = npz::load_played(source.file, &sampling)?;
-        rename(&mut loaded.examples, &source.names).map_err(&blame)?;
-        return Ok(loaded);
+    let load = || {
+        let sampling = source.played();
+        let Some(scene) = source.scene(&sampling)? else {
+            let mut loaded = npz::load_played(source.file, &sampling)?;
+            rename(&mut loaded.examples, &source.names)?;
+            return Ok(loaded);
+        };
+        let (mut examples, clips, mut warnings) = scene::still(scene)?;
+        rename(&mut examples, &source.names)?;
+        warnings.extend(examples.validate_of(&Origin::SCENE)?);
+        Ok(Loaded { examples, clips, warnings })
     };
-    let (mut examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
-    rename(&mut examples, &source.names).map_err(&blame)?;
-    warnings.extend(examples.validate().map_err(&blame)?);
-    Ok(Loaded { examples, clips, warnings })
+    load().map_err(|error: Error| error.in_file(source.file))
 }
 
 /// Renames the joints to a model's names.
 ///
 /// # Errors
-/// [`ImportError::OtherNames`] if the names differ, but another renaming would match.
-fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), ExamplesError> {
+/// The names differ, but another renaming would match.
+fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), Error> {
     let own = &mut examples.skeleton.names;
     names.rename(own);
     match names.mismatch(own) {
-        Some(mismatch) => Err(ImportError::OtherNames { mismatch }.into()),
+        Some(mismatch) => Err(Error::mismatch(format!(
+            "its joints have other names than the model's: {mismatch}"
+        ))),
         None => Ok(()),
     }
 }
@@ -181,31 +177,44 @@ fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), Example
 /// - `mesh`: file of the character; its frames are not used.
 ///
 /// # Errors
-/// As [`load_poses`]; [`ImportError::JointsAlone`] for a scene without a mesh if `mesh` is `None`; errors of joints that differ from the
-/// character's.
-pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, LoadError> {
+/// As [`load_poses`]. Without `mesh`, also for a scene without a mesh ([`has_no_mesh`]); with `mesh`, also for joints
+/// that differ from the character's.
+pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, Error> {
     let Some(mesh) = mesh else {
-        return load_poses(source).map_err(|LoadError { file, error }| {
-            let is_bare = matches!(
-                &error,
-                ExamplesError::Format(FormatError::Scene(SceneError::NoMesh | SceneError::NoSkin))
-            );
-            if !is_bare {
-                return LoadError { file, error };
-            }
-            let names = &source.names;
-            let motion = motion::read(&file, names.known, names, &source.played());
-            let mismatch = match motion {
-                Ok(motion) => motion.joints.mismatch,
-                Err(FormatError::Scene(SceneError::OtherJoints { mismatch, .. })) => mismatch,
-                Err(_) => None,
-            };
-            let error = ImportError::JointsAlone { mismatch };
-            LoadError { file, error: error.into() }
+        return load_poses(source).map_err(|error| match has_no_mesh(source.file) {
+            true => joints_alone(source).in_file(source.file),
+            false => error,
         });
     };
     source.check_content()?;
     let names = source.names;
     let character = load_poses(&Source { still: true, names, ..Source::file(mesh) })?.examples;
-    motion::play(source.file, character, &names, &source.played()).map_err(source.blame())
+    let played = motion::play(source.file, character, &names, &source.played());
+    played.map_err(|error| error.in_file(source.file))
+}
+
+/// Returns whether a file is a scene whose joints carry no mesh.
+pub fn has_no_mesh(file: &Path) -> bool {
+    match extension(file).as_str() {
+        "glb" | "gltf" => RiggedFile::read(file)
+            .is_ok_and(|scene| scene.meshes.iter().all(|mesh| mesh.skin.is_none())),
+        "fbx" => MeshFile::read(file).is_err_and(|error| error.kind() == ErrorKind::Missing),
+        _ => false,
+    }
+}
+
+/// Returns the error of a scene without a mesh. Names that differ from the model's come first: with them, the mesh of
+/// another file is refused too.
+fn joints_alone(source: &Source<'_>) -> Error {
+    let names = &source.names;
+    let mut words =
+        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into".to_owned();
+    if !names.known.is_empty() {
+        match motion::read(source.file, names.known, names, &source.played()) {
+            Ok(motion) => words.extend(motion.joints.mismatch.map(|why| format!("; {why}"))),
+            Err(error) if error.kind() == ErrorKind::Mismatch => return error,
+            Err(_) => {}
+        }
+    }
+    Error::missing(words)
 }

@@ -1,8 +1,8 @@
 //! Reads posed meshes that accompany a scene.
 
-use super::error::ImportError;
 use super::npz;
-use crate::examples::{Clip, FrameName, LoadError, Split};
+use crate::Error;
+use crate::examples::{Clip, FrameName, Split};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::posed_meshes::cache::{read_mdd, read_pc2};
 use crate::formats::posed_meshes::{PosedMeshes, sequence};
@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 /// Posed meshes with their split and files.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TargetMeshes {
+    /// The file, or the folder of a sequence.
+    pub(super) path: PathBuf,
     /// The meshes.
     pub(super) meshes: PosedMeshes,
     /// Use of each frame, N, if the file has a split.
@@ -27,21 +29,26 @@ pub(super) struct TargetMeshes {
 /// sequence (one file or its folder), or an animated scene (`.glb`, `.gltf`).
 ///
 /// # Errors
-/// A [`LoadError`] with the file that cannot be read, has an unknown format, is damaged, or differs in vertices or
-/// faces from the first file of its sequence.
-pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
-    let blame = |error| LoadError { file: path.to_owned(), error };
+/// A file cannot be read, has an unknown format, is damaged, or differs in vertices or faces from the first file of its
+/// sequence; the error names the file.
+pub(super) fn read(path: &Path) -> Result<TargetMeshes, Error> {
+    read_unnamed(path).map_err(|error| error.in_file(path))
+}
+
+/// Reads posed meshes; errors name a file only in a sequence.
+fn read_unnamed(path: &Path) -> Result<TargetMeshes, Error> {
     let ending = extension(path);
-    let read = match ending.as_str() {
+    let meshes = match ending.as_str() {
         _ if path.is_dir() || ending == "obj" => {
             let files = sequence::files(path)?;
             let missing = sequence::missing(&files);
             let files = files.iter().map(|file| sequence::name_of(file)).collect();
-            return Ok(TargetMeshes { files, missing, ..sequence::read(path)?.into() });
+            let meshes = sequence::read(path)?;
+            return Ok(TargetMeshes { files, missing, ..TargetMeshes::new(path, meshes) });
         }
         "npz" => {
-            let (meshes, split) = npz::read_posed_meshes(path).map_err(blame)?;
-            return Ok(TargetMeshes { split, ..meshes.into() });
+            let (meshes, split) = npz::read_posed_meshes(path)?;
+            return Ok(TargetMeshes { split, ..TargetMeshes::new(path, meshes) });
         }
         "abc" => abc::read(path),
         "pc2" => read_pc2(path),
@@ -49,25 +56,37 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
         "glb" | "gltf" => gltf::read_posed_meshes(path),
         _ => Err(unknown_format(path, ".abc, .pc2, .mdd, .npz, .glb, .gltf or .obj")),
     };
-    read.map(TargetMeshes::from).map_err(|error| blame(error.into()))
+    meshes.map(|meshes| TargetMeshes::new(path, meshes))
 }
 
 impl TargetMeshes {
+    pub(super) fn new(path: &Path, meshes: PosedMeshes) -> Self {
+        Self { path: path.to_owned(), meshes, split: None, files: Vec::new(), missing: Vec::new() }
+    }
+
     /// Checks that positions are finite. The rest mesh and training frames must also be within the range of a model.
     ///
     /// - `clips`: the scene's clips, which name the frames if there are no files.
     ///
     /// # Errors
-    /// [`ImportError::TargetNumber`]
-    pub(super) fn check_numbers(&self, clips: &[Clip]) -> Result<(), ImportError> {
+    /// A position is not finite or too large; the error names the file.
+    pub(super) fn check_numbers(&self, clips: &[Clip]) -> Result<(), Error> {
         let fault = |points: &[[f64; 3]], bounded: bool| {
             let most = if bounded { f64::from(MAGNITUDE_MAX) } else { f64::MAX };
             let vertex = points.iter().position(|x| !x.iter().all(|x| x.abs() <= most))?;
             Some((vertex, points[vertex].iter().all(|x| x.is_finite())))
         };
-        let error = |(vertex, is_finite), at| ImportError::TargetNumber { is_finite, at, vertex };
+        let error = |(vertex, is_finite): (usize, bool), at: &str| {
+            let fault = match is_finite {
+                true => format!("exceed {MAGNITUDE_MAX:e}, the most a model can hold,"),
+                false => "are not finite".to_owned(),
+            };
+            let words =
+                format!("its vertices {fault} {at}, at vertex {vertex}: export the meshes again");
+            Error::value(words).in_file(&self.path)
+        };
         if let Some(fault) = self.meshes.rest.as_ref().and_then(|rest| fault(rest, true)) {
-            return Err(error(fault, "at rest".to_owned()));
+            return Err(error(fault, "at rest"));
         }
         let frames = self.meshes.vertices.chunks(self.meshes.vertex_len.max(1));
         for (frame, posed) in frames.enumerate() {
@@ -78,7 +97,7 @@ impl TargetMeshes {
                     Some(file) => format!("{frame} ({file})"),
                     None => FrameName::new(clips, frame).to_string(),
                 };
-                return Err(error(fault, format!("in frame {name}")));
+                return Err(error(fault, &format!("in frame {name}")));
             }
         }
         Ok(())
@@ -90,10 +109,4 @@ pub(super) fn files(path: &Path) -> Vec<PathBuf> {
     let is_sequence = path.is_dir() || extension(path) == "obj";
     let files = is_sequence.then(|| sequence::files(path).ok()).flatten();
     files.unwrap_or_else(|| vec![path.to_owned()])
-}
-
-impl From<PosedMeshes> for TargetMeshes {
-    fn from(meshes: PosedMeshes) -> Self {
-        Self { meshes, split: None, files: Vec::new(), missing: Vec::new() }
-    }
 }

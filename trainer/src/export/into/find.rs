@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
 
+use crate::Error;
 use crate::examples::{Matrix3x4, spread};
-use crate::export::error::IntoError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::space::{SCALES, rotations};
 
@@ -39,14 +39,15 @@ impl Found {
     /// - `poses`: the poses to play.
     ///
     /// # Errors
-    /// [`IntoError::NoMesh`] and [`IntoError::Partly`].
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): no mesh has the model's vertices.
+    /// - [`ErrorKind::Mismatch`](crate::ErrorKind::Mismatch): a mesh has some of the model's vertices and others.
     pub(super) fn new(
         file: &RiggedFile,
         root: Option<usize>,
         rest: &[[f64; 3]],
         diagonal: f64,
         poses: &[Vec<Matrix3x4>],
-    ) -> Result<Self, IntoError> {
+    ) -> Result<Self, Error> {
         let root = root.and_then(|root| Some((root, file.binds[root]?.try_inverse()?)));
         let still = file.meshes.first().filter(|mesh| mesh.skin.is_none());
         let worlds = file.worlds();
@@ -71,7 +72,10 @@ impl Found {
         let (_, Candidate { to_model, turned, bound }) = best;
         let vertices = match_all(file, &places, &to_model)?;
         if vertices.iter().all(Option::is_none) {
-            return Err(IntoError::NoMesh);
+            return Err(Error::missing(
+                "no mesh has the model's vertices, within 1e-4 of the diagonal, in any axes and \
+                 unit: give the character that the model was trained on, in its rest pose",
+            ));
         }
         let back = to_model.try_inverse().unwrap_or_else(Matrix4::identity);
         // The nodes above the joints may rotate the bound joints. Poses from the same file contain this rotation. Other
@@ -129,12 +133,12 @@ fn sample(mesh: &RiggedMesh) -> impl Iterator<Item = Point3<f64>> {
 /// Finds the model's vertices in every mesh.
 ///
 /// # Errors
-/// [`IntoError::Partly`]
+/// A mesh has some of the model's vertices and others.
 fn match_all(
     file: &RiggedFile,
     places: &Places<'_>,
     to_model: &Matrix4<f64>,
-) -> Result<Vec<Option<Vec<Vec<usize>>>>, IntoError> {
+) -> Result<Vec<Option<Vec<Vec<usize>>>>, Error> {
     let mut first = 0;
     let mut all = Vec::new();
     for mesh in &file.meshes {
@@ -176,8 +180,11 @@ fn match_all(
             None => None,
             Some(_) if found == 0 => None,
             Some((vertex, at)) => {
-                let mesh = mesh.name.clone();
-                return Err(IntoError::Partly { mesh, vertex, at, found, len: number });
+                return Err(Error::mismatch(format!(
+                    "mesh {}: vertex {vertex} at {at:?} is not in the model, {found} of {number} are: train on \
+                     the mesh as it is, or move the added vertices to a separate mesh",
+                    mesh.name
+                )));
             }
         });
     }

@@ -8,14 +8,13 @@ use serde_json::{Value, json};
 
 use super::find::Found;
 use super::joints::{self, OwnJoints};
+use crate::Error;
 use crate::envelope::levels::{Level, LevelReport};
 use crate::examples::{Clip, Examples};
-use crate::export::error::{ExportError, IntoError};
 use crate::export::mesh::FurtherMeshes;
 use crate::export::played::Played;
 use crate::export::proxies::ProxyNodes;
 use crate::export::skeleton::square;
-use crate::formats::FileError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::formats::gltf::write::Document;
 use crate::formats::scene::JointNames;
@@ -71,10 +70,10 @@ impl ExportInto<'_> {
     ///
     /// # Errors
     /// - The errors of [`Export::run`](crate::export::Export::run) about the model, clips and further meshes.
-    /// - [`ExportError::Into`]: the file cannot be read, lacks the model's mesh, or cannot hold its motion.
-    pub fn run(&self) -> Result<Grafted, ExportError> {
+    /// - The file cannot be read, lacks the model's mesh, or cannot hold its motion; the error names the file.
+    pub fn run(&self) -> Result<Grafted, Error> {
         let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
-        let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
+        let in_file = |error: Error| error.in_file(path);
         let file = RiggedFile::read(path).map_err(in_file)?;
         let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
@@ -82,15 +81,17 @@ impl ExportInto<'_> {
         if let Some(mirror) = &right.mirror {
             further.convert(mirror);
         }
-        let known = joints::nodes(&file, &right.skeleton.names, &names)?;
+        let known = joints::nodes(&file, &right.skeleton.names, &names).map_err(in_file)?;
         let root = known.get(right.skeleton.root()).copied().flatten();
-        let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
+        let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)
+            .map_err(in_file)?;
 
         let mut document = Document::of(file.tree.clone(), file.bytes.clone());
         // Without proxies, the file's animations move the whole character.
         let has_proxies = !right.centres.is_empty();
         let kept_animations = if has_proxies { moving(&document, &known) } else { Vec::new() };
-        let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
+        let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)
+            .map_err(in_file)?;
         let carriers = joints.carriers();
         let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
         let first_proxy = played.first_proxy();
@@ -121,7 +122,8 @@ impl ExportInto<'_> {
         }
         let mut animations = Vec::new();
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
-            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times)?;
+            let (mut tracks, worlds) =
+                joints.tracks(&right.poses[own.clone()], times).map_err(in_file)?;
             tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
             let name = free_name(&document, &clip.name);
             document.animation(&name, times, tracks);

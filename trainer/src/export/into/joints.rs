@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Matrix4, UnitQuaternion, Vector3};
 use serde_json::Value;
 
 use super::find::Found;
+use crate::Error;
 use crate::examples::{Matrix3x4, Skeleton};
-use crate::export::error::IntoError;
 use crate::export::skeleton::{
     Carrier, continuous, isometry, parents_first, quaternion, square, track,
 };
@@ -52,12 +52,12 @@ struct Tree {
 /// - `names`: conversion of the file's names.
 ///
 /// # Errors
-/// [`IntoError::OtherJoints`] if no joint is found, but other names would match.
+/// No joint is found, but other names would match.
 pub(super) fn nodes(
     file: &RiggedFile,
     joints: &[String],
     names: &JointNames<'_>,
-) -> Result<Vec<Option<NodeIndex>>, IntoError> {
+) -> Result<Vec<Option<NodeIndex>>, Error> {
     let own: Vec<String> = file.names.iter().map(|name| names.renamed(name, joints)).collect();
     let find = |joint: &String| {
         let mut named = (0..own.len()).filter(|&node| own[node] == *joint);
@@ -67,7 +67,10 @@ pub(super) fn nodes(
     };
     let found: Vec<_> = joints.iter().map(find).collect();
     match mismatch(joints, &own).filter(|_| found.iter().all(Option::is_none)) {
-        Some(mismatch) => Err(IntoError::OtherJoints { joints: joints.to_vec(), mismatch }),
+        Some(mismatch) => Err(Error::missing(format!(
+            "no node has the name of one of the model's joints: {}; {mismatch}",
+            joints.join(", ")
+        ))),
         None => Ok(found),
     }
 }
@@ -76,14 +79,14 @@ impl OwnJoints {
     /// Finds the joints of the model's skeleton, and adds missing joints under their parents.
     ///
     /// # Errors
-    /// [`IntoError::Uneven`]
+    /// Nodes above a joint scale it unevenly.
     pub(super) fn new(
         document: &mut Document,
         file: &RiggedFile,
         found: &Found,
         skeleton: &Skeleton,
         known: &[Option<NodeIndex>],
-    ) -> Result<Self, IntoError> {
+    ) -> Result<Self, Error> {
         let worlds = file.worlds();
         let from_world = found.at_rest.try_inverse().unwrap_or_else(Matrix4::identity);
         let len = known.len();
@@ -156,12 +159,12 @@ impl OwnJoints {
     /// the frames in the model that the rounded keys give.
     ///
     /// # Errors
-    /// [`IntoError::Uneven`]
+    /// Nodes above a joint scale it unevenly.
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
         times: &[f32],
-    ) -> Result<(Vec<Track>, Frames), IntoError> {
+    ) -> Result<(Vec<Track>, Frames), Error> {
         let keys = poses.iter().map(|pose| {
             let maps: Vec<_> = pose.iter().map(square).collect();
             self.place(&maps)
@@ -184,10 +187,7 @@ impl OwnJoints {
 
     /// Places each joint relative to its parent's rounded transform, so that rounding does not accumulate along a
     /// chain. Also returns the rounded frames in the model.
-    fn place(
-        &self,
-        maps: &[Matrix4<f64>],
-    ) -> Result<(Vec<Placed>, Vec<Isometry3<f64>>), IntoError> {
+    fn place(&self, maps: &[Matrix4<f64>]) -> Result<(Vec<Placed>, Vec<Isometry3<f64>>), Error> {
         let mut joint_of = vec![None; self.tree.locals.len()];
         for (joint, &node) in self.nodes.iter().enumerate() {
             joint_of[node] = Some(joint);
@@ -225,8 +225,12 @@ impl OwnJoints {
         Ok((placed, reached))
     }
 
-    fn uneven(&self, joint: usize) -> IntoError {
-        IntoError::Uneven { joint: self.names[joint].clone() }
+    fn uneven(&self, joint: usize) -> Error {
+        Error::unsupported(format!(
+            "joint {} hangs under nodes that scale unevenly: apply the scale of the armature before \
+             exporting",
+            self.names[joint]
+        ))
     }
 }
 

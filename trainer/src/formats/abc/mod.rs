@@ -9,8 +9,8 @@ mod schemas;
 #[cfg(test)]
 mod tests;
 
-use super::error::{AlembicError, FormatError};
 use super::posed_meshes::{Part, PosedMeshes};
+use crate::Error;
 use nalgebra::{Matrix4, Point3};
 use objects::{Object, Schema, list};
 use ogawa::Archive;
@@ -20,16 +20,16 @@ use std::path::Path;
 /// Reads the polygon meshes of a file. Each sample is a frame, placed by the transforms above the mesh.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Alembic`] for damage or for meshes that change over time.
-pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
-    Ok(parse(&std::fs::read(path).map_err(FormatError::Read)?)?)
+/// The file cannot be read, is no Alembic archive or is damaged, has no mesh, or has meshes that change over time.
+pub(crate) fn read(path: &Path) -> Result<PosedMeshes, Error> {
+    parse(&std::fs::read(path).map_err(Error::read)?)
 }
 
 /// Reads the bytes of a file.
 ///
 /// # Errors
-/// An [`AlembicError`].
-fn parse(bytes: &[u8]) -> Result<PosedMeshes, AlembicError> {
+/// Those of [`read`], except that the file cannot be read.
+fn parse(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     let archive = Archive::new(bytes)?;
     let Scene { transforms, meshes } = Scene::read(&archive)?;
     let frame_len = frame_len(&transforms, &meshes)?;
@@ -82,7 +82,7 @@ enum World<'t, 'a> {
 }
 
 impl<'a> Scene<'a> {
-    fn read(archive: &'a Archive<'a>) -> Result<Self, AlembicError> {
+    fn read(archive: &'a Archive<'a>) -> Result<Self, Error> {
         let (objects, metadata) = list(archive)?;
         let mut transforms = Vec::with_capacity(objects.len());
         let mut meshes = Vec::new();
@@ -98,7 +98,9 @@ impl<'a> Scene<'a> {
             }
         }
         if meshes.is_empty() {
-            return Err(AlembicError::NoMesh);
+            return Err(Error::missing(
+                "holds no polygon mesh: export the character's mesh, as polygons",
+            ));
         }
         Ok(Self { transforms, meshes })
     }
@@ -127,7 +129,7 @@ fn above(
 fn frame_len(
     transforms: &[Option<Transform<'_>>],
     meshes: &[PlacedMesh<'_>],
-) -> Result<usize, AlembicError> {
+) -> Result<usize, Error> {
     // For each mesh and transform: whether it changes, its number of samples, and its description.
     let mut sampled = Vec::new();
     for PlacedMesh { mesh, above, names } in meshes {
@@ -145,7 +147,10 @@ fn frame_len(
     sampled.retain(|(this, ..)| *this == changes);
     let expected = sampled.iter().map(|(_, len, _)| *len).max().unwrap_or_default();
     match sampled.into_iter().find(|(_, len, _)| changes && *len != expected) {
-        Some((_, found, object)) => Err(AlembicError::OtherSamples { object, found, expected }),
+        Some((_, found, object)) => Err(Error::mismatch(format!(
+            "{object} has {found} samples, expected 1 or {expected} as others have; export all \
+             over the same frames and at one rate"
+        ))),
         None => Ok(expected),
     }
 }

@@ -8,8 +8,8 @@
 //! stored (`ReadPropertyHeaders` in `lib/Alembic/AbcCoreOgawa/ReadUtil.cpp` of the Alembic library). A sample is a key
 //! of 16 bytes and the numbers.
 
-use super::ogawa::{Archive, Cursor, Group, Metadata, damaged};
-use crate::formats::error::AlembicError;
+use super::ogawa::{Archive, Cursor, Group, Metadata, damaged, not_alembic};
+use crate::Error;
 
 /// Version of the layout of objects.
 const LAYOUT: [u8; 4] = [0; 4];
@@ -42,15 +42,12 @@ pub(super) enum Schema {
 /// Lists the objects of an archive in the order of the file, each after its parent.
 ///
 /// # Errors
-/// [`AlembicError::NotAlembic`] for another layout, [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
-pub(super) fn list<'a>(
-    archive: &'a Archive<'a>,
-) -> Result<(Vec<Object<'a>>, Metadata), AlembicError> {
+/// The objects have another layout, the file is damaged, or it exceeds the memory budget.
+pub(super) fn list<'a>(archive: &'a Archive<'a>) -> Result<(Vec<Object<'a>>, Metadata), Error> {
     let root = archive.root()?;
     let layout = root.data(0)?;
     if layout != LAYOUT {
-        let reason = format!("its objects are laid out by version {layout:?}");
-        return Err(AlembicError::NotAlembic { reason });
+        return Err(not_alembic(format!("its objects are laid out by version {layout:?}")));
     }
     let metadata = Metadata::read(root.data(5)?)?;
     let mut objects: Vec<Object<'a>> = Vec::new();
@@ -121,8 +118,8 @@ impl<'a> Compound<'a> {
     /// Reads the headers of a compound's properties.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
-    pub(super) fn read(group: Group<'a>, metadata: &Metadata) -> Result<Self, AlembicError> {
+    /// The file is damaged, or exceeds the memory budget.
+    pub(super) fn read(group: Group<'a>, metadata: &Metadata) -> Result<Self, Error> {
         let bytes = group.last_data()?;
         group.archive().spend(bytes.len())?;
         let mut cursor = Cursor(bytes);
@@ -137,12 +134,8 @@ impl<'a> Compound<'a> {
     /// Returns the compound with a name; `None` if there is none.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
-    pub(super) fn compound(
-        &self,
-        name: &str,
-        metadata: &Metadata,
-    ) -> Result<Option<Self>, AlembicError> {
+    /// The file is damaged, or exceeds the memory budget.
+    pub(super) fn compound(&self, name: &str, metadata: &Metadata) -> Result<Option<Self>, Error> {
         match self.find(name) {
             Some((place, Kind::Compound)) => {
                 Self::read(self.group.group(place)?, metadata).map(Some)
@@ -156,13 +149,13 @@ impl<'a> Compound<'a> {
     /// - `extent`: numbers in each element; 0 accepts any extent.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]
+    /// The file does not have the property's group.
     pub(super) fn sampled(
         &self,
         name: &str,
         numbers: Numbers,
         extent: usize,
-    ) -> Result<Option<Sampled<'a>>, AlembicError> {
+    ) -> Result<Option<Sampled<'a>>, Error> {
         let Some((
             place,
             Kind::Sampled { numbers: found, extent: found_extent, len, changed, is_array },
@@ -181,8 +174,8 @@ impl<'a> Compound<'a> {
     /// Subtracts bytes from the archive's memory budget.
     ///
     /// # Errors
-    /// [`AlembicError::TooLarge`]
-    pub(super) fn spend(&self, bytes: usize) -> Result<(), AlembicError> {
+    /// [`ErrorKind::Limit`](crate::ErrorKind::Limit): the budget is spent.
+    pub(super) fn spend(&self, bytes: usize) -> Result<(), Error> {
         self.group.archive().spend(bytes)
     }
 
@@ -196,16 +189,16 @@ impl<'a> Sampled<'a> {
     /// Returns the bytes of the numbers of sample `index`; a constant property has one sample for every index.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]
-    pub(super) fn sample(&self, index: usize) -> Result<&'a [u8], AlembicError> {
+    /// The sample is missing or cut off.
+    pub(super) fn sample(&self, index: usize) -> Result<&'a [u8], Error> {
         self.stored(self.place(index))
     }
 
     /// Returns the bytes of the numbers of a stored sample.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]
-    pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], AlembicError> {
+    /// The sample is missing or cut off.
+    pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], Error> {
         // Arrays store their dimensions behind each sample.
         let bytes = self.group.data(if self.is_array { 2 * place } else { place })?;
         match bytes.split_at_checked(KEY_BYTES) {
@@ -256,7 +249,7 @@ fn push_children<'a>(
     depth: usize,
     metadata: &Metadata,
     left: &mut Vec<Child<'a>>,
-) -> Result<(), AlembicError> {
+) -> Result<(), Error> {
     let bytes = group.last_data()?;
     let Some(len) = bytes.len().checked_sub(HASH_BYTES).filter(|len| *len > 0) else {
         return Ok(());
@@ -290,7 +283,7 @@ enum Kind {
 }
 
 impl Header {
-    fn read(cursor: &mut Cursor<'_>, metadata: &Metadata) -> Result<Self, AlembicError> {
+    fn read(cursor: &mut Cursor<'_>, metadata: &Metadata) -> Result<Self, Error> {
         let info = cursor.number(4)? as u32;
         let bytes = match info >> 2 & 3 {
             0 => 1,

@@ -4,8 +4,9 @@
 //! node is a count of bytes and the bytes. A place whose highest bit is set refers to a data node; place 0 refers to an
 //! empty node. Numbers are little-endian, except the version (`lib/Alembic/Ogawa` of the Alembic library).
 
-use crate::formats::error::AlembicError;
+use crate::Error;
 use std::cell::Cell;
+use std::fmt::Display;
 
 const MAGIC: &[u8; 5] = b"Ogawa";
 const HDF5: &[u8; 4] = b"\x89HDF";
@@ -44,25 +45,29 @@ impl<'a> Archive<'a> {
     /// Checks the header of a file.
     ///
     /// # Errors
-    /// [`AlembicError::Hdf5`], [`AlembicError::NotAlembic`] and [`AlembicError::Unfinished`].
-    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, AlembicError> {
+    /// The file uses the HDF5 container, does not begin as a supported archive, or is not finished.
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Error> {
         if bytes.starts_with(HDF5) {
-            return Err(AlembicError::Hdf5);
+            return Err(Error::unsupported(
+                "is Alembic in an HDF5 container, which is not read; export it again with Ogawa as \
+                 its data format",
+            ));
         }
-        let not = |reason: &str| AlembicError::NotAlembic { reason: reason.to_owned() };
         if !bytes.starts_with(MAGIC) {
-            return Err(not("it does not begin with Ogawa"));
+            return Err(not_alembic("it does not begin with Ogawa"));
         }
         let Some(&[_, _, _, _, _, frozen, major, minor, ..]) = bytes.first_chunk::<HEADER_BYTES>()
         else {
             return Err(damaged("it ends in its header"));
         };
         if frozen != FROZEN {
-            return Err(AlembicError::Unfinished);
+            return Err(Error::damaged(
+                "is incomplete: the program that wrote it did not finish; export it again",
+            ));
         }
         if [major, minor] != VERSION {
             let version = u16::from_be_bytes([major, minor]);
-            return Err(not(&format!("it is of version {version}")));
+            return Err(not_alembic(format!("it is of version {version}")));
         }
         let unfolded_most =
             bytes.len().saturating_mul(UNFOLDED_A_BYTE).clamp(UNFOLDED_LEAST, UNFOLDED_MOST);
@@ -72,8 +77,8 @@ impl<'a> Archive<'a> {
     /// Returns the root group.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: the root group is not in the file.
-    pub(super) fn root(&'a self) -> Result<Group<'a>, AlembicError> {
+    /// The root group is not in the file.
+    pub(super) fn root(&'a self) -> Result<Group<'a>, Error> {
         self.group(self.number(HEADER_BYTES as u64 - 8)?)
     }
 
@@ -82,14 +87,21 @@ impl<'a> Archive<'a> {
     /// The budget bounds time and memory for a file that refers to the same bytes again and again.
     ///
     /// # Errors
-    /// [`AlembicError::TooLarge`]
-    pub(super) fn spend(&self, bytes: usize) -> Result<(), AlembicError> {
+    /// [`ErrorKind::Limit`](crate::ErrorKind::Limit): the budget is spent.
+    pub(super) fn spend(&self, bytes: usize) -> Result<(), Error> {
+        let too_large = || {
+            let most = self.unfolded_most;
+            Error::limit(format!(
+                "unfolds to more than {most} bytes, the most for a file of its size, by naming the \
+                 same bytes again and again; export the frames that are wanted alone"
+            ))
+        };
         let left = self.left.get().checked_sub(bytes);
-        self.left.set(left.ok_or(AlembicError::TooLarge { most: self.unfolded_most })?);
+        self.left.set(left.ok_or_else(too_large)?);
         Ok(())
     }
 
-    fn group(&'a self, place: u64) -> Result<Group<'a>, AlembicError> {
+    fn group(&'a self, place: u64) -> Result<Group<'a>, Error> {
         let children = match place {
             0 => &[],
             _ => {
@@ -103,7 +115,7 @@ impl<'a> Archive<'a> {
         Ok(Group { archive: self, children })
     }
 
-    fn data(&'a self, place: u64) -> Result<&'a [u8], AlembicError> {
+    fn data(&'a self, place: u64) -> Result<&'a [u8], Error> {
         if place == 0 {
             return Ok(&[]);
         }
@@ -112,7 +124,7 @@ impl<'a> Archive<'a> {
         bytes.ok_or_else(|| damaged(format!("data at {place} is cut off")))
     }
 
-    fn number(&self, place: u64) -> Result<u64, AlembicError> {
+    fn number(&self, place: u64) -> Result<u64, Error> {
         let bytes = self.slice(place, 8).and_then(|bytes| bytes.first_chunk());
         let bytes =
             bytes.ok_or_else(|| damaged(format!("it names byte {place}, behind its end")))?;
@@ -139,8 +151,8 @@ impl<'a> Group<'a> {
     /// Returns child `index`, a group.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: the child is not a group.
-    pub(super) fn group(&self, index: usize) -> Result<Group<'a>, AlembicError> {
+    /// The child is not a group, or is cut off.
+    pub(super) fn group(&self, index: usize) -> Result<Group<'a>, Error> {
         match self.place(index) {
             Some(place) if place & DATA == 0 => self.archive.group(place),
             _ => Err(damaged(format!("a group has no group as child {index}"))),
@@ -150,8 +162,8 @@ impl<'a> Group<'a> {
     /// Returns the bytes of data child `index`.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: the child is not data.
-    pub(super) fn data(&self, index: usize) -> Result<&'a [u8], AlembicError> {
+    /// The child is not data, or is cut off.
+    pub(super) fn data(&self, index: usize) -> Result<&'a [u8], Error> {
         match self.place(index) {
             Some(place) if place & DATA != 0 => self.archive.data(place & !DATA),
             _ => Err(damaged(format!("a group has no data as child {index}"))),
@@ -161,8 +173,8 @@ impl<'a> Group<'a> {
     /// Returns the bytes of the last child; empty if the child is a group or does not exist.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]
-    pub(super) fn last_data(&self) -> Result<&'a [u8], AlembicError> {
+    /// The child is cut off.
+    pub(super) fn last_data(&self) -> Result<&'a [u8], Error> {
         match self.len().checked_sub(1) {
             Some(last) if self.place(last).is_some_and(|place| place & DATA != 0) => {
                 self.data(last)
@@ -188,8 +200,8 @@ impl<'a> Cursor<'a> {
     /// Reads `len` bytes.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: fewer bytes are left.
-    pub(super) fn take(&mut self, len: usize) -> Result<&'a [u8], AlembicError> {
+    /// Fewer bytes are left.
+    pub(super) fn take(&mut self, len: usize) -> Result<&'a [u8], Error> {
         let (taken, left) =
             self.0.split_at_checked(len).ok_or_else(|| damaged("a list of names is cut off"))?;
         self.0 = left;
@@ -199,8 +211,8 @@ impl<'a> Cursor<'a> {
     /// Reads a number of 1, 2 or 4 bytes.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: fewer bytes are left.
-    pub(super) fn number(&mut self, bytes: usize) -> Result<usize, AlembicError> {
+    /// Fewer bytes are left.
+    pub(super) fn number(&mut self, bytes: usize) -> Result<usize, Error> {
         let mut number = [0; 4];
         number[..bytes].copy_from_slice(self.take(bytes)?);
         Ok(u32::from_le_bytes(number) as usize)
@@ -209,8 +221,8 @@ impl<'a> Cursor<'a> {
     /// Reads a text and, before it, its length, a number of `bytes` bytes.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: fewer bytes are left.
-    pub(super) fn text(&mut self, bytes: usize) -> Result<String, AlembicError> {
+    /// Fewer bytes are left.
+    pub(super) fn text(&mut self, bytes: usize) -> Result<String, Error> {
         let len = self.number(bytes)?;
         Ok(String::from_utf8_lossy(self.take(len)?).into_owned())
     }
@@ -223,8 +235,8 @@ impl Metadata {
     /// Reads the archive's table.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, AlembicError> {
+    /// The table is cut off.
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, Error> {
         let mut cursor = Cursor(bytes);
         // Entry 0 is the empty text.
         let mut table = vec![String::new()];
@@ -238,13 +250,13 @@ impl Metadata {
     /// bytes.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`]: the table does not have the index.
+    /// The table does not have the index, or the list is cut off.
     pub(super) fn of(
         &self,
         number: usize,
         cursor: &mut Cursor<'_>,
         bytes: usize,
-    ) -> Result<String, AlembicError> {
+    ) -> Result<String, Error> {
         if number == OWN_METADATA {
             return cursor.text(bytes);
         }
@@ -253,7 +265,14 @@ impl Metadata {
     }
 }
 
+/// Makes the error of a file that does not begin as a supported archive.
+pub(super) fn not_alembic(reason: impl Display) -> Error {
+    Error::damaged(format!(
+        "is no Alembic archive of Ogawa's version 1: {reason}; export it as .abc again"
+    ))
+}
+
 /// Makes the error of a contradiction.
-pub(super) fn damaged(what: impl Into<String>) -> AlembicError {
-    AlembicError::Damaged { what: what.into() }
+pub(super) fn damaged(what: impl Display) -> Error {
+    Error::damaged(format!("is damaged: {what}; export it again"))
 }

@@ -2,7 +2,7 @@
 
 use super::objects::{Compound, Numbers, Object, Sampled};
 use super::ogawa::{Metadata, damaged};
-use crate::formats::error::AlembicError;
+use crate::Error;
 use crate::formats::polygons::Polygons;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 
@@ -24,19 +24,18 @@ impl<'a> Mesh<'a> {
     /// Reads the constant parts of a mesh, and checks that its faces do not change.
     ///
     /// # Errors
-    /// [`AlembicError::NoVertices`], [`AlembicError::OtherFaces`], [`AlembicError::Damaged`] and
-    /// [`AlembicError::TooLarge`].
-    pub(super) fn read(object: &Object<'a>, metadata: &Metadata) -> Result<Self, AlembicError> {
+    /// The mesh has no vertex, its faces change, the file is damaged, or it exceeds the memory budget.
+    pub(super) fn read(object: &Object<'a>, metadata: &Metadata) -> Result<Self, Error> {
         let name = object.name.clone();
         let schema = object.properties.compound(".geom", metadata)?;
         let schema = schema.ok_or_else(|| damaged(format!("mesh {name} has no .geom")))?;
         let positions = schema.sampled("P", Numbers::F32, 3)?;
         let Some(positions) = positions else {
-            return Err(AlembicError::NoVertices { mesh: name });
+            return Err(no_vertices(&name));
         };
         let vertex_len = positions.sample(0)?.len() / POINT_BYTES;
         if vertex_len == 0 {
-            return Err(AlembicError::NoVertices { mesh: name });
+            return Err(no_vertices(&name));
         }
         let counts = constant(object, &schema, ".faceCounts")?;
         let corners = constant(object, &schema, ".faceIndices")?;
@@ -65,16 +64,20 @@ impl<'a> Mesh<'a> {
     /// Returns the positions of a frame.
     ///
     /// # Errors
-    /// [`AlembicError::OtherVertices`] and [`AlembicError::Damaged`].
+    /// The frame has another number of vertices than the first, or is damaged.
     pub(super) fn at(
         &self,
         frame: usize,
-    ) -> Result<impl Iterator<Item = [f64; 3]> + use<'a>, AlembicError> {
+    ) -> Result<impl Iterator<Item = [f64; 3]> + use<'a>, Error> {
         let bytes = self.positions.sample(frame)?;
         let (found, expected) = (bytes.len() / POINT_BYTES, self.vertex_len);
         if found != expected {
-            let mesh = self.name.clone();
-            return Err(AlembicError::OtherVertices { mesh, frame, found, expected });
+            let mesh = &self.name;
+            let error = Error::mismatch(format!(
+                "mesh {mesh} has {found} vertices, expected {expected} as in the first; export it \
+                 without modifiers that change its vertices over time"
+            ));
+            return Err(error.in_frame(frame));
         }
         Ok(points(bytes))
     }
@@ -94,8 +97,8 @@ impl<'a> Transform<'a> {
     /// Reads the `.xform` of an object.
     ///
     /// # Errors
-    /// [`AlembicError::Damaged`] and [`AlembicError::TooLarge`].
-    pub(super) fn read(object: &Object<'a>, metadata: &Metadata) -> Result<Self, AlembicError> {
+    /// The file is damaged, or exceeds the memory budget.
+    pub(super) fn read(object: &Object<'a>, metadata: &Metadata) -> Result<Self, Error> {
         let mut transform = Self { inherits: true, matrices: Vec::new(), values: None };
         let Some(schema) = object.properties.compound(".xform", metadata)? else {
             return Ok(transform);
@@ -144,6 +147,10 @@ impl<'a> Transform<'a> {
     }
 }
 
+fn no_vertices(mesh: &str) -> Error {
+    Error::missing(format!("mesh {mesh} has no vertex; leave it out, or export it with its points"))
+}
+
 fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
     let points = bytes.as_chunks::<POINT_BYTES>().0.iter();
     points.map(|&[a, b, c, d, e, f, g, h, i, j, k, l]| {
@@ -152,18 +159,18 @@ fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
 }
 
 /// Reads whole numbers and checks that they are equal in every frame; empty if the property is missing.
-fn constant(
-    object: &Object<'_>,
-    schema: &Compound<'_>,
-    name: &str,
-) -> Result<Vec<i32>, AlembicError> {
+fn constant(object: &Object<'_>, schema: &Compound<'_>, name: &str) -> Result<Vec<i32>, Error> {
     let Some(sampled) = schema.sampled(name, Numbers::I32, 1)? else { return Ok(Vec::new()) };
     let first = sampled.sample(0)?;
     for place in 1..sampled.stored_len() {
         object.properties.spend(first.len())?;
         if sampled.stored(place)? != first {
-            let (mesh, frame) = (object.name.clone(), sampled.frame(place));
-            return Err(AlembicError::OtherFaces { mesh, frame });
+            let mesh = &object.name;
+            let error = Error::mismatch(format!(
+                "mesh {mesh} has other faces than in the first; export it without modifiers that \
+                 change its faces over time"
+            ));
+            return Err(error.in_frame(sampled.frame(place)));
         }
     }
     Ok(first.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())

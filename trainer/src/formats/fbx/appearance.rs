@@ -7,15 +7,15 @@ use ufbx::{Material, Mesh, Node, Texture};
 
 use super::file::open;
 use super::meshes;
-use crate::formats::error::FormatError;
+use crate::Error;
 use crate::formats::materials::{self, Appearance, Image};
 
 /// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
 /// # Errors
-/// [`FormatError::Read`] and [`FormatError::Scene`].
-pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+/// The file cannot be read, or a part is missing or damaged.
+pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read)?;
     let scene = open(&bytes)?;
     let parts = meshes::parts(&scene, &mut Vec::new())?;
     let shown: Vec<(&Node, &Mesh)> =

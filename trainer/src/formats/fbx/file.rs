@@ -1,6 +1,6 @@
 //! Opens an FBX file with ufbx, and converts the types of ufbx.
 
-use crate::formats::error::SceneError;
+use crate::Error;
 use crate::space::{SpaceRequest, direction};
 use nalgebra::Matrix4;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -19,7 +19,7 @@ const MEMORY_MOST: usize = 4 << 30;
 const DEPTH_MOST: u32 = 4096;
 
 /// Parses a file, within limits of memory and depth.
-pub(super) fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {
+pub(super) fn open(bytes: &[u8]) -> Result<SceneRoot, Error> {
     let memory_limit = bytes.len().saturating_mul(MEMORY_A_BYTE).clamp(MEMORY_LEAST, MEMORY_MOST);
     let allocator = || AllocatorOpts { memory_limit, ..Default::default() };
     let options = LoadOpts {
@@ -66,8 +66,11 @@ pub(super) fn space(settings: &SceneSettings) -> Space {
 }
 
 /// Converts an error of ufbx.
-pub(super) fn fault(error: ufbx::Error) -> SceneError {
-    SceneError::Fbx { reason: error.description.to_lowercase() }
+pub(super) fn fault(error: ufbx::Error) -> Error {
+    let reason = error.description.to_lowercase();
+    Error::damaged(format!(
+        "is no FBX file that can be read: {reason}; export it again as binary FBX"
+    ))
 }
 
 /// Converts a matrix of ufbx.

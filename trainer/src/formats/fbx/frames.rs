@@ -2,8 +2,9 @@
 
 use super::file::{fault, matrix};
 use super::meshes::{MeshPart, WEIGHT, channels, is_shaped, skin};
-use crate::formats::error::{FormatWarning, SceneError};
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, samples, unique_names};
+use crate::Error;
+use crate::formats::FormatWarning;
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples, unique_names};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod};
@@ -31,7 +32,7 @@ pub(super) fn takes(
     parts: &[MeshPart],
     sampling: &Sampling<'_>,
     warnings: &mut Vec<FormatWarning>,
-) -> Result<Vec<Take>, SceneError> {
+) -> Result<Vec<Take>, Error> {
     let name = |stack: &AnimStack| stack.element.name.to_string();
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
@@ -59,7 +60,7 @@ pub(super) fn takes(
     }
     if takes.is_empty() {
         tracked.check_constraints(scene, &vec![false; scene.elements.len()])?;
-        return Err(SceneError::NothingMoves { clips: still });
+        return Err(faults::nothing_moves(&still));
     }
     if !still.is_empty() {
         warnings.push(FormatWarning::IdleClips { clips: still });
@@ -84,7 +85,7 @@ pub(super) fn posed(
     takes: &[Take],
     nodes: &[usize],
     parts: Option<&[MeshPart]>,
-) -> Result<Posed, SceneError> {
+) -> Result<Posed, Error> {
     if takes.is_empty() {
         let joints = nodes.iter().map(|&node| matrix(&scene.nodes[node].node_to_world)).collect();
         return Ok(Posed { joints, shapes: None, morphs: false });
@@ -103,7 +104,7 @@ pub(super) fn posed(
         Ok((joints.collect::<Vec<_>>(), shape, morphs))
     };
     let moments: Vec<_> = moments.collect();
-    let frames: Vec<Result<_, SceneError>> = moments.par_iter().map(pose).collect();
+    let frames: Vec<Result<_, Error>> = moments.par_iter().map(pose).collect();
     let mut all = Posed { joints: Vec::new(), shapes: parts.map(|_| Vec::new()), morphs: false };
     for frame in frames {
         let (joints, shape, morphs) = frame?;
@@ -144,7 +145,7 @@ pub(super) fn find_joints(
     scene: &Scene,
     parts: &[MeshPart],
     warnings: &mut Vec<FormatWarning>,
-) -> Result<Joints, SceneError> {
+) -> Result<Joints, Error> {
     let mut binds = vec![None; scene.nodes.len()];
     for part in parts {
         bind(scene, part, &mut binds)?;
@@ -161,7 +162,10 @@ pub(super) fn find_joints(
     }
     let mut nodes: Vec<usize> = (0..scene.nodes.len()).filter(|&place| is_joint[place]).collect();
     if nodes.is_empty() {
-        return Err(SceneError::NoJoint);
+        return Err(Error::missing(
+            "has no joint: no skin names one and no node is a bone; export the skeleton with the mesh, \
+             and in Blender its armature too",
+        ));
     }
     // ufbx sorts nodes by depth. Other readers of the format use the order of the file.
     nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
@@ -208,25 +212,25 @@ pub(super) fn bind(
     scene: &Scene,
     part: &MeshPart,
     binds: &mut [Option<Matrix4<f64>>],
-) -> Result<(), SceneError> {
+) -> Result<(), Error> {
     let mesh = &scene.meshes[part.mesh];
-    let name = || scene.nodes[part.node].element.name.to_string();
+    let name = &scene.nodes[part.node].element.name;
     let rest = matrix(&part.rest);
     let corners = box_corners(mesh).map(|corner| rest * corner);
     let size = (corners[7] - corners[0]).norm();
     for cluster in skin(mesh).into_iter().flat_map(|skin| &skin.clusters) {
         let Some(node) = &cluster.bone_node else { continue };
-        let joint = || node.element.name.to_string();
+        let joint = &node.element.name;
         // Not the cluster's own bind frame, which may differ from that of the mesh's first cluster. The transform from
         // the mesh to the joint poses the mesh.
         let bind = matrix(&cluster.geometry_to_bone).try_inverse().map(|back| rest * back);
         let Some(bind) = bind.filter(|bind| bind.determinant() != 0.0) else {
-            return Err(SceneError::SingularBind { joint: joint() });
+            return Err(faults::singular_bind(joint));
         };
         let kept = binds[node.element.typed_id as usize].get_or_insert(bind);
         let distance = bind_distance(kept, &bind, &corners);
         if distance.is_nan() || distance > BIND_SLACK * size {
-            return Err(SceneError::OtherBind { joint: joint(), mesh: name() });
+            return Err(faults::other_bind(name, joint));
         }
     }
     Ok(())
@@ -304,14 +308,16 @@ impl Tracked {
     }
 
     /// Refuses a constraint on a node that places a joint and has no keys.
-    fn check_constraints(&self, scene: &Scene, keyed: &[bool]) -> Result<(), SceneError> {
+    fn check_constraints(&self, scene: &Scene, keyed: &[bool]) -> Result<(), Error> {
         for constraint in scene.constraints.into_iter().filter(|constraint| constraint.active) {
             let Some(node) = &constraint.node else { continue };
             let element = node.element.element_id as usize;
             if self.placed[element] && !keyed[element] {
-                let joint = node.element.name.to_string();
-                let constraint = constraint.element.name.to_string();
-                return Err(SceneError::Constrained { joint, constraint });
+                let (joint, constraint) = (&node.element.name, &constraint.element.name);
+                return Err(Error::unsupported(format!(
+                    "joint {joint} has no keys but a constraint, {constraint}, which is not evaluated; bake the \
+                     animation of the joints to keys at every frame"
+                )));
             }
         }
         Ok(())

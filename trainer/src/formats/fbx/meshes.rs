@@ -1,9 +1,11 @@
 //! Meshes of a scene: joined into one, with the attributes of their corners and their blendshapes.
 
 use super::file::{open, space};
-use crate::formats::error::{FormatError, FormatWarning, SceneError};
+use crate::Error;
+use crate::formats::FormatWarning;
 use crate::formats::mesh::ShapedMesh;
 use crate::formats::polygons::Polygons;
+use crate::formats::scene::faults;
 use crate::mesh::{Corners, EngineMesh};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -36,13 +38,12 @@ pub(super) struct Geometry {
 pub(super) fn parts(
     scene: &Scene,
     warnings: &mut Vec<FormatWarning>,
-) -> Result<Vec<MeshPart>, SceneError> {
-    let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
-    let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
+) -> Result<Vec<MeshPart>, Error> {
+    let shown: Vec<(&Node, &Mesh)> = shown(scene).collect();
     if shown.is_empty() {
         // The root node always exists.
         let is_empty = scene.nodes.len() < 2;
-        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh });
+        return Err(if is_empty { faults::empty() } else { faults::no_mesh() });
     }
     let (skinned, other): (Vec<_>, Vec<_>) =
         shown.iter().copied().partition(|(_, mesh)| !mesh.skin_deformers.is_empty());
@@ -55,6 +56,12 @@ pub(super) fn parts(
         warnings.push(FormatWarning::UnskinnedMeshes { meshes });
     }
     skinned.into_iter().map(|(node, mesh)| bound_part(node, mesh)).collect()
+}
+
+/// Lists the meshes with vertices, and the nodes that show them.
+pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = (&Node, &Mesh)> {
+    let all = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
+    all.filter(|(_, mesh)| mesh.num_vertices > 0)
 }
 
 /// Joins the parts, in their order.
@@ -160,13 +167,12 @@ pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
 /// Channels of one name on several meshes become one shape. A channel with in-between shapes gives its last shape.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    Ok(parse_shapes(&bytes)?)
+/// The file cannot be read, or a part is missing or damaged.
+pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, Error> {
+    parse_shapes(&std::fs::read(path).map_err(Error::read)?)
 }
 
-pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
+pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, Error> {
     let scene = open(bytes)?;
     let mut out = ShapedMesh { space: space(&scene.settings), ..ShapedMesh::default() };
     let mut left_out = Vec::new();
@@ -220,7 +226,7 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
         }
     }
     if out.shapes.is_empty() {
-        return Err(SceneError::NoShapes);
+        return Err(faults::no_shapes());
     }
     out.shapes.iter_mut().for_each(|shape| shape.deltas.resize(out.positions.len(), [0.0; 3]));
     if !has_uv || out.uv.is_empty() {
@@ -276,15 +282,19 @@ fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
 }
 
 /// Makes a part of a skinned mesh. Its bind frame places the part, whatever its node does.
-fn bound_part(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
-    let name = || node.element.name.to_string();
+fn bound_part(node: &Node, mesh: &Mesh) -> Result<MeshPart, Error> {
+    let name = &node.element.name;
     let found = mesh.skin_deformers.len();
     if found > 1 {
-        return Err(SceneError::SeveralSkins { mesh: name(), found });
+        return Err(Error::unsupported(format!(
+            "mesh {name} has {found} skins, expected one; bake them into one skin cluster"
+        )));
     }
     let clusters = skin(mesh).into_iter().flat_map(|skin| &skin.clusters);
     let Some(cluster) = clusters.into_iter().find(|cluster| cluster.bone_node.is_some()) else {
-        return Err(SceneError::EmptySkin { mesh: name() });
+        return Err(Error::missing(format!(
+            "the skin of mesh {name} has no joint; bind it again, or export its joints with it"
+        )));
     };
     let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
     Ok(part(node, mesh, rest))

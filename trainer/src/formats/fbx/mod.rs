@@ -12,13 +12,15 @@ mod tests;
 
 pub(crate) use meshes::read_shapes;
 
-use super::error::{FormatError, SceneError};
 use super::mesh::{Mesh, MeshFile};
 use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, bound};
+use crate::Error;
 use file::{open, space};
 use frames::{Joints, Posed, at_rest, bind, node_names, upwards};
 use meshes::Geometry;
+use nalgebra::Matrix4;
 use std::path::Path;
+use ufbx::Scene;
 
 /// Reads a scene.
 ///
@@ -29,19 +31,18 @@ use std::path::Path;
 /// skin, or if a point cache outside the file deforms a mesh.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`], which names the missing part and what to export.
-pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    Ok(parse(&bytes, sampling)?)
+/// The file cannot be read, or a part is missing or damaged: the error says what to export.
+pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
+    parse(&std::fs::read(path).map_err(Error::read)?, sampling)
 }
 
 /// Reads the meshes of a file as one mesh: skinned meshes in their bind pose; without any skin, all meshes as their
 /// nodes place them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+/// The file cannot be read, or a part is missing or damaged.
+pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read)?;
     let scene = open(&bytes)?;
     let mut warnings = Vec::new();
     let parts = meshes::parts(&scene, &mut warnings)?;
@@ -54,26 +55,20 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
 /// Reads the motion of the nodes that are joints of a character, by name.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+/// The file cannot be read, or a part is missing or damaged.
 pub(crate) fn read_motion(
     path: &Path,
     character: &[String],
     joint_names: &JointNames<'_>,
     sampling: &Sampling<'_>,
-) -> Result<Motion, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+) -> Result<Motion, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read)?;
     let scene = open(&bytes)?;
     let mut binds = vec![None; scene.nodes.len()];
     for part in meshes::parts(&scene, &mut Vec::new()).unwrap_or_default() {
         bind(&scene, &part, &mut binds)?;
     }
-    let is_bone = |node: usize| scene.nodes[node].bone.is_some() || binds[node].is_some();
-    let (labels, _) = node_names(&scene, is_bone);
-    let shows = |node: usize| scene.nodes[node].mesh.is_some();
-    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows(node)).collect();
-    candidates.sort_by_key(|&node| !is_bone(node));
-    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
-    let joints = MotionJoints::find(candidates, character, joint_names)?;
+    let joints = MotionJoints::find(candidates(&scene, &binds), character, joint_names)?;
     let found = &joints.nodes;
     let mut warnings = Vec::new();
     let takes = frames::takes(&scene, found, &[], sampling, &mut warnings)?;
@@ -91,7 +86,32 @@ pub(crate) fn read_motion(
     })
 }
 
-fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, SceneError> {
+/// Returns the names of the nodes that may be joints, if a file shows nodes but no mesh. `None` also for a file that
+/// cannot be read.
+pub(crate) fn joints_alone(path: &Path) -> Option<Vec<String>> {
+    let scene = open(&std::fs::read(path).ok()?).ok()?;
+    // The root node always exists.
+    if meshes::shown(&scene).next().is_some() || scene.nodes.len() < 2 {
+        return None;
+    }
+    let all = candidates(&scene, &vec![None; scene.nodes.len()]);
+    Some(all.into_iter().map(|(_, name)| name).collect())
+}
+
+/// Lists the nodes that may be joints, with unique names; bones and joints of skins come first.
+///
+/// - `binds`: bind frames of the nodes that are joints of skins.
+fn candidates(scene: &Scene, binds: &[Option<Matrix4<f64>>]) -> Vec<(usize, String)> {
+    let is_bone = |node: usize| scene.nodes[node].bone.is_some() || binds[node].is_some();
+    let (labels, _) = node_names(scene, is_bone);
+    let shows = |node: usize| scene.nodes[node].mesh.is_some();
+    let mut all: Vec<_> =
+        labels.into_iter().enumerate().filter(|(node, _)| !shows(*node)).collect();
+    all.sort_by_key(|(node, _)| !is_bone(*node));
+    all
+}
+
+fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
     let scene = open(bytes)?;
     let mut warnings = Vec::new();
     let parts = meshes::parts(&scene, &mut warnings)?;

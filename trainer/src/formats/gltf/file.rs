@@ -1,7 +1,8 @@
 //! A glTF file, its buffers, and the arrays and triangles in them.
 
-use crate::formats::error::{FormatError, FormatWarning, SceneError};
-use crate::formats::extension::unmarked;
+use crate::Error;
+use crate::formats::FormatWarning;
+use crate::formats::extension::{empty_file, unmarked};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::accessor::DataType;
@@ -14,6 +15,7 @@ use gltf::{Document, Primitive};
 use percent_encoding::percent_decode_str;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Bytes of a binary file's header: magic, version and total length.
@@ -53,30 +55,29 @@ impl Parsed {
 }
 
 /// Reads a file and its buffers, embedded or in files beside it.
-pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
-    Ok(parse(&read(path)?, path)?)
+pub(super) fn open(path: &Path) -> Result<Parsed, Error> {
+    parse(&read(path)?, path)
 }
 
 /// Reads the bytes of a file; an empty file is an error.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    if bytes.is_empty() { Err(FormatError::Empty) } else { Ok(bytes) }
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read)?;
+    if bytes.is_empty() { Err(empty_file()) } else { Ok(bytes) }
 }
 
 /// Parses the bytes of a file and reads its buffers, embedded or in files beside it.
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, Error> {
     check_whole(bytes)?;
     let mut tree = tree(bytes)?;
     let untargeted = drop_untargeted(&mut tree);
     state_nodes(&mut tree);
-    let mut json: gltf::json::Root = serde_json::from_value(Value::Object(tree))
-        .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
+    let mut json: gltf::json::Root =
+        serde_json::from_value(Value::Object(tree)).map_err(not_gltf)?;
     check_indices(&json)?;
     check_extensions(&json)?;
     // The library refuses every extension that it does not know, even a harmless one.
     json.extensions_required.clear();
-    let document = Document::from_json(json)
-        .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
+    let document = Document::from_json(json).map_err(not_gltf)?;
     let mut blob = chunks(bytes)?.1.map(Cow::into_owned);
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
@@ -89,7 +90,8 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
             found if found < expected => Err(format!("expected {expected} bytes, found {found}")),
             _ => Ok(bytes),
         });
-        let damaged = |reason| SceneError::Buffer { buffer: buffer.index(), reason };
+        let damaged =
+            |reason: String| Error::damaged(format!("buffer {}: {reason}", buffer.index()));
         buffers.push(bytes.map_err(damaged)?);
     }
     Ok(Parsed { document, buffers, untargeted })
@@ -98,10 +100,10 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
 /// Returns the JSON of a file; `bytes` is as for [`parse`].
 ///
 /// # Errors
-/// [`SceneError::NotGltf`]
-pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
+/// The file is not glTF 2.0.
+pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, Error> {
     let (json, _) = chunks(bytes)?;
-    serde_json::from_slice(&json).map_err(|error| SceneError::NotGltf { reason: error.to_string() })
+    serde_json::from_slice(&json).map_err(not_gltf)
 }
 
 /// Makes a name for a clip that has none.
@@ -132,13 +134,14 @@ pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
 /// normalised integers are scaled to [0, 1] or [-1, 1].
 ///
 /// # Errors
-/// [`SceneError::Accessor`]: the elements have another width, or lie outside their buffer.
+/// The elements have another width, or lie outside their buffer.
 pub(super) fn numbers(
     accessor: &gltf::Accessor<'_>,
     buffers: &Buffers,
     width: usize,
-) -> Result<Vec<f64>, SceneError> {
-    let damaged = |reason| SceneError::Accessor { accessor: accessor.index(), reason };
+) -> Result<Vec<f64>, Error> {
+    let damaged =
+        |reason: String| Error::damaged(format!("accessor {} {reason}", accessor.index()));
     let found = accessor.dimensions().multiplicity();
     if found != width {
         return Err(damaged(format!("has {found} components an element, expected {width}")));
@@ -187,14 +190,13 @@ pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
 /// the largest index of the index type restarts a strip or fan.
 ///
 /// # Errors
-/// [`SceneError::Accessor`]; [`SceneError::NoSuch`]: a vertex does not exist; [`SceneError::Count`]: the list ends
-/// within a triangle.
+/// The indices cannot be read, a vertex does not exist, or the list ends within a triangle.
 pub(super) fn triangles(
     primitive: &Primitive<'_>,
     buffers: &Buffers,
     vertex_len: usize,
     place: impl Fn() -> String,
-) -> Result<Vec<[usize; 3]>, SceneError> {
+) -> Result<Vec<[usize; 3]>, Error> {
     let mode = primitive.mode();
     let indices = primitive.indices();
     let restart = indices.as_ref().and_then(|indices| restart(indices.data_type()));
@@ -205,14 +207,13 @@ pub(super) fn triangles(
     let is_restart = |corner: &usize| mode != Mode::Triangles && Some(*corner) == restart;
     let missing = |corner: &&usize| **corner >= vertex_len && !is_restart(corner);
     if let Some(&found) = corners.iter().find(missing) {
-        return Err(SceneError::NoSuch { place: place(), what: "vertex", found, len: vertex_len });
+        return Err(no_such(place(), "vertex", found, vertex_len));
     }
     if mode == Mode::Triangles {
         let (triangles, rest) = corners.as_chunks::<3>();
         if !rest.is_empty() {
             let (expected, found) = (3 * triangles.len(), corners.len());
-            let what = "corners in whole triangles";
-            return Err(SceneError::Count { place: place(), what, expected, found });
+            return Err(other_count(place(), "corners in whole triangles", expected, found));
         }
         return Ok(triangles.to_vec());
     }
@@ -233,20 +234,15 @@ pub(super) fn triangles(
 type Chunk<'a> = Cow<'a, [u8]>;
 
 /// Returns the JSON of a file, and the binary chunk if the file has one.
-fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
+fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), Error> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
     }
-    let not_gltf = |error: gltf::Error| {
-        let reason = match error {
-            gltf::Error::Binary(gltf::binary::Error::Io(_)) => {
-                "its chunks are cut short".to_owned()
-            }
-            other => other.to_string(),
-        };
-        SceneError::NotGltf { reason }
+    let damaged = |error: gltf::Error| match error {
+        gltf::Error::Binary(gltf::binary::Error::Io(_)) => not_gltf("its chunks are cut short"),
+        other => not_gltf(other),
     };
-    let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(not_gltf)?;
+    let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(damaged)?;
     Ok((json, bin))
 }
 
@@ -280,31 +276,32 @@ fn state_nodes(tree: &mut Map<String, Value>) {
 }
 
 /// Checks that a file begins as glTF, and that a binary file is as long as its header says.
-fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
+fn check_whole(bytes: &[u8]) -> Result<(), Error> {
     if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
         let text = unmarked(bytes).trim_ascii_start();
-        let reason = || "it begins neither with glTF nor, as JSON, with a brace".to_owned();
         return match text.first() {
             Some(b'{') => Ok(()),
-            _ => Err(SceneError::NotGltf { reason: reason() }),
+            _ => Err(not_gltf("it begins neither with glTF nor, as JSON, with a brace")),
         };
     }
     let len = bytes.get(8..HEADER_BYTES).unwrap_or_default();
     let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
     match (expected.max(HEADER_BYTES), bytes.len()) {
-        (expected, found) if found < expected => Err(SceneError::CutShort { expected, found }),
+        (expected, found) if found < expected => Err(Error::damaged(format!(
+            "is cut short: expected at least {expected} bytes, found {found}; export it, or copy it, again"
+        ))),
         _ => Ok(()),
     }
 }
 
 /// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
 /// checking that they exist, and never checks the target and sampler of a channel.
-fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
+fn check_indices(json: &gltf::json::Root) -> Result<(), Error> {
     let check = |place: String, what, len: usize, found: usize| {
         if found < len {
             return Ok(());
         }
-        Err(SceneError::NoSuch { place, what, found, len })
+        Err(no_such(place, what, found, len))
     };
     for (number, mesh) in json.meshes.iter().enumerate() {
         for accessor in mesh.primitives.iter().flat_map(|p| p.attributes.values()) {
@@ -317,8 +314,7 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
         for channel in &animation.channels {
             check(place(), "node", json.nodes.len(), channel.target.node.value())?;
             if channel.target.path == Checked::Invalid {
-                let reason = format!("animation {number} animates an unknown property");
-                return Err(SceneError::NotGltf { reason });
+                return Err(not_gltf(format!("animation {number} animates an unknown property")));
             }
             check(place(), "sampler", animation.samplers.len(), channel.sampler.value())?;
         }
@@ -326,12 +322,34 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
+fn check_extensions(json: &gltf::json::Root) -> Result<(), Error> {
     let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));
     match json.extensions_required.iter().find(|name| !harmless(name)) {
         None => Ok(()),
-        Some(name) => Err(SceneError::Extension { name: name.clone() }),
+        Some(name) => Err(unread_extension(name)),
     }
+}
+
+/// Makes the error for a required extension that is not supported.
+pub(super) fn unread_extension(name: &str) -> Error {
+    Error::unsupported(format!(
+        "needs the glTF extension {name}, which is not read: export without compression, and without \
+         instancing"
+    ))
+}
+
+/// Makes the error for two counts that must agree but differ.
+pub(super) fn other_count(place: impl Display, what: &str, expected: usize, found: usize) -> Error {
+    Error::mismatch(format!("{place}: expected {expected} {what}, found {found}"))
+}
+
+/// Makes the error for an index of an item that does not exist; there are `len` items.
+pub(super) fn no_such(place: impl Display, what: &str, found: usize, len: usize) -> Error {
+    Error::damaged(format!("{place} names {what} {found} of {len}"))
+}
+
+fn not_gltf(reason: impl Display) -> Error {
+    Error::damaged(format!("is no glTF 2.0: {reason}"))
 }
 
 /// A range of elements in a buffer view.

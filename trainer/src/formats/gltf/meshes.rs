@@ -1,7 +1,8 @@
 //! The meshes of a glTF file, joined into one, and their vertices welded by position.
 
-use super::file::{Buffers, is_surface, numbers, triangles};
-use crate::formats::error::{FormatWarning, SceneError};
+use super::file::{Buffers, is_surface, numbers, other_count, triangles};
+use crate::Error;
+use crate::formats::FormatWarning;
 use crate::mesh::EngineMesh;
 use gltf::{Document, Mesh, Node, Primitive, Semantic};
 use nalgebra::Vector3;
@@ -61,14 +62,14 @@ impl Meshes {
     /// Reads the meshes of the shown nodes, in the order of the nodes.
     ///
     /// # Errors
-    /// [`SceneError::NoTriangles`] if all meshes consist of points and lines, [`SceneError::Accessor`] and
-    /// [`SceneError::Count`].
+    /// All meshes consist of points and lines, an accessor cannot be read, counts of attributes differ, or a joint
+    /// weight is not finite.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
         shown: impl Fn(usize) -> bool,
         wanted: Wanted,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, Error> {
         let mut all = Self {
             instances: Vec::new(),
             positions: Vec::new(),
@@ -94,7 +95,9 @@ impl Meshes {
             if let Some(other) = mesh.primitives().find(|primitive| !is_surface(primitive)) {
                 all.with_lines.push(name.clone());
                 let mode = format!("{:?}", other.mode()).to_lowercase();
-                no_triangles = Some(SceneError::NoTriangles { mesh: name.clone(), mode });
+                no_triangles = Some(Error::unsupported(format!(
+                    "mesh {name} is made of {mode}: export it as triangles"
+                )));
             }
             if !has_surface(&mesh) {
                 continue;
@@ -136,11 +139,11 @@ impl Meshes {
         instance: &mut Instance,
         buffers: &Buffers,
         wanted: Wanted,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Error> {
         let place = || format!("mesh {}", instance.name);
         let count = |what, expected, found| match expected == found {
             true => Ok(()),
-            false => Err(SceneError::Count { place: place(), what, expected, found }),
+            false => Err(other_count(place(), what, expected, found)),
         };
         let read = |semantic, width| {
             let accessor = primitive.get(&semantic);
@@ -187,8 +190,11 @@ impl Meshes {
             let sets = joints.as_chunks::<4>().0.iter().zip(weights.as_chunks::<4>().0);
             for (vertex, (all, (joints, weights))) in influences.iter_mut().zip(sets).enumerate() {
                 if let Some(&number) = weights.iter().find(|weight| !weight.is_finite()) {
-                    let (mesh, vertex) = (instance.name.clone(), base - instance.first + vertex);
-                    return Err(SceneError::Weight { mesh, vertex, number });
+                    let (mesh, vertex) = (&instance.name, base - instance.first + vertex);
+                    return Err(Error::value(format!(
+                        "mesh {mesh}: vertex {vertex} has the joint weight {number}, expected a finite number: \
+                         normalize the weights and export again"
+                    )));
                 }
                 let pairs = joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
                 all.extend(pairs.map(|(&joint, &weight)| (joint as usize, weight)));
@@ -247,14 +253,14 @@ pub(super) enum Attribute {
 /// primitive lacks the attribute.
 ///
 /// # Errors
-/// [`SceneError::Accessor`] and [`SceneError::Count`].
+/// An accessor cannot be read, or the counts of an attribute and its displacements differ.
 pub(super) fn shaped(
     primitive: &Primitive<'_>,
     attribute: Attribute,
     weights: &[f64],
     buffers: &Buffers,
     place: impl Fn() -> String,
-) -> Result<Vec<[f64; 3]>, SceneError> {
+) -> Result<Vec<[f64; 3]>, Error> {
     let semantic = match attribute {
         Attribute::Positions => Semantic::Positions,
         Attribute::Normals => Semantic::Normals,
@@ -270,8 +276,7 @@ pub(super) fn shaped(
         let by = numbers(&displaced, buffers, 3)?;
         let (expected, found) = (3 * all.len(), by.len());
         if expected != found {
-            let what = "displacements";
-            return Err(SceneError::Count { place: place(), what, expected, found });
+            return Err(other_count(place(), "displacements", expected, found));
         }
         for (own, by) in all.iter_mut().zip(by.as_chunks().0) {
             let sum = Vector3::from(*own) + Vector3::from(*by) * weight;

@@ -9,10 +9,14 @@ mod skins;
 mod tests;
 pub(crate) mod write;
 
-use super::error::{FormatError, FormatWarning, SceneError};
+use super::FormatWarning;
 use super::mesh::{Mesh, MeshFile, ShapedMesh};
 use super::posed_meshes::{Part, PosedMeshes};
-use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, bound, unique_names};
+use super::scene::{
+    JointNames, Motion, MotionJoints, SampledScene, Sampling, bound, faults, unique_names,
+};
+use crate::Error;
+use ::gltf::Document;
 use file::Parsed;
 use meshes::{Meshes, Wanted, Welded};
 use nalgebra::{Matrix4, Vector3};
@@ -21,14 +25,14 @@ use rayon::prelude::*;
 use rigged::shown_meshes;
 use serde_json::Value;
 use sinew_runtime::format::Space;
-use skins::{Scene, Skins, move_mesh, normal_matrix};
+use skins::{Scene, Skins, move_mesh, no_skin, normal_matrix};
 use std::path::Path;
 
 /// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
+/// The file cannot be read, or a part is missing or damaged.
+pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
     let parsed = file::open(path)?;
     let Parsed { document, buffers, .. } = &parsed;
     let nodes = Nodes::read(document)?;
@@ -37,11 +41,10 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     let mut meshes = Meshes::read(document, buffers, |node| shown[node], wanted)?;
     if meshes.instances.is_empty() {
         return Err(match meshes.unskinned.is_empty() {
-            _ if !shown.contains(&true) => SceneError::Empty,
-            true => SceneError::NoMesh,
-            false => SceneError::NoSkin,
-        }
-        .into());
+            _ if !shown.contains(&true) => faults::empty(),
+            true => faults::no_mesh(),
+            false => no_skin(),
+        });
     }
     let skins = Skins::read(document, buffers, &nodes, &mut meshes, !sampling.shapes)?;
     let mut warnings = Vec::from_iter(skins.neutral(&nodes, &meshes));
@@ -96,9 +99,8 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
 /// node.
 ///
 /// # Errors
-/// As [`read`], except for meshes without a skin; [`SceneError::StillShapes`] if no morph target plays and no mesh has
-/// a skin.
-pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
+/// As [`read`], except that meshes may lack a skin. Also: no animation plays a morph target, and no mesh has a skin.
+pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, Error> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
@@ -106,13 +108,17 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
     if meshes.instances.is_empty() {
         let is_empty = !shown.contains(&true);
-        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh }.into());
+        return Err(if is_empty { faults::empty() } else { faults::no_mesh() });
     }
     let skins = Skins::read(&document, &buffers, &nodes, &mut meshes, false)?;
     let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
     let plays = scene.animations.iter().any(|clip| clip.shapes(|node| scene.shows(node)));
     if !plays && skins.joints.is_empty() {
-        return Err(SceneError::StillShapes.into());
+        return Err(Error::missing(
+            "has neither a skin nor morph targets that an animation plays, and so no shapes to learn: \
+             export the shapes' keys with the animation, or give the posed meshes as .abc, .pc2, .mdd, .npz \
+             or numbered .obj",
+        ));
     }
     let instances = &scene.meshes.instances;
     let unskinned = instances.iter().filter(|instance| instance.skin.is_none());
@@ -142,8 +148,8 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
 /// nodes place them.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
+/// The file cannot be read, or a part is missing or damaged.
+pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, Error> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
@@ -153,7 +159,7 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
     let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
     if meshes.instances.is_empty() {
         let is_empty = !shown.contains(&true);
-        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh }.into());
+        return Err(if is_empty { faults::empty() } else { faults::no_mesh() });
     }
     Skins::read(&document, &buffers, &nodes, &mut meshes, true)?;
     let worlds = nodes.worlds(&nodes.locals);
@@ -179,46 +185,30 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
 /// A mesh with a skin is in its bind pose; another mesh is placed by its node.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
-pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
-    let bytes = file::read(path)?;
-    Ok(parse_shapes(&bytes, path)?)
+/// The file cannot be read, or a part is missing or damaged.
+pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, Error> {
+    parse_shapes(&file::read(path)?, path)
 }
 
 /// Reads the motion of the nodes that are joints of a character, by name.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] for missing or damaged parts.
+/// The file cannot be read, or a part is missing or damaged.
 pub(crate) fn read_motion(
     path: &Path,
     character: &[String],
     names: &JointNames<'_>,
     sampling: &Sampling<'_>,
-) -> Result<Motion, FormatError> {
+) -> Result<Motion, Error> {
     let parsed = file::open(path)?;
     let Parsed { document, buffers, .. } = &parsed;
     let nodes = Nodes::read(document)?;
     if nodes.names.is_empty() {
-        return Err(SceneError::Empty.into());
+        return Err(faults::empty());
     }
     // Skins that disagree have no common bind pose; the nodes then give the rest pose.
     let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
-    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
-    // Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the
-    // joint counts.
-    let below = |node: usize, other: &usize| {
-        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
-        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
-    };
-    let is_joint = |node: usize| match skins.joints.is_empty() {
-        false => skins.joints.contains(&node),
-        true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
-    };
-    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
-    let mut candidates: Vec<usize> = (0..labels.len()).filter(|&node| !shows[node]).collect();
-    candidates.sort_by_key(|&node| !is_joint(node));
-    let candidates = candidates.into_iter().map(|node| (node, labels[node].as_str()));
-    let joints = MotionJoints::find(candidates, character, names)?;
+    let joints = MotionJoints::find(candidates(document, &nodes, &skins), character, names)?;
     let wanted = Wanted { skinned_only: true, default_shape: true };
     let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
     let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
@@ -246,7 +236,43 @@ pub(crate) fn read_motion(
     })
 }
 
-fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
+/// Returns the names of the nodes that may be joints, if a file shows nodes but no mesh with a skin. `None` also for a
+/// file that cannot be read.
+pub(crate) fn joints_alone(path: &Path) -> Option<Vec<String>> {
+    let Parsed { document, buffers, .. } = file::open(path).ok()?;
+    let nodes = Nodes::read(&document).ok()?;
+    let shown = nodes.shown(&document);
+    let wanted = Wanted { skinned_only: true, default_shape: true };
+    let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted).ok()?;
+    if !meshes.instances.is_empty() || !shown.contains(&true) {
+        return None;
+    }
+    let skins = Skins::all(&document, &buffers, &nodes).unwrap_or_default();
+    Some(candidates(&document, &nodes, &skins).into_iter().map(|(_, name)| name).collect())
+}
+
+/// Lists the nodes that may be joints, with unique names; joints of skins come first.
+///
+/// Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the joint
+/// counts.
+fn candidates(document: &Document, nodes: &Nodes, skins: &Skins) -> Vec<(usize, String)> {
+    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
+    let below = |node: usize, other: &usize| {
+        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
+        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
+    };
+    let is_joint = |node: usize| match skins.joints.is_empty() {
+        false => skins.joints.contains(&node),
+        true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
+    };
+    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
+    let mut all: Vec<_> =
+        labels.into_iter().enumerate().filter(|(node, _)| !shows[*node]).collect();
+    all.sort_by_key(|(node, _)| !is_joint(*node));
+    all
+}
+
+fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
     let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
     let tree = file::tree(bytes)?;
     let nodes = Nodes::read(&document)?;
@@ -258,7 +284,7 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
         (0..meshes.instances.len()).partition(|&at| !meshes.instances[at].morphs.is_empty());
     if shaped.is_empty() {
         let is_empty = !shown.contains(&true);
-        return Err(if is_empty { SceneError::Empty } else { SceneError::NoShapes });
+        return Err(if is_empty { faults::empty() } else { faults::no_shapes() });
     }
     let mut out = ShapedMesh { space: Space::GLTF, is_split: true, ..ShapedMesh::default() };
     out.warnings.extend(meshes.warnings());

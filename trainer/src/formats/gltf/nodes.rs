@@ -1,7 +1,8 @@
 //! The nodes of a glTF file, a forest of local transforms, and the animations that move them.
 
-use super::file::{Buffers, numbers, unnamed_clip};
-use crate::formats::error::SceneError;
+use super::file::{Buffers, numbers, other_count, unnamed_clip};
+use crate::Error;
+use crate::formats::scene::faults;
 use gltf::animation::{Interpolation, Property};
 use gltf::{Animation, Document};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -38,14 +39,17 @@ impl Nodes {
     /// Reads the nodes.
     ///
     /// # Errors
-    /// [`SceneError::NoTree`]
-    pub(super) fn read(document: &Document) -> Result<Self, SceneError> {
+    /// The nodes do not form a tree.
+    pub(super) fn read(document: &Document) -> Result<Self, Error> {
         let name = |node: gltf::Node<'_>| match node.name() {
             Some(name) => name.to_owned(),
             None => format!("node {}", node.index()),
         };
         let names: Vec<String> = document.nodes().map(name).collect();
-        let no_tree = |node: usize| SceneError::NoTree { node: names[node].clone() };
+        let no_tree = |node: usize| {
+            let node = &names[node];
+            Error::damaged(format!("node {node} has two parents or is its own ancestor"))
+        };
         let mut parents = vec![None; names.len()];
         for node in document.nodes() {
             for child in node.children() {
@@ -132,12 +136,12 @@ impl ClipKeys {
     /// Reads every animation.
     ///
     /// # Errors
-    /// [`SceneError::Accessor`] and [`SceneError::Count`].
-    pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<Vec<Self>, SceneError> {
+    /// An accessor cannot be read, counts of keys and values differ, or key times are not ascending.
+    pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<Vec<Self>, Error> {
         document.animations().map(|animation| Self::read_one(&animation, buffers)).collect()
     }
 
-    fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
+    fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, Error> {
         let name = match animation.name() {
             Some(name) => name.to_owned(),
             None => unnamed_clip(animation.index()),
@@ -163,10 +167,10 @@ impl ClipKeys {
             let (expected, found) = (per_key * times.len(), values.len());
             if expected != found || times.is_empty() {
                 let place = format!("clip {name}, channel {}", channel.index());
-                return Err(SceneError::Count { place, what: "numbers", expected, found });
+                return Err(other_count(place, "numbers", expected, found));
             }
             if !times.is_sorted_by(|a, b| a < b) {
-                return Err(SceneError::KeyTimes { clip: name });
+                return Err(faults::key_times(&name));
             }
             let node = node.index();
             channels.push(Channel { node, property, times, width, values, interpolation });

@@ -4,8 +4,9 @@ use super::file::{self, Buffers, Parsed, is_surface, triangles};
 use super::meshes::{Attribute, default_weights, has_surface, shaped};
 use super::nodes::Nodes;
 use super::skins::Skins;
-use crate::formats::error::{FormatError, SceneError};
+use crate::Error;
 use crate::formats::materials::{self, Appearance, Image};
+use crate::formats::scene::faults;
 use ::gltf::{Document, Semantic};
 use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
@@ -59,22 +60,20 @@ impl RiggedFile {
     /// Reads a file, its buffers and its images.
     ///
     /// # Errors
-    /// [`FormatError::Read`]; [`FormatError::Scene`] for damaged parts; [`SceneError::Extension`] for compressed
-    /// meshes.
-    pub(crate) fn read(path: &Path) -> Result<Self, FormatError> {
-        let bytes = file::read(path)?;
-        Ok(Self::parse(&bytes, path)?)
+    /// The file cannot be read, a part is damaged, or meshes are compressed.
+    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+        Self::parse(&file::read(path)?, path)
     }
 
-    fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
+    fn parse(bytes: &[u8], path: &Path) -> Result<Self, Error> {
         let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
         let compressed = |name: &&str| document.extensions_used().any(|used| used == *name);
         if let Some(name) = COMPRESSIONS.iter().find(|name| compressed(name)) {
-            return Err(SceneError::Extension { name: (*name).to_owned() });
+            return Err(file::unread_extension(name));
         }
         let nodes = Nodes::read(&document)?;
         if !nodes.shown(&document).contains(&true) {
-            return Err(SceneError::Empty);
+            return Err(faults::empty());
         }
         let locals: Vec<_> = nodes.locals.iter().map(|local| local.matrix()).collect();
         let (meshes, skins) = meshes(&document, &buffers, &nodes)?;
@@ -137,7 +136,7 @@ impl RiggedFile {
     }
 
     /// Embeds the images of external files.
-    fn embed_images(&mut self, path: &Path) -> Result<(), SceneError> {
+    fn embed_images(&mut self, path: &Path) -> Result<(), Error> {
         let uri = |image: &mut Value| {
             let uri = image.get("uri").and_then(Value::as_str);
             uri.filter(|uri| !uri.starts_with("data:")).map(str::to_owned)
@@ -145,7 +144,7 @@ impl RiggedFile {
         let uris: Vec<Option<String>> = self.items("images").map(uri).collect();
         for (image, uri) in uris.into_iter().enumerate() {
             let Some(uri) = uri else { continue };
-            let damaged = |reason| SceneError::Image { image, reason };
+            let damaged = |reason: String| Error::damaged(format!("image {image}: {reason}"));
             let bytes = file::resource(&uri, path).map_err(damaged)?;
             let kind = materials::image_kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
@@ -186,8 +185,8 @@ pub(super) fn shown_meshes<'a>(
 /// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
 /// # Errors
-/// [`FormatError::Read`] and [`FormatError::Scene`].
-pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, FormatError> {
+/// The file cannot be read, or a part is damaged.
+pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, Error> {
     let bytes = file::read(path)?;
     let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
     let mut tree = file::tree(&bytes)?;
@@ -243,7 +242,7 @@ fn meshes(
     document: &Document,
     buffers: &Buffers,
     nodes: &Nodes,
-) -> Result<(Vec<RiggedMesh>, Skins), SceneError> {
+) -> Result<(Vec<RiggedMesh>, Skins), Error> {
     let worlds = nodes.worlds(&nodes.locals);
     let mut skins = Skins::default();
     let mut meshes: Vec<RiggedMesh> = Vec::new();
@@ -271,7 +270,7 @@ fn meshes(
         let positions = mesh
             .primitives()
             .map(|primitive| shaped(&primitive, Attribute::Positions, &weights, buffers, place));
-        let positions = positions.collect::<Result<_, SceneError>>()?;
+        let positions = positions.collect::<Result<_, Error>>()?;
         let surfaces = mesh.primitives().map(|primitive| is_surface(&primitive)).collect();
         let (node, mesh) = (node.index(), mesh.index());
         meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });

@@ -1,10 +1,11 @@
 //! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
-use super::file::{Buffers, numbers};
+use super::file::{Buffers, no_such, numbers, other_count};
 use super::meshes::{Instance, Meshes};
 use super::nodes::{ClipKeys, Local, Nodes};
-use crate::formats::error::{FormatWarning, SceneError};
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, samples, unique_names};
+use crate::Error;
+use crate::formats::FormatWarning;
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples, unique_names};
 use gltf::Document;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::collections::HashMap;
@@ -43,20 +44,20 @@ impl Skins {
     /// - `unbound`: whether a vertex may have no joint weight.
     ///
     /// # Errors
-    /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`], and
-    /// the errors of the bind matrices' accessor.
+    /// A skin is missing, a vertex has no joint weight or names a missing joint, a bind matrix cannot be read or
+    /// inverted, or two meshes bind a joint at different places.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
         nodes: &Nodes,
         meshes: &mut Meshes,
         unbound: bool,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, Error> {
         let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
             let mesh = meshes.instances[instance].name.clone();
             let Some(number) = meshes.instances[instance].skin else { continue };
-            let skin = document.skins().nth(number).ok_or(SceneError::NoSkin)?;
+            let skin = document.skins().nth(number).ok_or_else(no_skin)?;
             let joined = match all.members.remove(&skin.index()) {
                 Some(joined) => joined,
                 None => all.join(&skin, buffers, nodes, &mesh)?,
@@ -77,7 +78,7 @@ impl Skins {
         document: &Document,
         buffers: &Buffers,
         nodes: &Nodes,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, Error> {
         let mut all = Self::default();
         for skin in document.skins() {
             all.join(&skin, buffers, nodes, skin.name().unwrap_or("none"))?;
@@ -88,14 +89,14 @@ impl Skins {
     /// Adds the joints of a skin to the skeleton.
     ///
     /// # Errors
-    /// [`SceneError::SingularBind`], [`SceneError::OtherBind`], and the errors of the bind matrices' accessor.
+    /// A bind matrix cannot be read or inverted, or another mesh binds a joint at a different place.
     pub(super) fn join(
         &mut self,
         skin: &gltf::Skin<'_>,
         buffers: &Buffers,
         nodes: &Nodes,
         mesh: &str,
-    ) -> Result<Member, SceneError> {
+    ) -> Result<Member, Error> {
         let (joint_nodes, own) = read_one(skin, buffers, mesh)?;
         let known = |joints: &[usize], node| joints.iter().position(|&joint| joint == node);
         let shared = joint_nodes.iter().zip(&own).find_map(|(&node, own)| {
@@ -104,12 +105,12 @@ impl Skins {
         let shift = shared.unwrap_or_else(Matrix4::identity);
         let mut joints = Vec::with_capacity(joint_nodes.len());
         for (&node, own) in joint_nodes.iter().zip(&own) {
-            let name = || nodes.names[node].clone();
-            let singular = || SceneError::SingularBind { joint: name() };
+            let name = nodes.names[node].as_str();
+            let singular = || faults::singular_bind(name);
             let inverse = own * shift.try_inverse().ok_or_else(singular)?;
             let joint = match known(&self.joints, node) {
                 Some(joint) if !agree(&self.inverse_binds[joint], &inverse) => {
-                    return Err(SceneError::OtherBind { mesh: mesh.to_owned(), joint: name() });
+                    return Err(faults::other_bind(mesh, name));
                 }
                 Some(joint) => joint,
                 None => {
@@ -222,12 +223,15 @@ impl Scene {
     }
 
     /// Lists the clips to read and their sample times, for these moving joints or other nodes.
+    ///
+    /// # Errors
+    /// A requested clip does not exist, key times cannot be sampled, or no clip moves anything.
     pub(super) fn sample(
         &self,
         joints: &[usize],
         sampling: &Sampling<'_>,
         warnings: &mut Vec<FormatWarning>,
-    ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), SceneError> {
+    ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), Error> {
         if sampling.still {
             return Ok((vec![Clip::still()], vec![Moment { clip: &self.nothing, time: 0.0 }]));
         }
@@ -257,7 +261,7 @@ impl Scene {
             moments.extend(samples.into_iter().map(moment));
         }
         if clips.is_empty() {
-            return Err(SceneError::NothingMoves { clips: names });
+            return Err(faults::nothing_moves(&names));
         }
         if !idle.is_empty() {
             warnings.push(FormatWarning::IdleClips { clips: idle });
@@ -339,17 +343,27 @@ fn check_influences(
     joint_len: usize,
     mesh: &str,
     unbound: bool,
-) -> Result<(), SceneError> {
+) -> Result<(), Error> {
     for (vertex, influences) in influences.iter().enumerate() {
         if influences.is_empty() && !unbound {
-            return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
+            return Err(Error::missing(format!(
+                "mesh {mesh}: vertex {vertex} has no joint weight: assign every vertex to a joint before \
+                 exporting, or give the posed meshes as --targets"
+            )));
         }
         if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
-            let (place, what) = (format!("mesh {mesh}"), "joint");
-            return Err(SceneError::NoSuch { place, what, found: joint, len: joint_len });
+            return Err(no_such(format!("mesh {mesh}"), "joint", joint, joint_len));
         }
     }
     Ok(())
+}
+
+/// Makes the error for a file without a skin.
+pub(super) fn no_skin() -> Error {
+    Error::missing(
+        "no mesh has a skin, so there are no joints to learn from: bind the mesh to its armature and \
+         export with skinning; posed meshes alone serve as --targets of a scene that has one",
+    )
 }
 
 /// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.
@@ -357,7 +371,7 @@ fn read_one(
     skin: &gltf::Skin<'_>,
     buffers: &Buffers,
     mesh: &str,
-) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), SceneError> {
+) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), Error> {
     let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
     let Some(accessor) = skin.inverse_bind_matrices() else {
         let own = vec![Matrix4::identity(); joints.len()];
@@ -368,7 +382,7 @@ fn read_one(
     if own.len() < joints.len() {
         let (expected, found) = (joints.len(), own.len());
         let place = format!("the skin of mesh {mesh}");
-        return Err(SceneError::Count { place, what: "inverse bind matrices", expected, found });
+        return Err(other_count(place, "inverse bind matrices", expected, found));
     }
     Ok((joints, own))
 }

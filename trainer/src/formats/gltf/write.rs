@@ -1,5 +1,6 @@
 //! Writes glTF files: nodes, skins, animations and their arrays.
 
+use crate::{Error, ErrorKind};
 use serde_json::{Map, Value, json};
 
 /// Component types of glTF.
@@ -10,20 +11,6 @@ pub(crate) const F32: u32 = 5126;
 
 /// Bytes of a GLB's header and of the headers of its two chunks.
 const HEADS: usize = 12 + 8 + 8;
-
-/// Reasons why a glTF file cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum GlbError {
-    /// The file would be larger than binary glTF allows.
-    #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
-    TooLarge {
-        /// Bytes needed.
-        bytes: usize,
-    },
-    /// The JSON could not be written.
-    #[error("cannot be put together: {0}")]
-    Json(serde_json::Error),
-}
 
 /// A node of the document.
 pub(crate) type NodeIndex = usize;
@@ -257,8 +244,8 @@ impl Document {
     /// Returns the bytes of the file.
     ///
     /// # Errors
-    /// [`GlbError`]
-    pub(crate) fn finish(mut self) -> Result<Vec<u8>, GlbError> {
+    /// The file would be larger than binary glTF allows, or its JSON cannot be written.
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>, Error> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let shown = self.root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
         let scene = self.root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
@@ -281,10 +268,10 @@ impl Document {
         let mut buffer = first.map_or(json!({}), Value::take);
         buffer["byteLength"] = json!(self.bytes.len());
         self.root.insert("buffers".to_owned(), json!([buffer]));
-        let mut json = serde_json::to_vec(&self.root).map_err(GlbError::Json)?;
+        let mut json = serde_json::to_vec(&self.root).map_err(unwritten)?;
         json.resize(json.len().next_multiple_of(4), b' ');
         let bytes = HEADS + json.len() + self.bytes.len();
-        let length = u32::try_from(bytes).map_err(|_| GlbError::TooLarge { bytes })?;
+        let length = u32::try_from(bytes).map_err(|_| too_large(bytes))?;
         let mut glb = Vec::with_capacity(bytes);
         glb.extend(b"glTF");
         glb.extend([2, length].map(u32::to_le_bytes).as_flattened());
@@ -369,6 +356,17 @@ fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) 
     let width = (rows.len() / key_len.max(1)).max(1);
     let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
     kept.flat_map(|(_, rows)| rows).copied().collect()
+}
+
+fn unwritten(error: serde_json::Error) -> Error {
+    let message = format!("cannot be put together: {error}");
+    Error::new(ErrorKind::Write, message).caused_by(error)
+}
+
+fn too_large(bytes: usize) -> Error {
+    Error::limit(format!(
+        "the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames"
+    ))
 }
 
 fn push(items: &mut Vec<Value>, item: Value) -> usize {

@@ -8,8 +8,9 @@ mod tree;
 
 pub(crate) use tree::PaintedLayer;
 
-use super::error::{FileError, FormatError, LayeredError};
 use super::pixels::Pixels;
+use crate::Error;
+use std::fmt::Display;
 use std::fs::File;
 use std::path::Path;
 
@@ -34,19 +35,20 @@ impl LayeredPicture {
     /// Opens a file by its ending and reads its list of layers.
     ///
     /// # Errors
-    /// [`LayeredError`], or the file cannot be read.
-    pub(crate) fn open(path: &Path) -> Result<Self, FileError> {
-        Self::opened(path).map_err(|error| FileError { file: path.to_owned(), error })
+    /// The file cannot be read, is not a layered picture, has no layers, or is too large; or its list of layers cannot
+    /// be represented.
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+        Self::opened(path).map_err(|error| error.in_file(path))
     }
 
-    fn opened(path: &Path) -> Result<Self, FormatError> {
+    fn opened(path: &Path) -> Result<Self, Error> {
         let is_psd = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("psd"));
         let (content, size, nodes) = if is_psd {
-            let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+            let bytes = std::fs::read(path).map_err(Error::read)?;
             let (document, size, nodes) = psd::Document::read(bytes)?;
             (Content::Psd(document), size, nodes)
         } else {
-            let file = File::open(path).map_err(FormatError::Read)?;
+            let file = File::open(path).map_err(Error::read)?;
             let (archive, size, nodes) = ora::Archive::open(file)?;
             (Content::Ora(archive), size, nodes)
         };
@@ -57,8 +59,8 @@ impl LayeredPicture {
     /// Returns the index of a layer by its path, or by its name if only one layer has it.
     ///
     /// # Errors
-    /// [`LayeredError::NoLayer`], [`LayeredError::Several`] and [`LayeredError::Group`].
-    pub(crate) fn find(&self, name: &str) -> Result<usize, LayeredError> {
+    /// No layer or several layers have the name, or it belongs to a group.
+    pub(crate) fn find(&self, name: &str) -> Result<usize, Error> {
         if let Some(found) = self.layers.iter().position(|layer| layer.path == name) {
             return Ok(found);
         }
@@ -67,17 +69,18 @@ impl LayeredPicture {
         let paths = |layers: &mut dyn Iterator<Item = &PaintedLayer>| {
             layers.map(|layer| format!("\"{}\"", layer.path)).collect::<Vec<_>>().join(", ")
         };
-        let name = name.to_owned();
         match found[..] {
             [only] => Ok(only),
-            [] if self.groups.contains(&name) => Err(LayeredError::Group(name)),
+            [] if self.groups.iter().any(|group| group == name) => {
+                Err(Error::value(format!("\"{name}\" is a group: merge it, or name its layers")))
+            }
             [] => {
                 let found = paths(&mut self.layers.iter());
-                Err(LayeredError::NoLayer { name, found })
+                Err(Error::missing(format!("has no layer \"{name}\": its layers are {found}")))
             }
             _ => {
                 let found = paths(&mut found.iter().map(|&at| &self.layers[at]));
-                Err(LayeredError::Several { name, found })
+                Err(Error::value(format!("has several layers \"{name}\": write one of {found}")))
             }
         }
     }
@@ -85,18 +88,20 @@ impl LayeredPicture {
     /// Decodes a layer at the size of the whole picture, without its opacity and clipping.
     ///
     /// # Errors
-    /// [`LayeredError::Blend`] and [`LayeredError::Picture`].
-    pub(crate) fn picture(&self, layer: usize) -> Result<Pixels, LayeredError> {
+    /// The layer has a blend mode other than normal, or its picture cannot be read.
+    pub(crate) fn picture(&self, layer: usize) -> Result<Pixels, Error> {
         let own = &self.layers[layer];
-        let name = || own.path.clone();
+        let path = &own.path;
         if let Some(mode) = &own.blend {
-            return Err(LayeredError::Blend { layer: name(), mode: mode.clone() });
+            return Err(Error::unsupported(format!(
+                "layer \"{path}\" has the blend mode {mode}, expected normal: merge it down"
+            )));
         }
         let found = match &self.content {
             Content::Ora(archive) => archive.picture(own.source),
             Content::Psd(document) => document.picture(own.source),
         };
-        let wrong = |what| LayeredError::Picture { layer: name(), what };
+        let wrong = |what: String| Error::damaged(format!("layer \"{path}\": {what}"));
         let (pixels, corner) = found.map_err(wrong)?;
         let mut canvas = Pixels::empty(self.size);
         canvas.place(&pixels, corner);
@@ -112,7 +117,7 @@ impl LayeredPicture {
     ///
     /// # Errors
     /// Those of [`Self::picture`].
-    pub(crate) fn flattened(&self) -> Result<Pixels, LayeredError> {
+    pub(crate) fn flattened(&self) -> Result<Pixels, Error> {
         let [width, height] = self.size;
         let mut sum = vec![[0.0f32; 4]; width * height];
         let mut shapes: Vec<Vec<f32>> = vec![Vec::new(); self.layers.len()];
@@ -148,6 +153,21 @@ impl LayeredPicture {
         };
         Ok(Pixels { size: self.size, rgba: sum.into_iter().flat_map(straight).collect() })
     }
+}
+
+fn damaged(what: impl Display) -> Error {
+    Error::damaged(format!("is damaged: {what}"))
+}
+
+fn too_large(what: impl Display) -> Error {
+    Error::limit(format!("is too large: {what}"))
+}
+
+/// Makes the error of a clipped layer whose base cannot be represented; `base` is what lies below it, in words.
+fn wrongly_clipped(layer: &str, base: impl Display) -> Error {
+    Error::unsupported(format!(
+        "layer \"{layer}\" is clipped to {base}, expected one layer below it in its group"
+    ))
 }
 
 enum Content {

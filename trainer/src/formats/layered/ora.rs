@@ -1,13 +1,16 @@
 //! OpenRaster: a zip archive of a `stack.xml` and a PNG for each layer.
 
 use super::tree::{DEPTH, Node};
-use crate::formats::error::LayeredError;
+use super::{damaged, too_large, wrongly_clipped};
+use crate::Error;
 use crate::formats::pixels::{Pixels, check_size, read_png};
 use roxmltree::Document;
 use std::cell::RefCell;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use zip::ZipArchive;
+use zip::result::ZipError;
 
 /// Most bytes of `stack.xml`, enough for thousands of layers. Parsing time grows with the square of the number of an
 /// element's attributes, and of all namespaces.
@@ -37,29 +40,28 @@ impl Archive {
     /// Opens an archive; returns its layers, and the width and height of the picture.
     ///
     /// # Errors
-    /// [`LayeredError`]
-    pub(super) fn open(file: File) -> Result<(Self, [usize; 2], Vec<Node>), LayeredError> {
+    /// The file is not a zip archive, lacks its list of layers, is damaged or too large, or a layer is clipped to several
+    /// layers.
+    pub(super) fn open(file: File) -> Result<(Self, [usize; 2], Vec<Node>), Error> {
         let zip = ZipArchive::new(BufReader::new(file));
-        let zip = RefCell::new(zip.map_err(|error| LayeredError::Archive(error.to_string()))?);
-        let text = String::from_utf8(entry(&zip, "stack.xml", LIST)?)
-            .map_err(|error| LayeredError::Stack(error.to_string()))?;
+        let zip = RefCell::new(zip.map_err(no_archive)?);
+        let text = String::from_utf8(entry(&zip, "stack.xml", LIST)?).map_err(wrong_list)?;
         let spaces = text.matches("xmlns").count();
         if spaces > SPACES {
             let what = format!("stack.xml: {spaces} namespaces, expected at most {SPACES}");
-            return Err(LayeredError::TooLarge(what));
+            return Err(too_large(what));
         }
-        let document =
-            Document::parse(&text).map_err(|error| LayeredError::Stack(error.to_string()))?;
+        let document = Document::parse(&text).map_err(wrong_list)?;
         let image = document.root_element();
         let size = ["w", "h"].map(|name| number::<usize>(image, name).transpose());
         let [Some(width), Some(height)] = size else {
-            return Err(LayeredError::Stack("image: expected w and h".to_owned()));
+            return Err(wrong_list("image: expected w and h"));
         };
         let size = [width?, height?];
-        check_size(size).map_err(LayeredError::TooLarge)?;
+        check_size(size).map_err(too_large)?;
         let mut entries = Vec::new();
         let root = image.children().find(|node| node.has_tag_name("stack"));
-        let root = root.ok_or_else(|| LayeredError::Stack("image: no stack".to_owned()))?;
+        let root = root.ok_or_else(|| wrong_list("image: no stack"))?;
         let nodes = members(root, &mut entries, DEPTH)?;
         Ok((Self { zip, entries }, size, nodes))
     }
@@ -76,20 +78,31 @@ impl Archive {
     }
 }
 
+fn no_archive(error: ZipError) -> Error {
+    Error::damaged(format!("expected an OpenRaster file, which is a zip archive: {error}"))
+        .caused_by(error)
+}
+
+/// Makes the error of a list of layers that cannot be read.
+fn wrong_list(what: impl Display) -> Error {
+    Error::damaged(format!("stack.xml: {what}"))
+}
+
 /// Reads a file of the archive, of at most `most` bytes.
 fn entry(
     zip: &RefCell<ZipArchive<BufReader<File>>>,
     name: &str,
     most: u64,
-) -> Result<Vec<u8>, LayeredError> {
+) -> Result<Vec<u8>, Error> {
     let mut zip = zip.borrow_mut();
-    let index = zip.index_for_name(name).ok_or_else(|| LayeredError::Missing(name.to_owned()))?;
-    let damaged = |error: &dyn std::fmt::Display| LayeredError::Damaged(format!("{name}: {error}"));
+    let missing = || Error::missing(format!("has no {name}: expected an OpenRaster file"));
+    let index = zip.index_for_name(name).ok_or_else(missing)?;
+    let damaged = |error: &dyn Display| damaged(format!("{name}: {error}"));
     let file = zip.by_index(index).map_err(|error| damaged(&error))?;
     let mut bytes = Vec::new();
     file.take(most + 1).read_to_end(&mut bytes).map_err(|error| damaged(&error))?;
     if bytes.len() as u64 > most {
-        return Err(LayeredError::TooLarge(format!("{name}, expected at most {most} bytes")));
+        return Err(too_large(format!("{name}, expected at most {most} bytes")));
     }
     Ok(bytes)
 }
@@ -98,11 +111,11 @@ fn entry(
 fn number<T: std::str::FromStr>(
     node: roxmltree::Node<'_, '_>,
     name: &str,
-) -> Result<Option<T>, LayeredError> {
+) -> Result<Option<T>, Error> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     let wrong = || {
         let own = node.attribute("name").unwrap_or(node.tag_name().name());
-        LayeredError::Stack(format!("{own}: {name} is \"{text}\", expected a number"))
+        wrong_list(format!("{own}: {name} is \"{text}\", expected a number"))
     };
     text.trim().parse().map(Some).map_err(|_| wrong())
 }
@@ -112,9 +125,9 @@ fn members(
     stack: roxmltree::Node<'_, '_>,
     entries: &mut Vec<Entry>,
     depth: usize,
-) -> Result<Vec<Node>, LayeredError> {
+) -> Result<Vec<Node>, Error> {
     if depth == 0 {
-        return Err(LayeredError::Stack(format!("groups within groups, more than {DEPTH} deep")));
+        return Err(wrong_list(format!("groups within groups, more than {DEPTH} deep")));
     }
     let mut out = Vec::new();
     for node in stack.children().filter(roxmltree::Node::is_element) {
@@ -128,7 +141,7 @@ fn members(
         let file = match (is_group, node.attribute("src")) {
             (_, Some(file)) => file.to_owned(),
             (true, None) => String::new(),
-            (false, None) => return Err(LayeredError::Stack(format!("{name}: it has no src"))),
+            (false, None) => return Err(wrong_list(format!("{name}: it has no src"))),
         };
         entries.push(Entry { file, corner });
         let mode = node.attribute("composite-op").unwrap_or(NORMAL);
@@ -148,7 +161,7 @@ fn members(
     for node in &out {
         if node.is_clipped && !node.is_hidden && below > 1 {
             let base = format!("all of {below} layers below it");
-            return Err(LayeredError::Clip { layer: node.name.clone(), base });
+            return Err(wrongly_clipped(&node.name, base));
         }
         below += usize::from(!node.is_clipped);
     }

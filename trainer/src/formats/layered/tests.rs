@@ -97,13 +97,8 @@ fn open_raster_files_with_faults_are_refused() {
     let folder = Folder::new("layered-ora");
     let said = |entries: &[(&str, &[u8])]| {
         let opened = LayeredPicture::open(&ora(&folder, entries));
-        let found = opened.and_then(|own| {
-            let error = |error: LayeredError| FileError {
-                file: PathBuf::from("made.ora"),
-                error: error.into(),
-            };
-            own.picture(0).map_err(error)
-        });
+        let found =
+            opened.and_then(|own| own.picture(0).map_err(|error| error.in_file("made.ora")));
         let text = found.unwrap_err().to_string();
         text.rsplit_once("made.ora: ").unwrap().1.to_owned()
     };

@@ -1,6 +1,7 @@
 //! The tree of layers and groups, and its list of layers.
 
-use crate::formats::error::LayeredError;
+use super::{too_large, wrongly_clipped};
+use crate::Error;
 
 /// Largest depth of nested groups.
 pub(super) const DEPTH: usize = 64;
@@ -49,10 +50,9 @@ pub(crate) struct PaintedLayer {
 /// Lists the layers of a tree, the hindmost first, and the paths of its groups.
 ///
 /// # Errors
-/// [`LayeredError::Twice`], [`LayeredError::Clip`], [`LayeredError::TooLarge`] and [`LayeredError::Empty`].
-pub(super) fn list_layers(
-    nodes: Vec<Node>,
-) -> Result<(Vec<PaintedLayer>, Vec<String>), LayeredError> {
+/// There is no layer or there are too many, two layers have the same path, a path is too long, or a layer is clipped to
+/// a group or to nothing.
+pub(super) fn list_layers(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>), Error> {
     let mut out = Lists::default();
     let root = PaintedLayer {
         path: String::new(),
@@ -67,8 +67,12 @@ pub(super) fn list_layers(
     let mut paths: Vec<&str> = out.layers.iter().map(|layer| layer.path.as_str()).collect();
     paths.sort_unstable();
     match paths.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(twice) => Err(LayeredError::Twice(twice[0].to_owned())),
-        None if out.layers.is_empty() => Err(LayeredError::Empty),
+        Some(twice) => {
+            Err(Error::value(format!("has two layers \"{}\": give each its own name", twice[0])))
+        }
+        None if out.layers.is_empty() => {
+            Err(Error::missing("has no layers: save it with layers, or save a PNG"))
+        }
         None => Ok((out.layers, out.groups)),
     }
 }
@@ -97,7 +101,7 @@ struct Lists {
 
 impl Lists {
     /// Adds the members of a group; they inherit the properties of the group.
-    fn add(&mut self, nodes: Vec<Node>, group: &PaintedLayer) -> Result<(), LayeredError> {
+    fn add(&mut self, nodes: Vec<Node>, group: &PaintedLayer) -> Result<(), Error> {
         let mut base = Base::Nothing;
         for node in nodes {
             let path = match group.path.is_empty() {
@@ -107,20 +111,19 @@ impl Lists {
             if path.len() > PATH {
                 let what =
                     format!("the name of a layer, expected at most {PATH} bytes with its groups");
-                return Err(LayeredError::TooLarge(what));
+                return Err(too_large(what));
             }
             if self.layers.len() == LAYERS {
-                return Err(LayeredError::TooLarge(format!("expected at most {LAYERS} layers")));
+                return Err(too_large(format!("expected at most {LAYERS} layers")));
             }
             let clip = match (node.is_clipped, &base) {
                 (false, _) => group.clip,
                 (true, Base::Layer(layer)) => Some(*layer),
                 (true, Base::Nothing) => {
-                    return Err(LayeredError::Clip { layer: path, base: "nothing".to_owned() });
+                    return Err(wrongly_clipped(&path, "nothing"));
                 }
                 (true, Base::Group(name)) => {
-                    let base = format!("group \"{name}\"");
-                    return Err(LayeredError::Clip { layer: path, base });
+                    return Err(wrongly_clipped(&path, format!("group \"{name}\"")));
                 }
             };
             let opacity = if node.is_hidden { 0.0 } else { node.opacity };

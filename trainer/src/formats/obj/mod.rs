@@ -3,11 +3,10 @@
 #[cfg(test)]
 mod tests;
 
-pub use super::error::ObjError;
-use super::error::{FileError, FormatError};
 use super::extension::extension;
 use super::mesh::{Mesh, NamedShape, ShapedMesh};
 use super::polygons::Polygons;
+use crate::Error;
 use crate::mesh::Corners;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -21,14 +20,22 @@ const NEUTRAL: &str = "neutral";
 /// Reads a mesh: all vertices and faces of the file, of every object and group.
 ///
 /// # Errors
-/// A [`FileError`] that names the file: it cannot be read, a line is not OBJ, a face refers to a missing vertex, or
-/// there are no faces.
-pub fn load(path: &Path) -> Result<Mesh, FileError> {
+/// The file cannot be read or is not text, a line is not OBJ, a face refers to a missing item, or no face has three
+/// corners.
+pub fn load(path: &Path) -> Result<Mesh, Error> {
+    load_optional(path)?.ok_or_else(|| no_faces(path))
+}
+
+/// Reads a mesh like [`load`]; `None` if no face has three corners.
+///
+/// # Errors
+/// Those of [`load`], except for missing faces.
+pub(crate) fn load_optional(path: &Path) -> Result<Option<Mesh>, Error> {
     let Parsed { positions, polygons, corners, texture, normals } = read(path)?;
     let (triangles, places) =
         (polygons.triangles(&positions), polygons.corner_triangles(&positions));
     if triangles.is_empty() {
-        return Err(FileError { file: path.to_owned(), error: ObjError::NoFaces.into() });
+        return Ok(None);
     }
     let uv = |corner: &Corner| corner.texture.map(|place| texture[place]).unwrap_or_default();
     let normal = |corner: &Corner| corner.normal.map(|place| normals[place]).unwrap_or_default();
@@ -40,7 +47,11 @@ pub fn load(path: &Path) -> Result<Mesh, FileError> {
     };
     let (engine, _) = corners.engine_mesh(&positions, &places);
     let engine = (!engine.is_plain()).then_some(engine);
-    Ok(Mesh { positions, triangles, engine })
+    Ok(Some(Mesh { positions, triangles, engine }))
+}
+
+fn no_faces(path: &Path) -> Error {
+    Error::missing("has no face of three corners or more; export a polygon mesh").in_file(path)
 }
 
 /// The contents of an OBJ file.
@@ -55,24 +66,22 @@ pub(in crate::formats) struct Parsed {
 }
 
 /// Reads a file without splitting its polygons.
-pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, FileError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read);
-    bytes
-        .and_then(|bytes| parse(&bytes).map_err(FormatError::from))
-        .map_err(|error| FileError { file: path.to_owned(), error })
+pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read);
+    bytes.and_then(|bytes| parse(&bytes)).map_err(|error| error.in_file(path))
 }
 
 /// Reads `neutral.obj` and every other OBJ of its folder. Shapes are named after their files and sorted by name.
 ///
 /// # Errors
-/// A [`FileError`] that names a file: it cannot be read, has no faces, or has another number of vertices than the
-/// neutral mesh. One that names the folder: it has no neutral mesh, or no other mesh.
-pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, FileError> {
-    let blame = |error: FormatError| FileError { file: folder.to_owned(), error };
-    let entries = std::fs::read_dir(folder).map_err(|error| blame(FormatError::Read(error)))?;
+/// The folder has no neutral mesh, or no other mesh. A file cannot be read; the neutral mesh has no faces; or a shape
+/// has another number of vertices than the neutral mesh.
+pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, Error> {
+    let unread = |error| Error::read(error).in_file(folder);
+    let entries = std::fs::read_dir(folder).map_err(unread)?;
     let mut files: Vec<PathBuf> = Vec::new();
     for entry in entries {
-        let path = entry.map_err(|error| blame(FormatError::Read(error)))?.path();
+        let path = entry.map_err(unread)?.path();
         if extension(&path) == "obj" {
             files.push(path);
         }
@@ -80,15 +89,18 @@ pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, FileError> {
     files.sort();
     let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let neutral = files.iter().position(|path| name(path).to_lowercase() == NEUTRAL);
-    let neutral = neutral.ok_or_else(|| blame(ObjError::NoNeutral.into()))?;
+    let no_neutral =
+        "has no neutral.obj: save the face at rest under that name, and each shape beside it";
+    let neutral = neutral.ok_or_else(|| Error::missing(no_neutral).in_file(folder))?;
     let neutral = files.remove(neutral);
     if files.is_empty() {
-        return Err(blame(ObjError::NoShapes.into()));
+        let no_shapes = "has no shape beside neutral.obj: save each as an OBJ of its own";
+        return Err(Error::missing(no_shapes).in_file(folder));
     }
     let Parsed { positions, polygons, corners, texture, .. } = read(&neutral)?;
     let faces: Vec<Vec<usize>> = polygons.iter().map(<[usize]>::to_vec).collect();
     if faces.iter().all(|face| face.len() < 3) {
-        return Err(FileError { file: neutral, error: ObjError::NoFaces.into() });
+        return Err(no_faces(&neutral));
     }
     let mut left = corners.iter().map(|corner| corner.texture);
     let uv_faces: Option<Vec<Vec<usize>>> =
@@ -98,8 +110,9 @@ pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, FileError> {
     for file in files {
         let found = read(&file)?.positions;
         if found.len() != positions.len() {
-            let error = ObjError::Vertices { expected: positions.len(), found: found.len() };
-            return Err(FileError { file, error: error.into() });
+            let (expected, found) = (positions.len(), found.len());
+            let error = format!("expected {expected} vertices, as neutral.obj has, found {found}");
+            return Err(Error::mismatch(error).in_file(file));
         }
         let by = |(at, from): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|axis| at[axis] - from[axis]);
         let deltas = found.iter().zip(&positions).map(by).collect();
@@ -167,14 +180,14 @@ struct Corner {
 ///
 /// No crate serves here. tobj renumbers vertices by their first use, which loses the order that shapes share. obj loses
 /// faces between some `g` and `o` lines, and panics on some names in them.
-fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
+fn parse(bytes: &[u8]) -> Result<Parsed, Error> {
     let mut positions = Vec::new();
     let mut texture = Vec::new();
     let mut normals = Vec::new();
     let mut corners = Vec::new();
     let mut polygons = Polygons::default();
     if bytes.contains(&0) {
-        return Err(ObjError::Binary);
+        return Err(Error::damaged("is no text, as an OBJ file is"));
     }
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let mut words = line.split_ascii_whitespace();
@@ -194,15 +207,21 @@ fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
             }
             _ => Some(()),
         };
-        read.ok_or_else(|| ObjError::Line {
-            line: number + 1,
-            text: line.trim().chars().take(SHOWN).collect(),
+        read.ok_or_else(|| {
+            let text: String = line.trim().chars().take(SHOWN).collect();
+            let line = number + 1;
+            Error::damaged(format!(
+                "line {line} is no vertex, texture coordinate, normal or face of numbers: {text}"
+            ))
         })?;
     }
     // Checked at the end, because faces may precede their vertices.
     let mut left = corners.iter();
     for (face, polygon) in polygons.iter().enumerate() {
-        let absent = |what, len| ObjError::Corner { face: face + 1, what, len };
+        let absent = |what: &str, len: usize| {
+            let face = face + 1;
+            Error::damaged(format!("face {face} refers to a missing {what}; the file has {len}"))
+        };
         for corner in left.by_ref().take(polygon.len()) {
             if corner.vertex >= positions.len() {
                 return Err(absent("vertex", positions.len()));

@@ -1,6 +1,7 @@
 //! Tests of OBJ: meshes read and written, faulty lines, folders of shapes.
 
 use super::*;
+use crate::ErrorKind;
 use crate::formats::testing::{Folder, shared, spoil};
 
 const SQUARE: &str = "\
@@ -19,7 +20,7 @@ f 4/2/1 2/1/1 1/1/1
 f -1//1 -2//1 -3//1
 ";
 
-fn mesh(text: &str) -> Result<Mesh, FileError> {
+fn mesh(text: &str) -> Result<Mesh, Error> {
     let name = text.len().to_string() + &text.lines().count().to_string();
     load(&Folder::new(&format!("obj-{name}")).write("mesh.obj", text))
 }
@@ -27,8 +28,8 @@ fn mesh(text: &str) -> Result<Mesh, FileError> {
 #[track_caller]
 fn refused(text: &str, expected: &str) {
     let error = mesh(text).expect_err("the mesh should be refused");
-    assert!(error.file.ends_with("mesh.obj"), "{error}");
-    assert_eq!(error.error.to_string(), expected);
+    assert!(error.file().is_some_and(|file| file.ends_with("mesh.obj")), "{error}");
+    assert_eq!(error.message(), expected);
 }
 
 #[test]
@@ -143,7 +144,7 @@ fn a_mesh_without_faces_is_refused() {
         refused(text, "has no face of three corners or more; export a polygon mesh");
     }
     let error = load(Path::new("no such.obj")).unwrap_err();
-    assert!(matches!(error.error, FormatError::Read(_)));
+    assert_eq!(error.kind(), ErrorKind::Read);
 }
 
 #[test]

@@ -5,9 +5,9 @@
 //! big-endian.
 
 use super::PosedMeshes;
-use crate::files;
-use crate::formats::error::{FileError, FormatError, PointCacheError};
+use crate::{Error, files};
 use rayon::prelude::*;
+use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
@@ -26,34 +26,28 @@ const POINT_BYTES: u64 = 12;
 /// Reads a `.pc2` file.
 ///
 /// # Errors
-/// [`FormatError::Read`] and [`FormatError::PointCache`]
-pub(crate) fn read_pc2(path: &Path) -> Result<PosedMeshes, FormatError> {
-    Ok(parse_pc2(&std::fs::read(path).map_err(FormatError::Read)?)?)
+/// The file cannot be read, is no point cache, or its counts do not match its length.
+pub(crate) fn read_pc2(path: &Path) -> Result<PosedMeshes, Error> {
+    parse_pc2(&std::fs::read(path).map_err(Error::read)?)
 }
 
 /// Parses the bytes of a `.pc2` file.
 ///
 /// # Errors
-/// - [`PointCacheError::NotPointCache`]: another magic or version.
-/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]: the counts are not
-///   positive, or do not match the length of the file.
-pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
+/// The magic or version is another, or the counts are not positive or do not match the length of the file.
+pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     if !bytes.starts_with(&MAGIC) {
-        let reason = "it does not begin with POINTCACHE2".to_owned();
-        return Err(PointCacheError::NotPointCache { reason });
+        return Err(no_point_cache("it does not begin with POINTCACHE2"));
     }
     let Some(header) = bytes.first_chunk::<PC2_HEADER_BYTES>() else {
-        let (expected, found) = (PC2_HEADER_BYTES as u64, bytes.len() as u64);
-        return Err(PointCacheError::Length { expected, found });
+        return Err(wrong_length(PC2_HEADER_BYTES as u64, bytes.len()));
     };
     let whole = |at: usize| {
         i32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
     };
     let version = whole(12);
     if version != VERSION {
-        return Err(PointCacheError::NotPointCache {
-            reason: format!("it is of version {version}"),
-        });
+        return Err(no_point_cache(format!("it is of version {version}")));
     }
     Counts::new(whole(16), whole(28))?.read(bytes, PC2_HEADER_BYTES as u64, f32::from_le_bytes)
 }
@@ -62,30 +56,28 @@ pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
 /// Equal positions give equal bytes.
 ///
 /// # Errors
-/// A [`FileError`] that names the file: it cannot be written, `vertices` are not whole frames of `vertex_len`, or the
-/// format cannot count them.
-pub fn save_pc2(path: &Path, vertex_len: usize, vertices: &[[f64; 3]]) -> Result<(), FileError> {
+/// The file cannot be written, `vertices` are not whole frames of `vertex_len`, or the format cannot count them.
+pub fn save_pc2(path: &Path, vertex_len: usize, vertices: &[[f64; 3]]) -> Result<(), Error> {
     encode(vertex_len, vertices)
         .and_then(|bytes| files::write(path, &bytes))
-        .map_err(|error| FileError { file: path.to_owned(), error: FormatError::Write(error) })
+        .map_err(|error| Error::write(error).in_file(path))
 }
 
 /// Reads an `.mdd` file.
 ///
 /// # Errors
-/// [`FormatError::Read`] and [`FormatError::PointCache`]
-pub(crate) fn read_mdd(path: &Path) -> Result<PosedMeshes, FormatError> {
-    Ok(parse_mdd(&std::fs::read(path).map_err(FormatError::Read)?)?)
+/// The file cannot be read, or its counts do not match its length.
+pub(crate) fn read_mdd(path: &Path) -> Result<PosedMeshes, Error> {
+    parse_mdd(&std::fs::read(path).map_err(Error::read)?)
 }
 
 /// Parses the bytes of an `.mdd` file.
 ///
 /// # Errors
-/// [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]
-pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
+/// The counts are not positive, or do not match the length of the file.
+pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     let Some(&[a, b, c, d, e, f, g, h]) = bytes.first_chunk::<MDD_HEADER_BYTES>() else {
-        let (expected, found) = (MDD_HEADER_BYTES as u64, bytes.len() as u64);
-        return Err(PointCacheError::Length { expected, found });
+        return Err(wrong_length(MDD_HEADER_BYTES as u64, bytes.len()));
     };
     let frames = i32::from_be_bytes([a, b, c, d]);
     let counts = Counts::new(i32::from_be_bytes([e, f, g, h]), frames)?;
@@ -101,10 +93,12 @@ pub(super) struct Counts {
 
 impl Counts {
     /// Checks the counts of a header.
-    pub(super) fn new(points: i32, frames: i32) -> Result<Self, PointCacheError> {
-        let positive = |what, found: i32| match u64::try_from(found) {
+    pub(super) fn new(points: i32, frames: i32) -> Result<Self, Error> {
+        let positive = |what: &str, found: i32| match u64::try_from(found) {
             Ok(count) if count > 0 => Ok(count),
-            _ => Err(PointCacheError::Count { what, found }),
+            _ => Err(Error::damaged(format!(
+                "counts {found} {what}, expected 1 at least; export the point cache again"
+            ))),
         };
         Ok(Self { vertex_len: positive("points", points)?, frame_len: positive("frames", frames)? })
     }
@@ -120,15 +114,20 @@ impl Counts {
         bytes: &[u8],
         begin: u64,
         number: fn([u8; 4]) -> f32,
-    ) -> Result<PosedMeshes, PointCacheError> {
+    ) -> Result<PosedMeshes, Error> {
         let (points, frames) = (self.vertex_len, self.frame_len);
         // The product of two counts of 31 bits fits 64 bits.
         let expected = (points * frames).checked_mul(POINT_BYTES);
         let expected = expected.and_then(|bytes| bytes.checked_add(begin));
-        let expected = expected.ok_or(PointCacheError::TooMany { points, frames })?;
-        let found = bytes.len() as u64;
-        if found != expected {
-            return Err(PointCacheError::Length { expected, found });
+        let too_many = || {
+            Error::damaged(format!(
+                "counts {points} points in {frames} frames, more than a file can hold; export the \
+                 point cache again"
+            ))
+        };
+        let expected = expected.ok_or_else(too_many)?;
+        if bytes.len() as u64 != expected {
+            return Err(wrong_length(expected, bytes.len()));
         }
         let (points, _) = bytes[begin as usize..].as_chunks::<{ POINT_BYTES as usize }>();
         let point = |&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]| {
@@ -137,6 +136,18 @@ impl Counts {
         let vertices = points.par_iter().map(point).collect();
         Ok(PosedMeshes::bare(self.vertex_len as usize, vertices))
     }
+}
+
+fn no_point_cache(reason: impl Display) -> Error {
+    Error::damaged(format!(
+        "is no PointCache2 file of version 1: {reason}; export it as .pc2 again"
+    ))
+}
+
+fn wrong_length(expected: u64, found: usize) -> Error {
+    Error::damaged(format!(
+        "should have {expected} bytes by its header, found {found}; export the point cache again"
+    ))
 }
 
 fn encode(vertex_len: usize, vertices: &[[f64; 3]]) -> io::Result<Vec<u8>> {

@@ -6,25 +6,27 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::PosedMeshes;
-use crate::formats::error::{FileError, FormatError, SequenceError};
+use crate::Error;
 use crate::formats::extension::extension;
 use crate::formats::obj;
 use crate::formats::polygons::Polygons;
 
 /// Reads the sequence that [`files`] finds, with the triangles of its first file.
-pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
+pub(crate) fn read(path: &Path) -> Result<PosedMeshes, Error> {
     let files = files(path)?;
     let Some((first, others)) = files.split_first() else {
-        return Err(blame(path, SequenceError::NoObj));
+        let none = "is a folder without an .obj file; export one a frame, numbered: pose_1.obj, \
+                    pose_2.obj";
+        return Err(Error::missing(none).in_file(path));
     };
     let obj::Parsed { positions, polygons, .. } = obj::read(first)?;
     let read = |file: &PathBuf| {
         let found = obj::read(file)?;
         check_same_mesh(first, positions.len(), &polygons, &found)
-            .map_err(|error| blame(file, error))?;
+            .map_err(|error| error.in_file(file))?;
         Ok(found.positions)
     };
-    let shapes: Vec<Result<Vec<[f64; 3]>, FileError>> = others.par_iter().map(read).collect();
+    let shapes: Vec<Result<Vec<[f64; 3]>, Error>> = others.par_iter().map(read).collect();
     let mut vertices = positions.clone();
     vertices.reserve_exact(others.len() * positions.len());
     for shape in shapes {
@@ -38,17 +40,17 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
 ///
 /// - `path`: a folder, for all its `.obj` files; or a file, for all files beside it whose names differ from its name
 ///   only in the number at the end.
-pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
+pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     let whole = path.is_dir();
     let folder = if whole { path } else { path.parent().unwrap_or(path) };
     let stem = match (whole, numbered(path)) {
         (true, _) => None,
         (false, Some((stem, _))) => Some(stem),
-        (false, None) => return Err(blame(path, SequenceError::NoNumber)),
+        (false, None) => return Err(no_number(path)),
     };
     // The folder of a bare file name is the empty path, which cannot be listed.
     let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let unread = |error| FileError { file: listed.to_owned(), error: FormatError::Read(error) };
+    let unread = |error| Error::read(error).in_file(listed);
     let mut files = BTreeMap::new();
     let mut names = Vec::new();
     for entry in std::fs::read_dir(listed).map_err(unread)? {
@@ -66,15 +68,24 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         let number = match (numbered(&file), &stem) {
             (Some((found, _)), Some(stem)) if found != *stem => continue,
             (None, Some(_)) => continue,
-            (None, None) => return Err(blame(&file, SequenceError::NoNumber)),
+            (None, None) => return Err(no_number(&file)),
             (Some((_, number)), _) => number,
         };
         if let Some(other) = files.insert(number, file.clone()) {
             let other = name_of(&other);
-            return Err(blame(&file, SequenceError::SameNumber { number, other }));
+            let error = Error::value(format!(
+                "has the frame number of {other}, {number}; keep one of them, or one sequence a \
+                 folder"
+            ));
+            return Err(error.in_file(file));
         }
     }
     Ok(files.into_values().collect())
+}
+
+fn no_number(file: &Path) -> Error {
+    Error::value("has no frame number before .obj; export one file a frame: pose_1.obj, pose_2.obj")
+        .in_file(file)
 }
 
 /// Names the files that a sequence lacks, if its numbers are otherwise evenly spaced.
@@ -122,17 +133,23 @@ fn check_same_mesh(
     vertex_len: usize,
     polygons: &Polygons,
     found: &obj::Parsed,
-) -> Result<(), SequenceError> {
+) -> Result<(), Error> {
     let first = name_of(first);
     if found.positions.len() != vertex_len {
         let found = found.positions.len();
-        return Err(SequenceError::OtherVertices { found, expected: vertex_len, first });
+        return Err(Error::mismatch(format!(
+            "has {found} vertices, expected {vertex_len} as in {first}; export every frame with \
+             the same vertices in the same order"
+        )));
     }
     if found.polygons != *polygons {
         let pairs = found.polygons.iter().zip(polygons.iter());
         let face = pairs.take_while(|(found, expected)| found == expected).count() + 1;
         let (found_len, expected_len) = (found.polygons.iter().count(), polygons.iter().count());
-        return Err(SequenceError::OtherFaces { first, face, found_len, expected_len });
+        return Err(Error::mismatch(format!(
+            "has other faces than {first}, from face {face} on ({found_len} in all, expected \
+             {expected_len}); export every frame with the same faces, not triangulated anew"
+        )));
     }
     Ok(())
 }
@@ -140,8 +157,4 @@ fn check_same_mesh(
 /// Returns the name of a file, without its folder.
 pub(crate) fn name_of(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn blame(file: &Path, error: SequenceError) -> FileError {
-    FileError { file: file.to_owned(), error: error.into() }
 }

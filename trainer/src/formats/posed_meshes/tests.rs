@@ -6,7 +6,7 @@ use super::cache::save_pc2;
 use super::sequence::{missing, read};
 use super::{PosedMeshes, cache};
 use crate::formats::testing::{Folder, spoil};
-use crate::formats::{FormatError, PointCacheError};
+use crate::{Error, ErrorKind};
 
 /// Two frames of three points, as numbers that single precision holds exactly.
 const FRAMES: [[f64; 3]; 6] = [
@@ -41,7 +41,7 @@ fn bare(vertex_len: usize, vertices: &[[f64; 3]]) -> PosedMeshes {
 #[track_caller]
 fn refused(path: &Path, at: &Path, expected: &str) {
     let error = read(path).expect_err("the file should be refused");
-    assert_eq!((error.file.as_path(), error.error.to_string().as_str()), (at, expected));
+    assert_eq!((error.file(), error.message()), (Some(at), expected));
 }
 
 #[test]
@@ -66,20 +66,21 @@ fn a_saved_pc2_reads_back() {
     let expected = pc2_bytes(3, 2, 1);
     assert!(bytes[..20] == expected[..20] && bytes[28..] == expected[28..]);
     for vertex_len in [0, 4, 12] {
-        let error = save_pc2(&file, vertex_len, &FRAMES).unwrap_err().error.to_string();
+        let error = save_pc2(&file, vertex_len, &FRAMES).unwrap_err();
         let expected =
             format!("cannot be written: 6 positions are no whole frames of {vertex_len}");
-        assert_eq!(error, expected);
+        assert_eq!(error.message(), expected);
     }
     assert!(save_pc2(&file, 3, &[]).is_err());
     assert_eq!(std::fs::read(&file).unwrap(), bytes, "what cannot be written leaves the old file");
     let error = save_pc2(&folder.0.join("none/c.pc2"), 3, &FRAMES).unwrap_err();
-    assert!(matches!(error.error, FormatError::Write(_)) && error.file.ends_with("c.pc2"));
+    assert_eq!(error.kind(), ErrorKind::Write);
+    assert!(error.file().is_some_and(|file| file.ends_with("c.pc2")), "{error}");
 }
 
 #[test]
 fn wrong_headers_are_refused_before_allocation() {
-    let fault = |result: Result<PosedMeshes, PointCacheError>| result.unwrap_err().to_string();
+    let fault = |result: Result<PosedMeshes, Error>| result.unwrap_err().to_string();
     let found = fault(cache::parse_pc2(&pc2_bytes(4, 2, 1)));
     assert_eq!(
         found,
@@ -125,10 +126,10 @@ fn truncated_and_too_long_caches_are_refused_without_panic() {
     spoil(&mdd, |bytes| drop(cache::parse_mdd(bytes)));
     pc2.push(0);
     mdd.push(0);
-    let (expected, found) = (104, 105);
     let fault = cache::parse_pc2(&pc2).unwrap_err();
-    assert!(
-        matches!(fault, PointCacheError::Length { expected: e, found: f } if (e, f) == (expected, found))
+    assert_eq!(
+        fault.message(),
+        "should have 104 bytes by its header, found 105; export the point cache again"
     );
     assert!(cache::parse_mdd(&mdd).is_err());
 }
@@ -214,10 +215,11 @@ fn every_mesh_must_have_the_vertices_and_faces_of_the_first() {
                     frame with the same faces, not triangulated anew";
     refused(&files[2], &files[1], expected);
     folder.write("p2.obj", shape(2).replace("1 2 3 4", "2 3 4 1"));
-    assert!(read(&files[2]).unwrap_err().error.to_string().contains("from face 1 on (1 in all"));
+    assert!(read(&files[2]).unwrap_err().message().contains("from face 1 on (1 in all"));
     // The error names the first faulty file in order, whichever thread finds a fault first.
     folder.write("p3.obj", "v 1\n");
-    assert!(read(&files[2]).unwrap_err().file.ends_with("p2.obj"));
+    let error = read(&files[2]).unwrap_err();
+    assert!(error.file().is_some_and(|file| file.ends_with("p2.obj")), "{error}");
     folder.write("p2.obj", shape(2));
     let expected = "line 1 is no vertex, texture coordinate, normal or face of numbers: v 1";
     refused(&files[0], &files[2], expected);

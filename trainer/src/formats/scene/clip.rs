@@ -1,6 +1,7 @@
 //! Clips, and the times at which they are sampled.
 
-use crate::formats::error::SceneError;
+use super::faults;
+use crate::Error;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -125,13 +126,15 @@ impl Sampling<'_> {
     /// Checks that all requested clips exist.
     ///
     /// # Errors
-    /// [`SceneError::UnknownClip`]; [`SceneError::NoAnimation`] if `known` is empty.
-    pub(crate) fn check(&self, known: Vec<String>) -> Result<(), SceneError> {
+    /// A requested clip does not exist, or `known` is empty.
+    pub(crate) fn check(&self, known: Vec<String>) -> Result<(), Error> {
         if known.is_empty() {
-            return Err(SceneError::NoAnimation);
+            return Err(Error::missing(
+                "holds no animation: export the poses as keys of an animation clip",
+            ));
         }
         match self.clips.iter().find(|name| !known.contains(name)) {
-            Some(name) => Err(SceneError::UnknownClip { name: name.clone(), known }),
+            Some(name) => Err(faults::unknown_clip(name, &known)),
             None => Ok(()),
         }
     }
@@ -143,12 +146,12 @@ impl Sampling<'_> {
 /// - `keys`: key times of all channels, in any order.
 ///
 /// # Errors
-/// [`SceneError::KeyTimes`]: the keys are not finite or too far apart.
+/// The keys are not finite or too far apart.
 pub(in crate::formats) fn sample_times(
     name: &str,
     mut keys: Vec<f64>,
     sampling: &Sampling<'_>,
-) -> Result<Vec<f64>, SceneError> {
+) -> Result<Vec<f64>, Error> {
     keys.sort_by(f64::total_cmp);
     keys.dedup_by(|next, kept| *next - *kept < SAME_TIME);
     let (first, last) = match (keys.first(), keys.last()) {
@@ -157,12 +160,12 @@ pub(in crate::formats) fn sample_times(
     };
     let Some(fps) = sampling.fps else {
         let finite = first.is_finite() && last.is_finite();
-        return if finite { Ok(keys) } else { Err(SceneError::KeyTimes { clip: name.to_owned() }) };
+        return if finite { Ok(keys) } else { Err(faults::key_times(name)) };
     };
     let frames = ((last - first) * fps + EVEN).floor();
     // Keys that are not finite fail here too.
     if !(0.0..FRAMES_MAX).contains(&frames) {
-        return Err(SceneError::KeyTimes { clip: name.to_owned() });
+        return Err(faults::key_times(name));
     }
     Ok((0..=frames as usize).map(|frame| (first + frame as f64 / fps).min(last)).collect())
 }
@@ -194,7 +197,7 @@ mod tests {
         assert_eq!([0, 2, 3].map(|frame| twos.number(frame)), [Some(-1), Some(5), None]);
     }
 
-    fn sample(keys: &[f64], fps: Option<f64>) -> Result<Vec<f64>, SceneError> {
+    fn sample(keys: &[f64], fps: Option<f64>) -> Result<Vec<f64>, Error> {
         sample_times(
             "walk",
             keys.to_vec(),
@@ -221,10 +224,17 @@ mod tests {
 
     #[test]
     fn times_without_end_are_refused() {
+        let refuses = |keys: &[f64], fps: Option<f64>| {
+            let error = sample(keys, fps).unwrap_err();
+            assert!(
+                error.message().starts_with("clip walk: its key times are not finite"),
+                "{error}"
+            );
+        };
         for keys in [[0.0, f64::INFINITY], [0.0, f64::NAN], [f64::NEG_INFINITY, 0.0]] {
-            assert!(matches!(sample(&keys, None), Err(SceneError::KeyTimes { .. })));
-            assert!(matches!(sample(&keys, Some(30.0)), Err(SceneError::KeyTimes { .. })));
+            refuses(&keys, None);
+            refuses(&keys, Some(30.0));
         }
-        assert!(matches!(sample(&[0.0, 1e30], Some(30.0)), Err(SceneError::KeyTimes { .. })));
+        refuses(&[0.0, 1e30], Some(30.0));
     }
 }

@@ -1,6 +1,7 @@
 //! Scenes: rigged characters and their clips, from any format.
 
 mod clip;
+pub(crate) mod faults;
 mod names;
 mod played;
 
@@ -11,7 +12,8 @@ pub(crate) use names::mismatch;
 pub(super) use names::unique_names;
 pub(super) use played::{MovingJoints, Sample, samples};
 
-use super::error::{FormatWarning, SceneError};
+use super::FormatWarning;
+use crate::Error;
 use crate::mesh::EngineMesh;
 use nalgebra::Matrix4;
 use sinew_runtime::format::Space;
@@ -81,14 +83,14 @@ impl MotionJoints {
     /// Finds the joints of a character among named nodes; the first node with a joint's name counts.
     ///
     /// # Errors
-    /// [`SceneError::OtherJoints`]: no node is a joint of the character.
-    pub(in crate::formats) fn find<'a>(
-        candidates: impl Iterator<Item = (usize, &'a str)>,
+    /// No node is a joint of the character.
+    pub(in crate::formats) fn find(
+        candidates: Vec<(usize, String)>,
         character: &[String],
         names: &JointNames<'_>,
-    ) -> Result<Self, SceneError> {
-        let candidates: Vec<(usize, String)> =
-            candidates.map(|(node, name)| (node, names.renamed(name, character))).collect();
+    ) -> Result<Self, Error> {
+        let renamed = |(node, name): (usize, String)| (node, names.renamed(&name, character));
+        let candidates: Vec<(usize, String)> = candidates.into_iter().map(renamed).collect();
         let node = |name: &String| {
             let found = candidates.iter().find(|(_, own)| own == name);
             found.map(|&(node, _)| node)
@@ -101,11 +103,21 @@ impl MotionJoints {
         let found: Vec<String> = candidates.iter().map(|(_, name)| name.clone()).collect();
         let mismatch = mismatch(character, &found);
         if nodes.is_empty() {
-            let joints = character.to_vec();
-            return Err(SceneError::OtherJoints { joints, mismatch });
+            return Err(other_joints(character, mismatch));
         }
         Ok(Self { nodes, of, mismatch })
     }
+}
+
+/// Makes the error for a file without any joint of the character.
+///
+/// - `mismatch`: explains why the names do not match, and names the option that helps.
+fn other_joints(character: &[String], mismatch: Option<String>) -> Error {
+    let mismatch = mismatch.map_or(String::new(), |mismatch| format!("; {mismatch}"));
+    Error::mismatch(format!(
+        "has none of the character's joints, by name: {}{mismatch}",
+        character.join(", ")
+    ))
 }
 
 /// Returns the bind frame of a joint. A joint without a skin moves rigidly with its nearest skinned ancestor, or else

@@ -1,7 +1,7 @@
 //! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
 use super::clip::{SAME_TIME, Sampling, sample_times};
-use crate::formats::error::SceneError;
+use crate::Error;
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
@@ -47,13 +47,13 @@ pub(in crate::formats) struct MovingJoints<'a, F> {
 /// - `keys`: key times of every channel, in any order, in seconds.
 ///
 /// # Errors
-/// [`SceneError::KeyTimes`], and those of the joints' poses.
+/// The keys are not finite or too far apart, or a pose cannot be computed.
 pub(in crate::formats) fn samples(
     name: &str,
     keys: Vec<f64>,
     sampling: &Sampling<'_>,
-    joints: &MovingJoints<'_, impl Fn(f64) -> Result<Pose, SceneError> + Sync>,
-) -> Result<Vec<Sample>, SceneError> {
+    joints: &MovingJoints<'_, impl Fn(f64) -> Result<Pose, Error> + Sync>,
+) -> Result<Vec<Sample>, Error> {
     let MovingJoints { parents, frame, pose } = joints;
     let times = sample_times(name, keys.clone(), sampling)?;
     if !sampling.played || times.is_empty() {
@@ -62,7 +62,7 @@ pub(in crate::formats) fn samples(
     let wanted = sampling.fps.map(|_| times);
     let moments = moments(keys, wanted.as_deref());
     let reached = |moment: &Moment| Ok([pose(moment.first.next_down())?, pose(moment.last)?]);
-    let reached = moments.par_iter().map(reached).collect::<Result<Vec<_>, SceneError>>()?;
+    let reached = moments.par_iter().map(reached).collect::<Result<Vec<_>, Error>>()?;
     let measure = Measure::new(parents, *frame, reached.iter().map(|[_, after]| after));
     let mut kept = Vec::new();
     for (moment, [before, after]) in moments.iter().zip(&reached) {
@@ -77,7 +77,7 @@ pub(in crate::formats) fn samples(
         }
         _ => Ok(Vec::new()),
     });
-    let between = between.collect::<Result<Vec<_>, SceneError>>()?;
+    let between = between.collect::<Result<Vec<_>, Error>>()?;
     let mut all = Vec::new();
     for (number, &(&Moment { first, last, .. }, _, _, is_jump)) in kept.iter().enumerate() {
         let steps = number.checked_sub(1).and_then(|before| between.get(before));
@@ -164,9 +164,9 @@ impl<'a> Measure<'a> {
         &self,
         [from, to]: [f64; 2],
         [start, end]: [&Pose; 2],
-        pose: &impl Fn(f64) -> Result<Pose, SceneError>,
+        pose: &impl Fn(f64) -> Result<Pose, Error>,
         halvings: u32,
-    ) -> Result<Vec<f64>, SceneError> {
+    ) -> Result<Vec<f64>, Error> {
         let middle = 0.5 * (from + to);
         let single = [from, middle, to].map(|time| time as f32);
         let has_room = single[0].next_up() < single[1] && single[1] < single[2].next_down();

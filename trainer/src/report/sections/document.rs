@@ -1,7 +1,7 @@
 //! The page and its sections, from top to bottom.
 
-use super::pictures::ReportError;
 use super::{errors, frames, pictures, sizes};
+use crate::Error;
 use crate::evaluate::{Frames, OWN_WEIGHTS};
 use crate::examples::Split;
 use crate::page::html::{self, grouped, section, text};
@@ -28,8 +28,8 @@ impl Page<'_> {
     /// are any.
     ///
     /// # Errors
-    /// [`ReportError::Evaluate`] and [`ReportError::Picture`].
-    pub fn html(&self, progress: &dyn Progress) -> Result<String, ReportError> {
+    /// The runtime refuses a frame, or a picture cannot be encoded.
+    pub fn html(&self, progress: &dyn Progress) -> Result<String, Error> {
         let Self { comparison, options, .. } = *self;
         let sizes = self.sizes.then(|| Sizes::train(comparison, progress));
         progress.part(1, 1);

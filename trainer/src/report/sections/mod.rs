@@ -7,4 +7,3 @@ mod pictures;
 mod sizes;
 
 pub use document::Page;
-pub use pictures::ReportError;

@@ -1,6 +1,7 @@
 //! Sections made of pictures.
 
-use crate::evaluate::{Character, Errors, EvaluateError, Measured, OWN_WEIGHTS};
+use crate::Error;
+use crate::evaluate::{Character, Errors, Measured, OWN_WEIGHTS};
 use crate::examples::Examples;
 use crate::numeric::columns::largest;
 use crate::page::camera::Camera;
@@ -9,7 +10,6 @@ use crate::page::html::{grouped, paragraph, side_by_side, text};
 use crate::report::comparison::{Comparison, Series};
 use crate::report::pictures::{Paint, Pictures, Shape};
 use crate::space::written;
-use png::EncodingError;
 use sinew_runtime::{Envelope, Skin};
 use std::collections::BTreeSet;
 
@@ -22,28 +22,17 @@ const DEGREES: &str = "degrees";
 /// Colours of near-rigid vertices and of other vertices.
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
-/// Reasons why a page cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A frame could not be skinned.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-    /// A picture could not be encoded.
-    #[error("cannot encode a picture: {0}")]
-    Picture(#[from] EncodingError),
-}
-
 /// The truth and every skin in the model's worst frame, with the errors below; then a close-up of the worst vertex.
 pub(super) fn worst_pose(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let series = comparison.series();
     let frame = &comparison.model.measured.frames[pictures.worst];
     let shapes = pictures.frame(frame.frame, &series)?;
     let vertex = frame.worst_vertex();
     let errors: Vec<_> = series.iter().map(|s| s.measured.percent_in(pictures.worst)).collect();
-    let rows = |camera: &Camera| -> Result<String, ReportError> {
+    let rows = |camera: &Camera| -> Result<String, Error> {
         let clay = shapes.iter().map(|s| pictures.take(s, &Paint::Clay, camera, None, &s.name));
         let clay = clay.collect::<Result<Vec<_>, _>>()?;
         let heat = heat(pictures, comparison, &errors, |place| {
@@ -86,7 +75,7 @@ pub(super) fn worst_pose(
 pub(super) fn all_frames(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let (rest, series) = (pictures.rest(), comparison.series());
     let camera = pictures.whole(&[&rest]);
     let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
@@ -109,7 +98,7 @@ fn heat<'b>(
     comparison: &Comparison<'_>,
     errors: &[Vec<f64>],
     shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
-) -> Result<Vec<String>, ReportError> {
+) -> Result<Vec<String>, Error> {
     let (series, model) = (comparison.series(), comparison.model_place());
     let (own, common) = (Scale::of(&errors[model]), Scale::of(errors.iter().flatten()));
     let all = (0..series.len()).map(|place| (place, common, "error, %"));
@@ -120,7 +109,7 @@ fn heat<'b>(
         let paint = Paint::Heat(&errors[place], scale, PERCENT);
         pictures.take(shape, &paint, camera, ring, &caption)
     });
-    Ok(pictures.collect::<Result<_, _>>()?)
+    pictures.collect()
 }
 
 /// The angles between every series' normals and the true normals, on one scale.
@@ -131,7 +120,7 @@ fn angle_maps<'b>(
     most: f64,
     shape: impl Fn(usize) -> &'b Shape,
     camera: &Camera,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let scale = Scale::of(&[most]);
     let maps = series.iter().enumerate().map(|(place, series)| {
         let caption = format!("{}: angle of the normals to the true ones, °", series.name);
@@ -174,7 +163,7 @@ pub(super) fn palette(
     pictures: &Pictures<'_>,
     comparison: &Comparison<'_>,
     near_rigid: Option<&[bool]>,
-) -> Result<String, ReportError> {
+) -> Result<String, Error> {
     let (rest, examples) = (pictures.rest(), comparison.source.examples);
     let camera = pictures.whole(&[&rest]);
     let mut row = Vec::new();

@@ -1,22 +1,22 @@
 //! Section of trainings with more and fewer proxies.
 
 use super::errors::{ERROR_HEADS, error_cells, legend};
-use crate::envelope::FitError;
 use crate::evaluate::Errors;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{below, grouped, paragraph, percent, table, text};
 use crate::report::comparison::Comparison;
 use crate::report::sizes::{Outcome, SizeTrial, Sizes};
+use crate::{Error, ErrorKind};
 
 const SIZE: (f64, f64) = (550.0, 250.0);
 
 /// Charts and a table of trainings with several numbers of proxies, and the times of their steps.
-pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError>) -> String {
+pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, Error>) -> String {
     let predictor = comparison.model.character.envelope.predictor().name();
     let sizes = match sizes {
         Err(error) => {
-            let why = match error {
-                FitError::TooFewPoses { .. } => {
+            let why = match error.kind() {
+                ErrorKind::Fit => {
                     " This section needs the training frames of the model among the examples."
                 }
                 _ => "",

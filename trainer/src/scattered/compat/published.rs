@@ -3,6 +3,7 @@
 //! The solver computes `θ = (MᵀM + λI)⁺ MᵀB` for a matrix M of distances, or of a function of distances. A function of
 //! a distance is converted to one of our kernels: `φ(d) = factor G((epsilon d)²)`.
 
+use crate::Error;
 use crate::scattered::sum::KernelSum;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
@@ -60,30 +61,6 @@ pub struct Published {
     pub sum: KernelSum,
 }
 
-/// Reasons why S2's solver has no result.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PublishedError {
-    /// No samples, or features and outputs of different numbers of samples.
-    #[error("expected features and outputs of the same samples, found {features} and {outputs}")]
-    Rows {
-        /// Rows of the features.
-        features: usize,
-        /// Rows of the outputs.
-        outputs: usize,
-    },
-    /// A feature, or the function of a distance, is not finite.
-    #[error("the distance or its function between samples {row} and {column} is not finite")]
-    NotFinite {
-        /// Index of a sample.
-        row: usize,
-        /// Index of another sample, or the same sample.
-        column: usize,
-    },
-    /// The singular value decomposition does not converge.
-    #[error("the singular values do not converge")]
-    Singular,
-}
-
 impl Published {
     /// Solves for outputs B (n x m) at features (n x d).
     ///
@@ -95,10 +72,13 @@ impl Published {
         features: &Mat<f64>,
         outputs: &Mat<f64>,
         options: &PublishedOptions,
-    ) -> Result<Self, PublishedError> {
+    ) -> Result<Self, Error> {
         let (n, d) = features.shape();
         if n == 0 || n != outputs.nrows() {
-            return Err(PublishedError::Rows { features: n, outputs: outputs.nrows() });
+            let found = outputs.nrows();
+            return Err(Error::mismatch(format!(
+                "expected features and outputs of the same samples, found {n} and {found}"
+            )));
         }
         let norm = |c: usize| match features.col(c).norm_l2() {
             norm if options.normalise_features && norm != 0.0 => norm,
@@ -115,12 +95,14 @@ impl Published {
             for row in 0..n {
                 let value = options.kernel.value(m[(row, column)] / distance_norm, options.radius);
                 if !value.is_finite() {
-                    return Err(PublishedError::NotFinite { row, column });
+                    return Err(Error::value(format!(
+                        "the distance or its function between samples {row} and {column} is not finite"
+                    )));
                 }
                 m[(row, column)] = value;
             }
         }
-        let singular = m.singular_values().map_err(|_| PublishedError::Singular)?;
+        let singular = m.singular_values().map_err(|_| not_converged())?;
         let condition = singular[0] / singular[n - 1];
         let transposed = m.transpose();
         let mut square = transposed * &m;
@@ -192,9 +174,14 @@ fn guarded(radius: f64) -> f64 {
     if radius > 0.0 { radius } else { GUARD }
 }
 
+/// Returns the error of a singular value decomposition that does not converge.
+fn not_converged() -> Error {
+    Error::fit("the singular values do not converge")
+}
+
 /// Returns the pseudo-inverse. Singular values below ε n σ₁ count as 0.
-fn pseudo_inverse(square: &Mat<f64>) -> Result<Mat<f64>, PublishedError> {
-    let decomposed = square.svd().map_err(|_| PublishedError::Singular)?;
+fn pseudo_inverse(square: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let decomposed = square.svd().map_err(|_| not_converged())?;
     let s = decomposed.S().column_vector();
     let least = f64::EPSILON * square.nrows() as f64 * s[0];
     let inverse = Mat::from_fn(square.nrows(), square.nrows(), |k, i| {

@@ -5,9 +5,10 @@
 //! Nothing is merged, dropped or lowered. SciPy scales polynomials by the box of the sites. This mode scales them by
 //! epsilon, which gives the same function.
 
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::function::{is_scale_invariant, order};
-use crate::scattered::solver::error::KernelError;
+use crate::scattered::solver::options::out_of_range;
 use crate::scattered::solver::polynomial::Space;
 use crate::scattered::solver::samples::check;
 use crate::scattered::solver::system::solve;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
 use std::cmp::Ordering;
+use std::fmt::{Display, Formatter};
 
 /// Kernels by SciPy's names.
 const KERNELS: [(&str, Kernel); 8] = [
@@ -76,88 +78,10 @@ impl TryFrom<Value> for Smoothing {
     }
 }
 
-/// Errors that SciPy raises.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ScipyError {
-    /// The samples are unusable.
-    #[error(transparent)]
-    Samples(#[from] KernelError),
-    /// SciPy has no kernel of this name.
-    #[error(
-        "\"{}\" is no kernel of SciPy's: expected one of {}",
-        .0,
-        KERNELS.map(|(name, _)| name).join(", ")
-    )]
-    Kernel(String),
-    /// The kernel needs an epsilon.
-    #[error("the kernel \"{}\" needs an epsilon", .0.name())]
-    Epsilon(Kernel),
-    /// A number is outside its range.
-    #[error("{what} is {found}, expected {expected}")]
-    Option {
-        /// Name of the number.
-        what: &'static str,
-        /// Value of the number.
-        found: f64,
-        /// Allowed values.
-        expected: &'static str,
-    },
-    /// The number of smoothings is neither 1 nor the number of samples.
-    #[error("expected one smoothing or {samples}, found {found}")]
-    SmoothingLen {
-        /// Number of samples.
-        samples: usize,
-        /// Number of smoothings.
-        found: usize,
-    },
-    /// There are fewer samples than monomials.
-    #[error("degree {degree} in {inputs} inputs needs {needed} samples, found {found}")]
-    TooFew {
-        /// Degree of the polynomial.
-        degree: usize,
-        /// Number of inputs.
-        inputs: usize,
-        /// Number of monomials.
-        needed: usize,
-        /// Number of samples, or of neighbours.
-        found: usize,
-    },
-    /// The samples do not determine the polynomial.
-    #[error("the system is singular: the samples determine {rank} of {terms} monomials")]
-    Rank {
-        /// Number of independent monomials at the samples.
-        rank: usize,
-        /// Number of monomials.
-        terms: usize,
-    },
-    /// Two samples have the same site and neither is smoothed.
-    #[error("the system is singular: rows {first} and {second} have the same site")]
-    Repeated {
-        /// Row of the first sample.
-        first: usize,
-        /// Row of the second sample.
-        second: usize,
-    },
-    /// Elimination finds a pivot of 0.
-    #[error("the system is singular")]
-    Singular,
-    /// A query and the sites have different dimensions.
-    #[error("expected a query of {expected} numbers, found {found}")]
-    Query {
-        /// Number of inputs.
-        expected: usize,
-        /// Number of values in the query.
-        found: usize,
-    },
-}
-
 /// Warnings of SciPy, or of METHOD.
-#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum ScipyWarning {
     /// The degree is below the kernel's least degree: the function may not be unique.
-    #[error(
-        "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
-    )]
     Degree {
         /// Degree of the polynomial.
         degree: usize,
@@ -165,11 +89,24 @@ pub enum ScipyWarning {
         least: usize,
     },
     /// Rounding may change the function.
-    #[error("the fit is ill-conditioned (reciprocal condition {rcond:.1e})")]
     IllConditioned {
         /// Reciprocal condition.
         rcond: f64,
     },
+}
+
+impl Display for ScipyWarning {
+    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Degree { degree, least } => write!(
+                to,
+                "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
+            ),
+            Self::IllConditioned { rcond } => {
+                write!(to, "the fit is ill-conditioned (reciprocal condition {rcond:.1e})")
+            }
+        }
+    }
 }
 
 /// Function that SciPy finds.
@@ -205,16 +142,12 @@ impl RbfInterpolator {
     /// - If epsilon, degree, smoothing or neighbours are out of range.
     /// - If there are fewer samples or neighbours than monomials, or they do not determine the polynomial.
     /// - If the system is singular.
-    pub fn new(
-        sites: &Mat<f64>,
-        values: &Mat<f64>,
-        options: &ScipyOptions,
-    ) -> Result<Self, ScipyError> {
+    pub fn new(sites: &Mat<f64>, values: &Mat<f64>, options: &ScipyOptions) -> Result<Self, Error> {
         check(sites, values)?;
         let (n, inputs) = sites.shape();
         let name = options.kernel.to_lowercase();
         let kernel = KERNELS.into_iter().find(|(own, _)| *own == name);
-        let kernel = kernel.ok_or_else(|| ScipyError::Kernel(options.kernel.clone()))?.1;
+        let kernel = kernel.ok_or_else(|| unknown_kernel(&options.kernel))?.1;
         let smoothing = smoothing(&options.smoothing, n)?;
         let epsilon = epsilon(kernel, options.epsilon)?;
         let least = order(kernel).and_then(|order| order.checked_sub(1));
@@ -227,14 +160,15 @@ impl RbfInterpolator {
         }
         let used = options.neighbors.map_or(n, |k| k.min(n));
         if used == 0 {
-            let (what, expected) = ("neighbors", "at least 1");
-            return Err(ScipyError::Option { what, found: 0.0, expected });
+            return Err(out_of_range("neighbors", 0.0, "at least 1"));
         }
         let needed = degree.map_or(0, |degree| monomials(inputs, degree).len());
         if let Some(degree) = degree
             && needed > used
         {
-            return Err(ScipyError::TooFew { degree, inputs, needed, found: used });
+            return Err(Error::fit(format!(
+                "degree {degree} in {inputs} inputs needs {needed} samples, found {used}"
+            )));
         }
         let (sites, values) = (sites.clone(), values.clone());
         let problem = Problem { sites, values, smoothing, kernel, epsilon, degree };
@@ -253,7 +187,7 @@ impl RbfInterpolator {
     /// # Errors
     /// - If the query has another length.
     /// - If the system of the query's neighbours is singular.
-    pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, ScipyError> {
+    pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, Error> {
         Ok(self.conditioned(x)?.0)
     }
 
@@ -261,10 +195,13 @@ impl RbfInterpolator {
     ///
     /// # Errors
     /// Errors of [`Self::evaluate`].
-    pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), ScipyError> {
+    pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), Error> {
         let expected = self.problem.sites.ncols();
         if x.len() != expected {
-            return Err(ScipyError::Query { expected, found: x.len() });
+            let found = x.len();
+            return Err(Error::mismatch(format!(
+                "expected a query of {expected} numbers, found {found}"
+            )));
         }
         if let Some((sum, rcond)) = &self.whole {
             return Ok((sum.evaluate(x), *rcond));
@@ -293,7 +230,7 @@ struct Problem {
 
 impl Problem {
     /// Fits some samples; returns the function and the reciprocal condition.
-    fn solve(&self, some: &[usize]) -> Result<(KernelSum, f64), ScipyError> {
+    fn solve(&self, some: &[usize]) -> Result<(KernelSum, f64), Error> {
         let rows = |m: &Mat<f64>| Mat::from_fn(some.len(), m.ncols(), |i, c| m[(some[i], c)]);
         self.check_repeated(some)?;
         let (sites, values) = (rows(&self.sites), rows(&self.values));
@@ -308,12 +245,14 @@ impl Problem {
         let polynomial = space.polynomial(self.degree);
         let (rank, terms) = (polynomial.rank(), polynomial.terms.len());
         if rank < terms {
-            return Err(ScipyError::Rank { rank, terms });
+            return Err(Error::fit(format!(
+                "the system is singular: the samples determine {rank} of {terms} monomials"
+            )));
         }
         let solved = solve(self.kernel, &points, &smoothing, polynomial, &values);
         let rcond = solved.system.rcond();
         if !solved.missed.is_finite() {
-            return Err(ScipyError::Singular);
+            return Err(Error::fit("the system is singular"));
         }
         let sum = KernelSum {
             kernel: self.kernel,
@@ -328,7 +267,7 @@ impl Problem {
     }
 
     /// Checks that samples of one site are smoothed. Without smoothing their equations are equal.
-    fn check_repeated(&self, some: &[usize]) -> Result<(), ScipyError> {
+    fn check_repeated(&self, some: &[usize]) -> Result<(), Error> {
         let exact = some.iter().copied().filter(|&i| self.smoothing[i] == 0.0);
         let mut order: Vec<usize> = exact.collect();
         let compare = |&a: &usize, &b: &usize| {
@@ -337,44 +276,50 @@ impl Problem {
         };
         order.sort_by(compare);
         match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
-            Some(pair) => Err(ScipyError::Repeated { first: pair[0], second: pair[1] }),
+            Some(pair) => Err(Error::fit(format!(
+                "the system is singular: rows {} and {} have the same site",
+                pair[0], pair[1]
+            ))),
             None => Ok(()),
         }
     }
 }
 
-fn smoothing(of: &Smoothing, samples: usize) -> Result<Vec<f64>, ScipyError> {
+fn unknown_kernel(found: &str) -> Error {
+    let expected = KERNELS.map(|(name, _)| name).join(", ");
+    Error::value(format!("\"{found}\" is no kernel of SciPy's: expected one of {expected}"))
+}
+
+fn smoothing(of: &Smoothing, samples: usize) -> Result<Vec<f64>, Error> {
     let all = match of {
         Smoothing::All(lambda) => vec![*lambda; samples],
         Smoothing::Each(all) => all.clone(),
     };
     if all.len() != samples {
-        return Err(ScipyError::SmoothingLen { samples, found: all.len() });
+        let found = all.len();
+        return Err(Error::mismatch(format!("expected one smoothing or {samples}, found {found}")));
     }
     match all.iter().find(|lambda| !lambda.is_finite()) {
-        Some(&found) => {
-            let (what, expected) = ("a smoothing", "a finite number");
-            Err(ScipyError::Option { what, found, expected })
-        }
+        Some(&found) => Err(out_of_range("a smoothing", found, "a finite number")),
         None => Ok(all),
     }
 }
 
-fn epsilon(kernel: Kernel, given: Option<f64>) -> Result<f64, ScipyError> {
+fn epsilon(kernel: Kernel, given: Option<f64>) -> Result<f64, Error> {
     let default = is_scale_invariant(kernel).then_some(1.0);
-    let found = given.or(default).ok_or(ScipyError::Epsilon(kernel))?;
+    let found = given.or(default).ok_or_else(|| {
+        Error::missing(format!("the kernel \"{}\" needs an epsilon", kernel.name()))
+    })?;
     if found.is_finite() && found != 0.0 {
         return Ok(found);
     }
-    let (what, expected) = ("epsilon", "a finite number other than 0");
-    Err(ScipyError::Option { what, found, expected })
+    Err(out_of_range("epsilon", found, "a finite number other than 0"))
 }
 
-fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, ScipyError> {
+fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, Error> {
     let Some(degree) = given else { return Ok(Some(least.unwrap_or(0))) };
     if degree < -1 {
-        let (what, expected) = ("degree", "-1 or more");
-        return Err(ScipyError::Option { what, found: degree.into(), expected });
+        return Err(out_of_range("degree", degree.into(), "-1 or more"));
     }
     Ok(usize::try_from(degree).ok())
 }

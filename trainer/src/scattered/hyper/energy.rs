@@ -1,7 +1,9 @@
 //! Energy of a sum of kernels, and its gradient by all parameters (METHOD §3).
 
 use super::least_squares::solve;
-use super::options::{Entries, HyperError, Options};
+use super::options::{Entries, Options};
+use super::wrong_number;
+use crate::Error;
 use crate::numeric::columns::dot;
 use crate::regression::function::Exact;
 use crate::scattered::sum::{monomials, powers, squared};
@@ -64,20 +66,22 @@ impl Energy {
     /// - `shift`, `scale`: d each, turn x into u.
     ///
     /// # Errors
-    /// [`HyperError`]: if there are no samples, inputs or values; if a length does not match; if the ridge is negative
-    /// or not finite.
+    /// - If there are no samples, inputs or values.
+    /// - If a length does not match the samples.
+    /// - If the ridge is negative or not finite.
     pub fn new(
         sites: MatRef<'_, f64>,
         values: MatRef<'_, f64>,
         shift: &[f64],
         scale: &[f64],
         options: &Options,
-    ) -> Result<Self, HyperError> {
+    ) -> Result<Self, Error> {
         let (sample_len, input_len, value_len) = (sites.nrows(), sites.ncols(), values.ncols());
         let rows = options.metric.start.nrows();
         if sample_len == 0 || input_len == 0 || value_len == 0 {
-            let [samples, inputs, values] = [sample_len, input_len, value_len];
-            return Err(HyperError::Empty { samples, inputs, values });
+            return Err(Error::missing(format!(
+                "nothing to learn from: {sample_len} samples of {input_len} inputs and {value_len} values"
+            )));
         }
         for (name, expected, found) in [
             ("samples' values", sample_len, values.nrows()),
@@ -87,11 +91,12 @@ impl Energy {
             ("rows of the metric", rows.max(1), rows),
         ] {
             if found != expected {
-                return Err(HyperError::Length { name, expected, found });
+                let message = format!("{name}: expected {expected}, found {found}");
+                return Err(Error::mismatch(message));
             }
         }
         if !(options.ridge >= 0.0 && options.ridge.is_finite()) {
-            return Err(HyperError::Number { name: "the ridge", found: options.ridge });
+            return Err(wrong_number("the ridge", options.ridge));
         }
         let scaled = |row: usize, i: usize| (sites[(row, i)] - shift[i]) * scale[i];
         let inputs: Vec<f64> =

@@ -12,8 +12,9 @@ mod methods;
 mod options;
 
 pub use energy::{Energy, Parameters, Point};
-pub use options::{Entries, HyperError, Method, Metric, Options, Start, Step, Stop, Trace};
+pub use options::{Entries, Method, Metric, Options, Start, Step, Stop, Trace};
 
+use crate::Error;
 use crate::regression::function::order;
 use crate::scattered::sum::{KernelSum, monomials, squared};
 use faer::{Mat, MatRef};
@@ -51,7 +52,7 @@ pub fn learn(
     shift: &[f64],
     scale: &[f64],
     options: &Options,
-) -> Result<Learned, HyperError> {
+) -> Result<Learned, Error> {
     let energy = Energy::new(sites, values, shift, scale, options)?;
     check(&energy, options)?;
     let from = |&seed: &u64| from_seed(&energy, options, seed);
@@ -59,21 +60,26 @@ pub fn learn(
     let learned = learned.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (points, traces): (Vec<_>, Vec<_>) = learned.into_iter().unzip();
     let best = points.into_iter().enumerate().min_by(|a, b| a.1.energy.total_cmp(&b.1.energy));
-    let (best, Point { parameters, energy: least, .. }) = best.ok_or(HyperError::NoSeeds)?;
+    let (best, Point { parameters, energy: least, .. }) =
+        best.ok_or_else(|| Error::missing("there is no seed"))?;
     let sum = sum(&energy, &parameters, shift, scale, options);
     Ok(Learned { sum, energy: least, best, traces })
 }
 
-fn check(energy: &Energy, options: &Options) -> Result<(), HyperError> {
+fn check(energy: &Energy, options: &Options) -> Result<(), Error> {
     if order(options.kernel).is_none() {
-        return Err(HyperError::Hat);
+        return Err(Error::unsupported(
+            "nothing can be learned with a hat: it is for evaluation alone",
+        ));
     }
     let (centres, terms, samples) = (options.centres, energy.term_len(), energy.sample_len());
     if centres == 0 {
-        return Err(HyperError::NoCentres);
+        return Err(Error::value("the number of centres is 0"));
     }
     if centres.saturating_add(terms) > samples {
-        return Err(HyperError::TooFewSamples { centres, terms, samples });
+        return Err(Error::fit(format!(
+            "{centres} centres and a polynomial of {terms} terms need as many samples, found {samples}"
+        )));
     }
     let numbers = match options.method {
         Method::VariableProjection => Vec::new(),
@@ -84,20 +90,27 @@ fn check(energy: &Energy, options: &Options) -> Result<(), HyperError> {
     };
     for (name, found) in numbers {
         if !(found >= 0.0 && found.is_finite()) {
-            return Err(HyperError::Number { name, found });
+            return Err(wrong_number(name, found));
         }
     }
     Ok(())
 }
 
-fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Trace), HyperError> {
+/// Returns the error of a number that is out of its range.
+fn wrong_number(name: &str, found: f64) -> Error {
+    Error::value(format!("{name} must be finite and not negative, found {found}"))
+}
+
+fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Trace), Error> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = options.metric.start.row_iter();
     let metric: Vec<f64> = rows.flat_map(|row| row.iter().copied()).collect();
     let samples = choose_samples(options.start, energy, &metric, options.centres, &mut random);
     let start = energy.solved(centres_on(energy, &metric, &samples));
     if !start.energy.is_finite() {
-        return Err(HyperError::NotFinite { seed });
+        return Err(Error::value(format!(
+            "the energy is not finite where seed {seed} starts: a sample or the metric is not"
+        )));
     }
     let mut trace =
         Trace { seed, start: start.energy, steps: Vec::new(), evaluations: 1, stop: Stop::Budget };

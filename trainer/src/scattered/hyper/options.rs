@@ -1,4 +1,4 @@
-//! Options, errors and traces of learning.
+//! Options and traces of learning.
 
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
@@ -89,66 +89,6 @@ pub enum Method {
         reach: f64,
         /// T at the start and at the end; linear in the number of evaluations.
         temperatures: [f64; 2],
-    },
-}
-
-/// Reasons why learning cannot begin.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum HyperError {
-    /// The kernel is a hat.
-    #[error("nothing can be learned with a hat: it is for evaluation alone")]
-    Hat,
-    /// There are no samples, inputs or values.
-    #[error("nothing to learn from: {samples} samples of {inputs} inputs and {values} values")]
-    Empty {
-        /// Number of samples, N.
-        samples: usize,
-        /// Number of inputs, d.
-        inputs: usize,
-        /// Number of values, m.
-        values: usize,
-    },
-    /// The length of an argument does not match the samples.
-    #[error("{name}: expected {expected}, found {found}")]
-    Length {
-        /// Name of the counted elements.
-        name: &'static str,
-        /// Number of elements that the samples need.
-        expected: usize,
-        /// Number of elements given.
-        found: usize,
-    },
-    /// A number is out of its range.
-    #[error("{name} must be finite and not negative, found {found}")]
-    Number {
-        /// Name of the number.
-        name: &'static str,
-        /// Value of the number.
-        found: f64,
-    },
-    /// The number of centres is 0.
-    #[error("the number of centres is 0")]
-    NoCentres,
-    /// There are no seeds.
-    #[error("there is no seed")]
-    NoSeeds,
-    /// There are more coefficients than samples.
-    #[error(
-        "{centres} centres and a polynomial of {terms} terms need as many samples, found {samples}"
-    )]
-    TooFewSamples {
-        /// Number of centres, n.
-        centres: usize,
-        /// Number of monomials.
-        terms: usize,
-        /// Number of samples, N.
-        samples: usize,
-    },
-    /// A sample is not finite, or the energy of a start.
-    #[error("the energy is not finite where seed {seed} starts: a sample or the metric is not")]
-    NotFinite {
-        /// First seed with that error.
-        seed: u64,
     },
 }
 

@@ -1,6 +1,7 @@
 //! Inputs of a function: the numbers that a user gives, and the features in which distances are measured.
 
-use crate::regression::rotations::{Feature, RotationError, Xyzw, from_euler};
+use crate::Error;
+use crate::regression::rotations::{Feature, Xyzw, from_euler};
 use sinew_runtime::kernel::EulerOrder;
 
 /// Named input.
@@ -27,35 +28,6 @@ pub enum InputKind {
         feature: Feature,
         /// Order of its Euler angles, in degrees; `None` for a quaternion x, y, z, w.
         order: Option<EulerOrder>,
-    },
-}
-
-/// Errors of a query's numbers.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum EvaluationError {
-    /// The number of values is wrong.
-    #[error("expected {expected} numbers, found {found}")]
-    Length {
-        /// Number of values of all inputs.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
-    /// A number is not finite.
-    #[error("number {number} (input \"{input}\") is not finite")]
-    NotFinite {
-        /// Index of the number.
-        number: usize,
-        /// Name of the input.
-        input: String,
-    },
-    /// A quaternion is no rotation.
-    #[error("input \"{input}\": {error}")]
-    Rotation {
-        /// Name of the input.
-        input: String,
-        /// Reason.
-        error: RotationError,
     },
 }
 
@@ -98,7 +70,7 @@ impl InputKind {
     }
 
     /// Computes the features.
-    fn features(self, numbers: &[f64]) -> Result<Vec<f64>, RotationError> {
+    fn features(self, numbers: &[f64]) -> Result<Vec<f64>, Error> {
         match (self, numbers) {
             (Self::Rotation { feature, .. }, &[x, y, z, w]) => {
                 let rotation: Xyzw = [x, y, z, w];
@@ -112,11 +84,12 @@ impl InputKind {
 /// Converts the given values of all inputs into the values of a file's function.
 ///
 /// # Errors
-/// [`EvaluationError::Length`] and [`EvaluationError::NotFinite`].
-pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
+/// If the number of values is wrong, or a value is not finite.
+pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Error> {
     let expected = inputs.iter().map(|input| input.kind.given_len()).sum();
     if given.len() != expected {
-        return Err(EvaluationError::Length { expected, found: given.len() });
+        let found = given.len();
+        return Err(Error::mismatch(format!("expected {expected} numbers, found {found}")));
     }
     let mut out = Vec::new();
     let mut rest = given;
@@ -125,7 +98,9 @@ pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Evalua
         let first = given.len() - rest.len();
         (own, rest) = rest.split_at(kind.given_len());
         if let Some(at) = own.iter().position(|x| !x.is_finite()) {
-            return Err(EvaluationError::NotFinite { number: first + at, input: name.clone() });
+            let number = first + at;
+            let message = format!("number {number} (input \"{name}\") is not finite");
+            return Err(Error::value(message));
         }
         out.extend(kind.numbers(own));
     }
@@ -135,16 +110,16 @@ pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Evalua
 /// Computes the features of all inputs from the given values.
 ///
 /// # Errors
-/// [`EvaluationError`].
-pub(crate) fn features(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
+/// Errors of [`query_numbers`]; if a quaternion is zero or not finite.
+pub(crate) fn features(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Error> {
     let numbers = query_numbers(inputs, given)?;
     let mut rest = numbers.as_slice();
     let mut out = Vec::new();
     for Input { name, kind, .. } in inputs {
         let own;
         (own, rest) = rest.split_at(kind.number_len());
-        let rotation = |error| EvaluationError::Rotation { input: name.clone(), error };
-        out.extend(kind.features(own).map_err(rotation)?);
+        let named = |error: Error| error.within(format_args!("input \"{name}\""));
+        out.extend(kind.features(own).map_err(named)?);
     }
     Ok(out)
 }

@@ -4,9 +4,10 @@ mod input;
 mod output;
 
 pub(crate) use input::features;
-pub use input::{EvaluationError, Input, InputKind, query_numbers};
+pub use input::{Input, InputKind, query_numbers};
 pub use output::{Output, OutputKind};
 
+use crate::Error;
 use crate::regression::confidence::Fade;
 use crate::regression::rotations::Feature;
 use crate::scattered::solver::leave_one_out::Variance;
@@ -71,8 +72,8 @@ impl KernelModel {
     /// - `given`: numbers of all inputs.
     ///
     /// # Errors
-    /// [`EvaluationError`] of the inputs.
-    pub fn evaluate(&self, given: &[f64]) -> Result<Evaluated, EvaluationError> {
+    /// If the number of values is wrong, a value is not finite, or a quaternion is zero or not finite.
+    pub fn evaluate(&self, given: &[f64]) -> Result<Evaluated, Error> {
         let x = self.features(given)?;
         let mut values = self.sum.evaluate(&x);
         let z = self.sum.measured(&self.sum.scaled(&x));
@@ -83,13 +84,13 @@ impl KernelModel {
                 *value = neutral + confidence * (*value - neutral);
             }
         }
-        let rotation = |error| EvaluationError::Rotation { input: "neutral".to_owned(), error };
-        let numbers = output_numbers(&self.outputs, self.normalise, &values).map_err(rotation)?;
+        let neutral = |error: Error| error.within("input \"neutral\"");
+        let numbers = output_numbers(&self.outputs, self.normalise, &values).map_err(neutral)?;
         Ok(Evaluated { numbers, confidence })
     }
 
     /// Computes features. The rule `Clamp` limits them to the ranges of the samples.
-    fn features(&self, given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
+    fn features(&self, given: &[f64]) -> Result<Vec<f64>, Error> {
         let mut x = features(&self.inputs, given)?;
         if self.query == QueryRule::Clamp {
             for (x, [low, high]) in x.iter_mut().zip(&self.ranges) {

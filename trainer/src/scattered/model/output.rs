@@ -1,6 +1,7 @@
 //! Outputs of a function, and their conversion from the values of a sum.
 
-use crate::regression::rotations::{RotationError, Xyzw, from_values, to_values};
+use crate::Error;
+use crate::regression::rotations::{Xyzw, from_values, to_values};
 use sinew_runtime::kernel::Normalise;
 
 /// Least sum by which outputs are divided.
@@ -63,7 +64,7 @@ impl OutputKind {
     ///
     /// # Errors
     /// If a quaternion is no rotation.
-    pub fn to_values(self, numbers: &[f64]) -> Result<Vec<f64>, RotationError> {
+    pub fn to_values(self, numbers: &[f64]) -> Result<Vec<f64>, Error> {
         match (self, numbers) {
             (Self::Rotation { neutral }, &[x, y, z, w]) => {
                 Ok(to_values(neutral, [x, y, z, w])?.to_vec())
@@ -82,7 +83,7 @@ impl OutputKind {
     }
 
     /// Converts values of the function into numbers of the output.
-    fn numbers(self, values: &[f64]) -> Result<Vec<f64>, RotationError> {
+    fn numbers(self, values: &[f64]) -> Result<Vec<f64>, Error> {
         match (self, values) {
             (Self::Scalar { low, high, .. }, &[value]) => Ok(vec![value.max(low).min(high)]),
             (Self::Rotation { neutral }, &[x, y, z]) => {
@@ -101,7 +102,7 @@ pub(super) fn output_numbers(
     outputs: &[Output],
     normalise: Normalise,
     values: &[f64],
-) -> Result<Vec<f64>, RotationError> {
+) -> Result<Vec<f64>, Error> {
     let (mut rest, mut out, mut marked) = (values, Vec::new(), Vec::new());
     for Output { kind, .. } in outputs {
         let own;

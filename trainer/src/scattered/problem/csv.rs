@@ -4,8 +4,8 @@
 //! rotation by angles in degrees about x, then y, then z.
 
 use super::definition::{Problem, ProblemOptions};
-use super::error::ProblemError;
-use super::json::free_scalar;
+use super::json::{free_scalar, wrong_kind};
+use crate::Error;
 use crate::formats::csv;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{Input, InputKind, Output, OutputKind};
@@ -34,8 +34,8 @@ impl Table {
     /// Reads a table. Columns without a name and without cells are ignored.
     ///
     /// # Errors
-    /// [`ProblemError::Format`] of a CSV, with its line, and [`ProblemError::Unnamed`].
-    pub(super) fn parse(text: &[u8]) -> Result<Self, ProblemError> {
+    /// If the text is not a CSV of numbers, or a column has cells but no name.
+    pub(super) fn parse(text: &[u8]) -> Result<Self, Error> {
         let table = csv::Table::parse(text)?;
         let name = |column: usize| table.names[column].as_str();
         let is_blank = |column| table.rows().iter().all(|row| table.cell(row, column).is_none());
@@ -43,7 +43,10 @@ impl Table {
         let columns: Vec<usize> =
             all.filter(|&column| !(name(column).is_empty() && is_blank(column))).collect();
         if let Some(column) = columns.iter().find(|column| name(**column).is_empty()) {
-            return Err(ProblemError::Unnamed { column: column + 1 });
+            let number = column + 1;
+            return Err(Error::missing(format!(
+                "line 1: column {number} has no name: give it one, or take the column away"
+            )));
         }
         let rows = table.numbers(&columns).collect::<Result<Vec<_>, _>>()?;
         let (lines, rows) = rows.into_iter().unzip();
@@ -57,12 +60,11 @@ impl Table {
     /// Returns the columns of inputs, in their order.
     ///
     /// # Errors
-    /// [`ProblemError::Column`] if a column does not exist.
-    pub(super) fn columns(&self, names: &[String]) -> Result<Vec<Vec<f64>>, ProblemError> {
+    /// If a column does not exist.
+    pub(super) fn columns(&self, names: &[String]) -> Result<Vec<Vec<f64>>, Error> {
         let place = |name: &String| {
-            let found =
-                || ProblemError::Column { name: name.clone(), found: self.names.join(", ") };
-            self.names.iter().position(|own| own == name).ok_or_else(found)
+            let missing = || no_column(name, &self.names.join(", "));
+            self.names.iter().position(|own| own == name).ok_or_else(missing)
         };
         let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
         Ok(self.rows.iter().map(|row| places.iter().map(|&at| row[at]).collect()).collect())
@@ -92,12 +94,12 @@ impl Table {
     /// - `outputs`: names of the outputs; empty for the last column. All other columns are inputs.
     ///
     /// # Errors
-    /// [`ProblemError::Column`], and the errors of [`Problem::check`].
-    pub(super) fn problem(&self, name: &str, outputs: &[String]) -> Result<Problem, ProblemError> {
+    /// If an output is not a column, or is angles; errors of [`Problem::check`].
+    pub(super) fn problem(&self, name: &str, outputs: &[String]) -> Result<Problem, Error> {
         let groups = self.groups();
         if let Some(name) = outputs.iter().find(|name| groups.iter().all(|g| g.name != **name)) {
             let found = groups.iter().map(|g| g.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(ProblemError::Column { name: name.clone(), found });
+            return Err(no_column(name, &found));
         }
         let last = groups.last().map(|group| group.name.clone());
         let is_output = |group: &&Group| match outputs {
@@ -135,22 +137,25 @@ impl Group {
         Input { name: self.name.clone(), kind, weight: 1.0 }
     }
 
-    fn output(&self) -> Result<Output, ProblemError> {
+    fn output(&self) -> Result<Output, Error> {
         let kind = match self.parts {
             [_, _, _, _] => OutputKind::Rotation { neutral: [0.0, 0.0, 0.0, 1.0] },
             [".rx", ..] => {
-                return Err(ProblemError::Kind {
-                    what: "output",
-                    name: self.name.clone(),
-                    expected: "a number, .x .y .z or .x .y .z .w",
-                    found: "angles".to_owned(),
-                });
+                let expected = "a number, .x .y .z or .x .y .z .w";
+                return Err(wrong_kind("output", &self.name, expected, "angles"));
             }
             [_, _, _] => OutputKind::Vector3 { neutral: [0.0; 3] },
             _ => free_scalar(),
         };
         Ok(Output { name: self.name.clone(), kind })
     }
+}
+
+/// Returns the error of a column that does not exist.
+///
+/// - `found`: names of the existing columns.
+fn no_column(name: &str, found: &str) -> Error {
+    Error::missing(format!("there is no column \"{name}\"; there are {found}"))
 }
 
 /// Lists the names of an input's columns.

@@ -1,11 +1,11 @@
 //! Samples of a function, and the options of their fit as a person writes them.
 
-use super::error::ProblemError;
+use crate::Error;
 use crate::scattered::deviation::F32_ERROR;
 use crate::scattered::hyper;
 use crate::scattered::model::{Input, InputKind, Output};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error};
+use serde::de::{Deserializer, Error as _};
 use serde_json::Value;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
@@ -32,15 +32,18 @@ impl Problem {
     /// Checks the rows: there are as many values as sites, and each row has as many numbers as its inputs or outputs.
     ///
     /// # Errors
-    /// [`ProblemError::Empty`], [`ProblemError::Rows`], [`ProblemError::Row`] and [`ProblemError::Twice`], in this
-    /// order.
-    pub(super) fn check(self) -> Result<Self, ProblemError> {
+    /// In this order:
+    /// - if there are no samples;
+    /// - if the numbers of sites and values differ;
+    /// - if a row has too few or too many numbers;
+    /// - if two inputs, or two outputs, have the same name.
+    pub(super) fn check(self) -> Result<Self, Error> {
         if self.sites.is_empty() {
-            return Err(ProblemError::Empty);
+            return Err(Error::missing("there are no samples"));
         }
         let (sites, values) = (self.sites.len(), self.values.len());
         if sites != values {
-            return Err(ProblemError::Rows { sites, values });
+            return Err(wrong_rows(sites, values));
         }
         let given: usize = self.inputs.iter().map(|input| input.kind.given_len()).sum();
         let numbers: usize = self.outputs.iter().map(|output| output.kind.number_len()).sum();
@@ -49,14 +52,16 @@ impl Problem {
         {
             if let Some(row) = rows.iter().position(|row| row.len() != expected) {
                 let found = rows[row].len();
-                return Err(ProblemError::Row { what, row, expected, found });
+                return Err(Error::mismatch(format!(
+                    "row {row} of {what}: expected {expected} numbers, found {found}"
+                )));
             }
         }
         let inputs: Vec<&str> = self.inputs.iter().map(|input| input.name.as_str()).collect();
         let outputs: Vec<&str> = self.outputs.iter().map(|output| output.name.as_str()).collect();
         for (what, names) in [("inputs", inputs), ("outputs", outputs)] {
             if let Some(at) = (0..names.len()).find(|&at| names[..at].contains(&names[at])) {
-                return Err(ProblemError::Twice { what, name: names[at].to_owned() });
+                return Err(Error::value(format!("two {what} are named \"{}\"", names[at])));
             }
         }
         Ok(self)
@@ -87,6 +92,11 @@ impl Problem {
             |input: &&Input| matches!(input.kind, InputKind::Rotation { order: Some(_), .. });
         self.inputs.iter().filter(is_euler).map(|input| input.name.as_str()).collect()
     }
+}
+
+/// Returns the error of sites and values of different numbers.
+pub(super) fn wrong_rows(sites: usize, values: usize) -> Error {
+    Error::mismatch(format!("expected a row of values for each of {sites} sites, found {values}"))
 }
 
 /// Options of a fit. Omitted options are chosen by leaving samples out, or have the default named here.

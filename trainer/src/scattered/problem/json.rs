@@ -1,7 +1,7 @@
 //! Problems as JSON, with the kinds of inputs and outputs as a person writes them.
 
-use super::definition::{Problem, ProblemOptions};
-use super::error::ProblemError;
+use super::definition::{Problem, ProblemOptions, wrong_rows};
+use crate::Error;
 use crate::formats::json;
 use crate::regression::rotations::Feature;
 use crate::scattered::model::{Input, InputKind, Output, OutputKind};
@@ -29,13 +29,13 @@ const SHOWN: usize = 40;
 /// - `what`: name of the rows, for errors.
 ///
 /// # Errors
-/// [`ProblemError::NoRows`] and [`ProblemError::Entry`].
-pub(in crate::scattered) fn rows(
-    what: &'static str,
-    of: &Value,
-) -> Result<Vec<Vec<f64>>, ProblemError> {
+/// If there are no rows, a row does not consist of numbers, or a row differs in form from the first.
+pub(in crate::scattered) fn rows(what: &'static str, of: &Value) -> Result<Vec<Vec<f64>>, Error> {
     let Value::Array(all) = of else {
-        return Err(ProblemError::NoRows { what, found: shown(of) });
+        let found = shown(of);
+        return Err(Error::value(format!(
+            "{what}: expected rows, as [[0, 1], [2, 3]], or a list of numbers, found {found}"
+        )));
     };
     let is_column = all.first().is_some_and(Value::is_number);
     let row = |(row, own): (usize, &Value)| {
@@ -45,7 +45,10 @@ pub(in crate::scattered) fn rows(
             _ => None,
         };
         let expected = if is_column { "a number, as in row 0" } else { "a list of numbers" };
-        numbers.ok_or_else(|| ProblemError::Entry { what, row, expected, found: shown(own) })
+        numbers.ok_or_else(|| {
+            let found = shown(own);
+            Error::value(format!("row {row} of {what}: expected {expected}, found {found}"))
+        })
     };
     all.iter().enumerate().map(row).collect()
 }
@@ -62,14 +65,14 @@ fn shown(found: &Value) -> String {
 /// Reads a problem.
 ///
 /// # Errors
-/// [`ProblemError`] of JSON, kinds and rows.
-pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> {
+/// If the text is not JSON of this form, a kind is unknown or lacks a part, or rows are wrong.
+pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, Error> {
     let Written { name: own, inputs, outputs, sites, values, options } = json::read(text)?;
     let sites = rows("sites", &sites)?;
     let values = match values {
         Some(values) => rows("values", &values)?,
         None if options.weights => weights(sites.len()),
-        None => return Err(ProblemError::Rows { sites: sites.len(), values: 0 }),
+        None => return Err(wrong_rows(sites.len(), 0)),
     };
     let width = |rows: &[Vec<f64>]| rows.first().map_or(0, Vec::len);
     let inputs = match inputs {
@@ -92,8 +95,8 @@ fn weights(n: usize) -> Vec<Vec<f64>> {
 /// Reads queries: `{"queries": [[...]]}`, or the rows alone.
 ///
 /// # Errors
-/// [`ProblemError::Json`], and the errors of [`rows`].
-pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, ProblemError> {
+/// If the text is not JSON; errors of [`rows`].
+pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, Error> {
     let all: Value = json::read(text)?;
     rows("queries", all.get("queries").unwrap_or(&all))
 }
@@ -149,8 +152,8 @@ impl WrittenInput {
     /// Reads the kind of the input.
     ///
     /// # Errors
-    /// [`ProblemError::Kind`] and [`ProblemError::Axis`].
-    pub(super) fn input(&self) -> Result<Input, ProblemError> {
+    /// If the kind is unknown, or the axis is missing, has length 0, or is not needed.
+    pub(super) fn input(&self) -> Result<Input, Error> {
         let Self { name, kind: written, weight, axis } = self;
         let words: Vec<&str> = written.split_whitespace().collect();
         let order = |word: &str| {
@@ -163,12 +166,8 @@ impl WrittenInput {
             [feature] => (Some(feature), None),
             _ => (Some(""), None),
         };
-        let unknown = || ProblemError::Kind {
-            what: "input",
-            name: name.clone(),
-            expected: INPUTS,
-            found: written.clone(),
-        };
+        let unknown = || wrong_kind("input", name, INPUTS, written);
+        let wrong_axis = |what: &str| Error::value(format!("input \"{name}\": {what}"));
         if words.contains(&"euler") && order.is_none() {
             return Err(unknown());
         }
@@ -182,7 +181,7 @@ impl WrittenInput {
                 Err("its axis has no length")
             }
         };
-        let about = || about().map_err(|what| ProblemError::Axis { name: name.clone(), what });
+        let about = || about().map_err(wrong_axis);
         let feature = match feature {
             None => None,
             Some("quaternion") => Some(Feature::Matrix),
@@ -194,8 +193,7 @@ impl WrittenInput {
         };
         let has_axis = !matches!(feature, None | Some(Feature::Matrix | Feature::TwoRows));
         if axis.is_some() && !has_axis {
-            let what = "it has an axis, which only swing, twist and angle have";
-            return Err(ProblemError::Axis { name: name.clone(), what });
+            return Err(wrong_axis("it has an axis, which only swing, twist and angle have"));
         }
         let kind = match feature {
             Some(feature) => InputKind::Rotation { feature, order },
@@ -210,12 +208,12 @@ impl WrittenOutput {
     /// Reads the kind of the output. Its neutral value is 0, or the identity, until the neutral sample sets it.
     ///
     /// # Errors
-    /// [`ProblemError::Kind`] and [`ProblemError::Bounds`].
-    pub(super) fn output(&self) -> Result<Output, ProblemError> {
+    /// If the kind is unknown, the bounds are reversed, or an output of several numbers has bounds.
+    pub(super) fn output(&self) -> Result<Output, Error> {
         let Self { name, kind, clamp, normalise } = self;
         let [low, high] = clamp.unwrap_or_default();
         let [low, high] = [low.unwrap_or(f64::from(f32::MIN)), high.unwrap_or(f64::from(f32::MAX))];
-        let wrong = |what| Err(ProblemError::Bounds { name: name.clone(), what });
+        let wrong = |what: &str| Err(Error::value(format!("output \"{name}\": {what}")));
         let kind = match kind.as_str() {
             "scalar" if low <= high => {
                 OutputKind::Scalar { low, high, normalised: *normalise, neutral: 0.0 }
@@ -223,20 +221,18 @@ impl WrittenOutput {
             "scalar" => return wrong("its bounds are the wrong way round"),
             "vector3" => OutputKind::Vector3 { neutral: [0.0; 3] },
             "quaternion" => OutputKind::Rotation { neutral: [0.0, 0.0, 0.0, 1.0] },
-            found => {
-                return Err(ProblemError::Kind {
-                    what: "output",
-                    name: name.clone(),
-                    expected: OUTPUTS,
-                    found: found.to_owned(),
-                });
-            }
+            found => return Err(wrong_kind("output", name, OUTPUTS, found)),
         };
         if kind.value_len() > 1 && (clamp.is_some() || *normalise) {
             return wrong("only a scalar has bounds or a share of a sum");
         }
         Ok(Output { name: name.clone(), kind })
     }
+}
+
+/// Returns the error of an input or output whose kind is unknown.
+pub(super) fn wrong_kind(what: &str, name: &str, expected: &str, found: &str) -> Error {
+    Error::value(format!("{what} \"{name}\": expected {expected}, found \"{found}\""))
 }
 
 /// Makes scalar inputs with default names.

@@ -1,10 +1,11 @@
 //! Choice of width and smoothing, by leaving samples out (METHOD §2.2).
 
-use super::error::KernelError;
 use super::fit::AnyFit;
 use super::matrix::{distances, gram};
 use super::options::Options;
+use super::refusal::{IllConditioned, Refusal};
 use super::samples::{ONE_SITE, Samples};
+use crate::Error;
 use crate::regression::function::{Exact, is_scale_invariant};
 use crate::scattered::deviation::{Probe, ROOM};
 use crate::scattered::sum::KernelSum;
@@ -85,7 +86,18 @@ impl Choice {
         freedom: Freedom,
         groups: &[Vec<usize>],
         probe: Option<&Probe>,
-    ) -> Result<Self, KernelError> {
+    ) -> Result<Self, Error> {
+        Ok(Self::or_refusal(samples, options, freedom, groups, probe)?)
+    }
+
+    /// Chooses as [`Self::new`]; an error keeps its reason.
+    pub(crate) fn or_refusal(
+        samples: &Samples,
+        options: &Options,
+        freedom: Freedom,
+        groups: &[Vec<usize>],
+        probe: Option<&Probe>,
+    ) -> Result<Self, Refusal> {
         options.check()?;
         let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
         let apart = Spacing::new(samples).mean;
@@ -98,12 +110,12 @@ impl Choice {
         let mut all = judge.all(&grid);
         if !fixed
             && apart > 0.0
-            && let Err(error) = judge.best(&all)
-            && error.is_caused_by_kernel()
+            && let Err(refusal) = judge.best(&all)
+            && refusal.is_caused_by_kernel()
         {
             let widest = epsilons.last().copied().unwrap_or(WIDEST);
             let found = judge.narrower(&mut all, &shares, [widest, APART / apart]);
-            let Tried { epsilon, smoothing, .. } = found.ok_or(error)?;
+            let Tried { epsilon, smoothing, .. } = found.ok_or(refusal)?;
             let options = Options { epsilon, smoothing, ..*options };
             let tried = all.iter().map(|candidate| candidate.tried).collect();
             return Ok(Self { options, is_narrow: !joins(&epsilon), tried });
@@ -151,8 +163,8 @@ struct GridPoint {
 struct Candidate {
     point: GridPoint,
     tried: Tried,
-    /// Fitted function, or the reason why there is none.
-    sum: Result<KernelSum, KernelError>,
+    /// Fitted function, or the reason why there is none; no reason if the options are out of range.
+    sum: Result<KernelSum, Option<IllConditioned>>,
     /// Deviation of the function's file, over the limit.
     deviation: OnceCell<f64>,
 }
@@ -183,7 +195,10 @@ impl Judge<'_> {
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
         let (epsilon, smoothing) = (point.epsilon, given + point.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
-        let fit = AnyFit::new(self.samples, &options);
+        let fit = match options.check() {
+            Ok(()) => AnyFit::checked(self.samples, &options).map_err(Some),
+            Err(_) => Err(None),
+        };
         let squares =
             fit.as_ref().ok().and_then(|fit| fit.leave_one_out().mean_squares(self.groups));
         let error = squares.map(|squares| {
@@ -221,11 +236,11 @@ impl Judge<'_> {
     ///
     /// # Errors
     /// Errors of [`Choice::new`].
-    fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, KernelError> {
+    fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, Refusal> {
         let known = all.iter().any(|candidate| candidate.tried.error.is_some());
         let fitted = all.iter().any(|candidate| candidate.sum.is_ok());
         if fitted && !known && self.freedom.smoothing {
-            return Err(KernelError::NoChoice);
+            return Err(no_choice().into());
         }
         let far = |tried: &Tried| (tried.epsilon / self.options.epsilon).log2().abs();
         let score = |candidate: &Candidate| match known {
@@ -246,10 +261,28 @@ impl Judge<'_> {
         let least = order.iter().min_by(|a, b| self.deviation(a).total_cmp(&self.deviation(b)));
         Err(match (least.map(|least| (&least.sum, self.deviation(least))), self.probe) {
             (Some((Ok(sum), least)), Some(probe)) => {
-                probe.refusal(probe.limit() * least, sum.kernel, |x| sum.evaluate(x))
+                probe.refusal(probe.limit() * least, sum.kernel, |x| sum.evaluate(x)).into()
             }
-            _ => best_conditioned(all),
+            _ => self.best_conditioned(all),
         })
+    }
+
+    /// Returns the refusal of the best-conditioned candidate, if no candidate was fitted.
+    fn best_conditioned(&self, all: &[Candidate]) -> Refusal {
+        let rcond = |candidate: &&Candidate| match &candidate.sum {
+            Err(Some(reason)) => reason.rcond,
+            _ => 0.0,
+        };
+        let refused = all.iter().filter(|candidate| candidate.sum.is_err());
+        let best = refused.max_by(|a, b| rcond(a).total_cmp(&rcond(b)));
+        if let Some(Candidate { sum: Err(Some(reason)), .. }) = best {
+            return Refusal::IllConditioned(*reason);
+        }
+        let out_of_range = best.and_then(|candidate| {
+            let Tried { epsilon, smoothing, .. } = candidate.tried;
+            Options { epsilon, smoothing, ..*self.options }.check().err()
+        });
+        Refusal::Other(out_of_range.unwrap_or_else(no_choice))
     }
 
     /// Returns the deviation of a candidate's file, over the limit; 0 without a probe.
@@ -266,15 +299,12 @@ fn grid_points(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = GridPoint> 
     shares.iter().map(move |&share| GridPoint { epsilon, share })
 }
 
-/// Returns the error of the best-conditioned candidate, if no candidate was fitted.
-fn best_conditioned(all: &[Candidate]) -> KernelError {
-    let rcond = |error: &&KernelError| match error {
-        KernelError::IllConditioned { rcond, .. } => *rcond,
-        _ => 0.0,
-    };
-    let errors = all.iter().filter_map(|candidate| candidate.sum.as_ref().err());
-    let best = errors.max_by(|a, b| rcond(a).total_cmp(&rcond(b)));
-    best.cloned().unwrap_or(KernelError::NoChoice)
+/// Returns the error if the smoothing is free, and no candidate can predict samples that it has not seen.
+fn no_choice() -> Error {
+    Error::fit(
+        "no smoothing can be chosen: it takes samples that the others predict, and there are too few (or too few \
+         groups); give `smoothing` a number",
+    )
 }
 
 /// Returns true if a kernel's value at a distance is at least 1/e of its peak.

@@ -2,13 +2,14 @@
 //!
 //! A fit of fewer centres is a least-squares fit: `min Σ_i |y_i - f(x_i)|² + λ n (|c|² + |b|²)`.
 
-use super::error::KernelError;
 use super::leave_one_out::LeaveOneOut;
 use super::matrix::{greedy, matrix};
 use super::options::Options;
 use super::polynomial::{Polynomial, Space};
+use super::refusal::IllConditioned;
 use super::samples::Samples;
 use super::system::{Solved, norm_l1, reciprocal_condition, solve};
+use crate::Error;
 use crate::scattered::sum::KernelSum;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -35,8 +36,13 @@ impl Fit {
     ///
     /// # Errors
     /// Errors of [`Options::check`]; if rounding errors would determine the function.
-    pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
+    pub fn new(samples: &Samples, options: &Options) -> Result<Self, Error> {
         options.check()?;
+        Ok(Self::checked(samples, options)?)
+    }
+
+    /// Fits samples with options that are checked.
+    fn checked(samples: &Samples, options: &Options) -> Result<Self, IllConditioned> {
         let prepared = Prepared::new(samples, options);
         let smoothing: Vec<f64> =
             samples.smoothing.iter().map(|own| options.smoothing + own).collect();
@@ -44,7 +50,7 @@ impl Fit {
         let solved = solve(options.kernel, points, &smoothing, polynomial.clone(), &samples.values);
         let (rcond, missed) = (solved.system.rcond(), solved.missed);
         if rcond < RCOND || missed > MISSED {
-            return Err(KernelError::IllConditioned { rcond, missed });
+            return Err(IllConditioned { rcond, missed });
         }
         let sum = prepared.sum(points, &solved.kernels, &solved.monomials);
         Ok(Self { sum, solved, smoothing })
@@ -93,12 +99,20 @@ impl FewerFit {
     /// - Errors of [`Options::check`].
     /// - If a given centre is not a sample or occurs twice.
     /// - If samples and smoothing do not determine the given centres and polynomials.
-    pub fn new(
+    pub fn new(samples: &Samples, options: &Options, centres: &Centres) -> Result<Self, Error> {
+        options.check()?;
+        if let Centres::Given(centres) = centres {
+            check_centres(centres, samples.sample_len())?;
+        }
+        Ok(Self::checked(samples, options, centres)?)
+    }
+
+    /// Fits samples with options and centres that are checked.
+    fn checked(
         samples: &Samples,
         options: &Options,
         centres: &Centres,
-    ) -> Result<Self, KernelError> {
-        options.check()?;
+    ) -> Result<Self, IllConditioned> {
         let n = samples.sample_len();
         let prepared = Prepared::new(samples, options);
         let Prepared { points, polynomial, .. } = &prepared;
@@ -107,10 +121,7 @@ impl FewerFit {
                 let free = if options.smoothing > 0.0 { n } else { n - polynomial.rank() };
                 greedy(options.kernel, points, &polynomial.values, free.min(*most))
             }
-            Centres::Given(centres) => {
-                check_centres(centres, n)?;
-                centres.clone()
-            }
+            Centres::Given(centres) => centres.clone(),
         };
         let at = Mat::from_fn(centres.len(), points.ncols(), |k, c| points[(centres[k], c)]);
         let columns = faer::concat![[matrix(options.kernel, points, &at), &polynomial.values]];
@@ -129,7 +140,7 @@ impl FewerFit {
         };
         let rcond = reciprocal_condition(norm_l1(r), unknowns, up, down);
         if rcond < RCOND {
-            return Err(KernelError::IllConditioned { rcond, missed: 0.0 });
+            return Err(IllConditioned { rcond, missed: 0.0 });
         }
         let hat = decomposed.compute_thin_Q().subrows(0, n).to_owned();
         let solution = up(hat.transpose() * &samples.values);
@@ -148,12 +159,16 @@ impl FewerFit {
 }
 
 /// Checks that centres are different samples.
-fn check_centres(centres: &[usize], samples: usize) -> Result<(), KernelError> {
+fn check_centres(centres: &[usize], samples: usize) -> Result<(), Error> {
     let mut taken = vec![false; samples];
     for &centre in centres {
         match taken.get_mut(centre) {
             Some(taken) if !*taken => *taken = true,
-            _ => return Err(KernelError::Centre { centre, samples }),
+            _ => {
+                return Err(Error::value(format!(
+                    "centre {centre} is not one of {samples} samples, or is given twice"
+                )));
+            }
         }
     }
     Ok(())
@@ -172,12 +187,18 @@ impl AnyFit {
     ///
     /// # Errors
     /// Errors of [`Fit::new`] or [`FewerFit::new`].
-    pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
+    pub fn new(samples: &Samples, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        Ok(Self::checked(samples, options)?)
+    }
+
+    /// Fits samples with options that are checked.
+    pub(crate) fn checked(samples: &Samples, options: &Options) -> Result<Self, IllConditioned> {
         Ok(match options.centres {
             Some(most) if most < samples.sample_len() => {
-                Self::Fewer(Box::new(FewerFit::new(samples, options, &Centres::Greedy(most))?))
+                Self::Fewer(Box::new(FewerFit::checked(samples, options, &Centres::Greedy(most))?))
             }
-            _ => Self::Every(Box::new(Fit::new(samples, options)?)),
+            _ => Self::Every(Box::new(Fit::checked(samples, options)?)),
         })
     }
 

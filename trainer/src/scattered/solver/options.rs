@@ -1,7 +1,7 @@
 //! Options of a fit.
 
-use super::error::KernelError;
 use super::polynomial::RANK_F64;
+use crate::Error;
 use crate::regression::function::order;
 use sinew_runtime::kernel::Kernel;
 
@@ -37,22 +37,35 @@ impl Options {
     /// # Errors
     /// If no fit solves with the kernel, epsilon is not positive, the smoothing is negative, or the degree is below the
     /// kernel's order.
-    pub fn check(&self) -> Result<(), KernelError> {
+    pub fn check(&self) -> Result<(), Error> {
         let Self { kernel, epsilon, smoothing, degree, .. } = *self;
-        let order = order(kernel).ok_or(KernelError::ImportOnly(kernel))?;
+        let name = kernel.name();
+        let import_only = || {
+            let message = format!("no fit solves with the kernel \"{name}\": it is for imports");
+            Error::unsupported(message)
+        };
+        let order = order(kernel).ok_or_else(import_only)?;
         if !(epsilon > 0.0 && epsilon.is_finite()) {
-            let (what, expected) = ("epsilon", "a finite number above 0");
-            return Err(KernelError::Option { what, found: epsilon, expected });
+            return Err(out_of_range("epsilon", epsilon, "a finite number above 0"));
         }
         if !(smoothing >= 0.0 && smoothing.is_finite()) {
-            let (what, expected) = ("the smoothing", "a finite number that is not negative");
-            return Err(KernelError::Option { what, found: smoothing, expected });
+            let expected = "a finite number that is not negative";
+            return Err(out_of_range("the smoothing", smoothing, expected));
         }
         if degree.map_or(0, |degree| degree + 1) < order {
-            return Err(KernelError::Degree { kernel, asked: degree, least: order - 1 });
+            let found = degree.map_or("none".to_owned(), |degree| format!("degree {degree}"));
+            let least = order - 1;
+            return Err(Error::value(format!(
+                "the kernel \"{name}\" needs polynomials of degree {least} or more, found {found}"
+            )));
         }
         Ok(())
     }
+}
+
+/// Returns the error of a number that is out of its range.
+pub(crate) fn out_of_range(what: &str, found: f64, expected: &str) -> Error {
+    Error::value(format!("{what} is {found}, expected {expected}"))
 }
 
 /// Returns the Wendland kernel that is positive definite in `inputs` dimensions; `None` if there are too many.
@@ -63,35 +76,42 @@ pub fn wendland(inputs: usize) -> Option<Kernel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ErrorKind;
 
     #[test]
     fn every_kernel_except_hats_has_valid_options() {
         for kernel in Kernel::ALL {
-            let found = Options::new(kernel).check();
-            let import_only = matches!(kernel, Kernel::Hat { .. });
-            assert_eq!(
-                found,
-                if import_only { Err(KernelError::ImportOnly(kernel)) } else { Ok(()) }
-            );
+            let found = Options::new(kernel).check().map_err(|error| error.to_string());
+            let name = kernel.name();
+            let import_only =
+                format!("no fit solves with the kernel \"{name}\": it is for imports");
+            let is_hat = matches!(kernel, Kernel::Hat { .. });
+            assert_eq!(found, if is_hat { Err(import_only) } else { Ok(()) });
         }
     }
 
     #[test]
     fn options_out_of_range_are_named() {
         let good = Options::new(Kernel::ThinPlate);
-        for bad in [
-            Options { epsilon: 0.0, ..good },
-            Options { epsilon: f64::INFINITY, ..good },
-            Options { smoothing: -1e-9, ..good },
-            Options { smoothing: f64::NAN, ..good },
+        for (bad, what) in [
+            (Options { epsilon: 0.0, ..good }, "epsilon is 0, expected "),
+            (Options { epsilon: f64::INFINITY, ..good }, "epsilon is inf, expected "),
+            (Options { smoothing: -1e-9, ..good }, "the smoothing is -0.000000001, expected "),
+            (Options { smoothing: f64::NAN, ..good }, "the smoothing is NaN, expected "),
         ] {
-            assert!(matches!(bad.check(), Err(KernelError::Option { .. })));
+            let error = bad.check().unwrap_err();
+            assert!(error.message().starts_with(what), "{error}");
+            assert_eq!(error.kind(), ErrorKind::Value);
         }
-        for asked in [None, Some(0)] {
-            let expected = KernelError::Degree { kernel: Kernel::ThinPlate, asked, least: 1 };
-            assert_eq!(Options { degree: asked, ..good }.check(), Err(expected));
+        for (degree, found) in [(None, "none"), (Some(0), "degree 0")] {
+            let error = Options { degree, ..good }.check().unwrap_err();
+            let name = Kernel::ThinPlate.name();
+            let expected = format!(
+                "the kernel \"{name}\" needs polynomials of degree 1 or more, found {found}"
+            );
+            assert_eq!(error.to_string(), expected);
         }
-        assert_eq!(Options { degree: None, ..Options::new(Kernel::Gaussian) }.check(), Ok(()));
+        assert!(Options { degree: None, ..Options::new(Kernel::Gaussian) }.check().is_ok());
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Samples of a function: checked sites and values, without repetitions (METHOD §2.5).
 
-use super::error::KernelError;
 use super::matrix::distances;
 use super::scaling::{Block, Scaling};
+use crate::Error;
 use crate::numeric::columns::ends;
 use faer::{ColRef, Mat};
 use serde::Serialize;
@@ -73,7 +73,23 @@ impl Samples {
         values: &Mat<f64>,
         blocks: &[Block],
         conflicts: Conflicts,
-    ) -> Result<Self, KernelError> {
+    ) -> Result<Self, Error> {
+        Self::refusing(sites, values, blocks, conflicts, |[first, second], distance| {
+            let how = same_site(distance);
+            Error::mismatch(format!("rows {first} and {second} have {how} and different values"))
+        })
+    }
+
+    /// Takes sites and values as [`Self::new`], with another error for a conflict.
+    ///
+    /// - `refused`: makes the error of two rows whose sites have the given distance, over the mean distance.
+    pub(crate) fn refusing(
+        sites: &Mat<f64>,
+        values: &Mat<f64>,
+        blocks: &[Block],
+        conflicts: Conflicts,
+        refused: impl Fn([usize; 2], f64) -> Error,
+    ) -> Result<Self, Error> {
         check(sites, values)?;
         let scaling = Scaling::new(sites, blocks)?;
         let points = scaling.apply(sites);
@@ -81,7 +97,7 @@ impl Samples {
         let agree = |a: usize, b: usize| {
             (0..ranges.len()).all(|o| (values[(a, o)] - values[(b, o)]).abs() <= AGREE * ranges[o])
         };
-        let (groups, merged) = merge(&points, conflicts, agree)?;
+        let (groups, merged) = merge(&points, conflicts, agree, refused)?;
         let rows: Vec<usize> = groups.iter().map(|group| group[0]).collect();
         let mean = |i: usize, o: usize| {
             let group = &groups[i];
@@ -104,7 +120,7 @@ impl Samples {
     ///
     /// # Errors
     /// Errors of [`Self::new`]; two samples of one site are a conflict.
-    pub fn of_weights(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
+    pub fn of_weights(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, Error> {
         let own = Mat::identity(sites.nrows(), sites.nrows());
         Self::new(sites, &own, blocks, Conflicts::Refuse)
     }
@@ -120,7 +136,8 @@ fn merge(
     points: &Mat<f64>,
     conflicts: Conflicts,
     agree: impl Fn(usize, usize) -> bool,
-) -> Result<(Vec<Vec<usize>>, Vec<Merged>), KernelError> {
+    refused: impl Fn([usize; 2], f64) -> Error,
+) -> Result<(Vec<Vec<usize>>, Vec<Merged>), Error> {
     let (mut groups, mut merged) = (Vec::new(), Vec::new());
     let mut taken = vec![false; points.nrows()];
     for into in 0..points.nrows() {
@@ -134,8 +151,7 @@ fn merge(
         if let Some(&second) = conflict
             && conflicts == Conflicts::Refuse
         {
-            let distance = distances[second - into];
-            return Err(KernelError::Conflict { first: into, second, distance });
+            return Err(refused([into, second], distances[second - into]));
         }
         if conflict.is_some() && conflicts == Conflicts::Keep {
             groups.push(vec![into]);
@@ -152,23 +168,38 @@ fn merge(
     Ok((groups, merged))
 }
 
+/// Describes the distance of two sites that count as the same site.
+pub(crate) fn same_site(distance: f64) -> String {
+    match distance > 0.0 {
+        true => format!("sites that are {distance:.1e} of the mean distance apart"),
+        false => "the same site".to_owned(),
+    }
+}
+
 /// Checks that sites and values are not empty, equally many, and finite.
 ///
 /// # Errors
-/// [`KernelError::Empty`], [`KernelError::Rows`] and [`KernelError::NotFinite`], in this order.
-pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
+/// In this order:
+/// - if there are no samples, inputs or values;
+/// - if the numbers of sites and values differ;
+/// - if a number is not finite.
+pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), Error> {
     let counts =
         [("samples", sites.nrows()), ("inputs", sites.ncols()), ("values", values.ncols())];
     if let Some((what, _)) = counts.into_iter().find(|(_, count)| *count == 0) {
-        return Err(KernelError::Empty { what });
+        return Err(Error::missing(format!("there are no {what}")));
     }
-    if sites.nrows() != values.nrows() {
-        return Err(KernelError::Rows { sites: sites.nrows(), values: values.nrows() });
+    let (rows, found) = (sites.nrows(), values.nrows());
+    if rows != found {
+        return Err(Error::mismatch(format!(
+            "expected a row of values for each of {rows} sites, found {found}"
+        )));
     }
     for (what, matrix) in [("the site", sites), ("the value", values)] {
         for row in 0..matrix.nrows() {
             if let Some(column) = (0..matrix.ncols()).find(|&c| !matrix[(row, c)].is_finite()) {
-                return Err(KernelError::NotFinite { what, row, column });
+                let message = format!("{what} of row {row}, column {column} is not finite");
+                return Err(Error::value(message));
             }
         }
     }
@@ -192,6 +223,7 @@ pub fn ranges(values: &Mat<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ErrorKind;
 
     const LINE: [Block; 1] = [Block { len: 1, weight: 1.0 }];
 
@@ -199,11 +231,7 @@ mod tests {
         Mat::from_fn(of.len(), 1, |i, _| of[i])
     }
 
-    fn samples(
-        sites: &[f64],
-        values: &[f64],
-        conflicts: Conflicts,
-    ) -> Result<Samples, KernelError> {
+    fn samples(sites: &[f64], values: &[f64], conflicts: Conflicts) -> Result<Samples, Error> {
         Samples::new(&column(sites), &column(values), &LINE, conflicts)
     }
 
@@ -225,7 +253,8 @@ mod tests {
     fn conflicts_are_refused_by_name_or_averaged() {
         let (sites, values) = ([0.0, 1.0, 1.0, 1.0], [0.0, 1.0, 4.0, 1.0]);
         let refused = samples(&sites, &values, Conflicts::Refuse).unwrap_err();
-        assert_eq!(refused, KernelError::Conflict { first: 1, second: 2, distance: 0.0 });
+        assert_eq!(refused.to_string(), "rows 1 and 2 have the same site and different values");
+        assert_eq!(refused.kind(), ErrorKind::Mismatch);
         let found = samples(&sites, &values, Conflicts::Average).unwrap();
         assert_eq!(found.values, column(&[0.0, 2.0]));
         assert!(found.merged.iter().all(|merged| merged.averaged));
@@ -248,19 +277,22 @@ mod tests {
 
     #[test]
     fn bad_samples_are_named() {
-        let refused =
-            |sites: &[f64], values: &[f64]| samples(sites, values, Conflicts::Refuse).unwrap_err();
-        assert_eq!(refused(&[], &[]), KernelError::Empty { what: "samples" });
-        assert_eq!(refused(&[1.0, 2.0], &[1.0]), KernelError::Rows { sites: 2, values: 1 });
-        let site = KernelError::NotFinite { what: "the site", row: 1, column: 0 };
+        let refused = |sites: &[f64], values: &[f64]| {
+            samples(sites, values, Conflicts::Refuse).unwrap_err().to_string()
+        };
+        assert_eq!(refused(&[], &[]), "there are no samples");
+        let rows = "expected a row of values for each of 2 sites, found 1";
+        assert_eq!(refused(&[1.0, 2.0], &[1.0]), rows);
+        let site = "the site of row 1, column 0 is not finite";
         assert_eq!(refused(&[1.0, f64::NAN], &[1.0, 2.0]), site);
-        let value = KernelError::NotFinite { what: "the value", row: 0, column: 0 };
+        let value = "the value of row 0, column 0 is not finite";
         assert_eq!(refused(&[1.0, 2.0], &[f64::INFINITY, 2.0]), value);
         let none = Mat::zeros(2, 0);
         let two = column(&[1.0, 2.0]);
         let of = |sites, values| Samples::new(sites, values, &[], Conflicts::Refuse).unwrap_err();
-        assert_eq!(of(&none, &two), KernelError::Empty { what: "inputs" });
-        assert_eq!(of(&two, &none), KernelError::Empty { what: "values" });
+        assert_eq!(of(&none, &two).to_string(), "there are no inputs");
+        assert_eq!(of(&two, &none).to_string(), "there are no values");
+        assert_eq!(of(&two, &none).kind(), ErrorKind::Missing);
     }
 
     #[test]
@@ -283,6 +315,6 @@ mod tests {
         let found = Samples::of_weights(&column(&[0.0, 1.0, 3.0]), &LINE).unwrap();
         assert_eq!(found.values, Mat::<f64>::identity(3, 3));
         let twice = Samples::of_weights(&column(&[0.0, 1.0, 0.0]), &LINE).unwrap_err();
-        assert_eq!(twice, KernelError::Conflict { first: 0, second: 2, distance: 0.0 });
+        assert_eq!(twice.to_string(), "rows 0 and 2 have the same site and different values");
     }
 }

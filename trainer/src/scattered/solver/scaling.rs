@@ -1,7 +1,8 @@
 //! Shift and scale of inputs, before distances are measured (METHOD §2.2).
 
-use super::error::KernelError;
 use super::matrix::distances;
+use super::options::out_of_range;
+use crate::Error;
 use faer::{ColRef, Mat};
 
 /// Share of the block's spread below which a column is constant.
@@ -36,18 +37,20 @@ impl Scaling {
     ///
     /// # Errors
     /// If the blocks do not have d columns, or a weight is negative or not finite.
-    pub fn new(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
+    pub fn new(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, Error> {
         let (n, d) = sites.shape();
         let columns = blocks.iter().map(|block| block.len).sum();
         if columns != d {
-            return Err(KernelError::Blocks { blocks: columns, columns: d });
+            return Err(Error::mismatch(format!(
+                "blocks of inputs have {columns} columns, sites {d}"
+            )));
         }
         let centroid: Vec<f64> = sites.col_iter().map(mean).collect();
         let mut scale = Vec::with_capacity(d);
         for block in blocks {
             if !(block.weight >= 0.0 && block.weight.is_finite()) {
-                let (what, expected) = ("a weight", "a finite number that is not negative");
-                return Err(KernelError::Option { what, found: block.weight, expected });
+                let expected = "a finite number that is not negative";
+                return Err(out_of_range("a weight", block.weight, expected));
             }
             let own = scale.len()..scale.len() + block.len;
             let spread = |c: usize| {
@@ -179,11 +182,12 @@ mod tests {
 
     #[test]
     fn blocks_must_be_the_columns_and_weights_numbers() {
-        let blocks = KernelError::Blocks { blocks: 1, columns: 4 };
-        assert_eq!(Scaling::new(&sites(), &BLOCKS[..1]).unwrap_err(), blocks);
+        let error = Scaling::new(&sites(), &BLOCKS[..1]).unwrap_err();
+        assert_eq!(error.to_string(), "blocks of inputs have 1 columns, sites 4");
         for weight in [-1.0, f64::NAN] {
             let blocks = [Block { len: 4, weight }];
-            assert!(matches!(Scaling::new(&sites(), &blocks), Err(KernelError::Option { .. })));
+            let error = Scaling::new(&sites(), &blocks).unwrap_err();
+            assert!(error.message().starts_with("a weight is "), "{error}");
         }
     }
 }

@@ -4,16 +4,17 @@ mod modes;
 mod report;
 mod solved;
 
-pub use report::{LearnReport, Report, TrainError, Trained};
+pub use report::{LearnReport, Report, Trained};
 
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::confidence::Fade;
-use crate::regression::rotations::RotationError;
-use crate::scattered::deviation::Probe;
+use crate::regression::rotations;
+use crate::scattered::deviation::{Deviation, DeviationCause, Probe};
 use crate::scattered::model::{KernelModel, Output, OutputKind, features};
 use crate::scattered::problem::{Mode, Problem, ProblemOptions};
 use crate::scattered::solver::choose::Spacing;
-use crate::scattered::solver::error::{DeviationCause, KernelError};
+use crate::scattered::solver::refusal::Refusal;
 use crate::scattered::solver::samples::{ONE_SITE, check, ranges};
 use crate::scattered::sum::KernelSum;
 use faer::Mat;
@@ -33,25 +34,29 @@ const NEAR: f64 = 0.1;
 /// - `variance`: whether the model keeps its variance.
 ///
 /// # Errors
-/// [`TrainError`]: an unusable site or value, options that exclude each other, a refused fit, or a file whose deviation
-/// is above the limit in the options.
-pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
+/// If a site or value is unusable, options exclude each other, a fit is refused, or the deviation of the file is above
+/// the limit in the options.
+pub fn train(problem: &Problem, variance: bool) -> Result<Trained, Error> {
     let mut outputs = problem.outputs.clone();
     let Matrices { features, values } = Matrices::new(problem, &mut outputs)?;
     let options = &problem.options;
     let limit = options.f32_error;
     if !(limit > 0.0 && limit.is_finite()) {
-        return Err(TrainError::F32Error(limit));
+        return Err(Error::value(format!(
+            "the f32 error is {limit}, expected a finite number above 0: a share of the values' range"
+        )));
     }
     check(&features, &values)?;
     // Every site has features, so this error does not occur.
     let probe = Probe::new(&problem.inputs, &problem.sites, ranges(&values), limit)
-        .map_err(|error| TrainError::Site { place: problem.place(0, "sites"), error })?;
+        .map_err(|error| error.within(problem.place(0, "sites")))?;
     let of = Data { problem, features: &features, values: &values, probe: &probe };
-    let (fitted, deviation) = of.fitted(variance).map_err(|error| of.advised(error))?;
+    let (fitted, deviation) = of.fitted(variance).map_err(|refusal| of.advised(refusal))?;
     let Fitted { sum, variance: kept, figures, report, is_narrow, mut warnings } = fitted;
     if variance && kept.is_none() {
-        return Err(TrainError::NoVariance);
+        return Err(Error::unsupported(
+            "only a fit with every sample a centre has a variance: leave out `centres`, `learn` and `mode`",
+        ));
     }
     if is_narrow {
         let other = of.other().map_or(String::new(), |other| format!("; {other} joins them"));
@@ -98,7 +103,7 @@ struct Data<'a> {
 
 impl Data<'_> {
     /// Fits the problem, and measures the deviation of its file.
-    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), TrainError> {
+    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), Refusal> {
         let Self { problem, features, values, probe } = self;
         let fitted = match (problem.options.mode, &problem.options.learn) {
             (Mode::Sinew, None) => solved::fit(problem, features, values, probe, variance)?,
@@ -106,28 +111,28 @@ impl Data<'_> {
             (Mode::Scipy, _) => modes::scipy(problem, features, values)?,
             (Mode::Published, _) => modes::published(problem, features, values)?,
         };
-        let deviation = probe.check(&fitted.sum, |x| fitted.sum.evaluate(x))?;
+        let deviation = probe.within_limit(&fitted.sum, |x| fitted.sum.evaluate(x))?;
         Ok((fitted, deviation))
     }
 
-    /// Adds advice to an error: options that fit, and samples that are too near.
-    fn advised(&self, error: TrainError) -> TrainError {
-        match error {
-            TrainError::Kernel(KernelError::Deviation {
+    /// Makes an error with advice: options that fit, and samples that are too near.
+    fn advised(&self, refusal: Refusal) -> Error {
+        match refusal {
+            Refusal::Deviation(Deviation {
                 deviation,
                 limit,
                 cause: DeviationCause::Kernel { kernel, .. },
             }) => {
                 let cause = DeviationCause::Kernel { kernel, other: self.other() };
-                KernelError::Deviation { deviation, limit, cause }.into()
+                Deviation { deviation, limit, cause }.into()
             }
-            TrainError::Kernel(error @ KernelError::IllConditioned { .. }) => {
+            Refusal::IllConditioned(reason) => {
                 let near = self.near().map(|near| format!("; {near}: take one of them away"));
                 let other = self.other().map(|other| format!("; {other} fits"));
                 let advice = near.unwrap_or_default() + &other.unwrap_or_default();
-                TrainError::IllConditioned { error, advice }
+                Error::fit(format!("{reason}{advice}"))
             }
-            error => error,
+            refusal => refusal.into(),
         }
     }
 
@@ -177,10 +182,10 @@ impl Data<'_> {
 ///
 /// # Errors
 /// If there are no centres to fade by.
-fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade, TrainError> {
+fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade, Error> {
     if sum.centres.ncols() == 0 {
         return match outside {
-            QueryRule::Fade => Err(TrainError::Options(
+            QueryRule::Fade => Err(Error::unsupported(
                 "without a centre nothing fades: take 1 of `centres` or more, or clamp outside",
             )),
             QueryRule::Free | QueryRule::Clamp => Ok(Fade { start: 0.0, end: 0.0 }),
@@ -211,15 +216,21 @@ impl Matrices {
     /// Converts the rows of a problem, and sets the neutral values of `outputs` from the neutral sample.
     ///
     /// # Errors
-    /// [`TrainError::Site`], [`TrainError::Neutral`] and [`TrainError::Value`].
-    fn new(problem: &Problem, outputs: &mut [Output]) -> Result<Self, TrainError> {
+    /// If a site or value is unusable, or the neutral sample does not exist.
+    fn new(problem: &Problem, outputs: &mut [Output]) -> Result<Self, Error> {
         let site = |(row, site): (usize, &Vec<f64>)| {
             features(&problem.inputs, site)
-                .map_err(|error| TrainError::Site { place: problem.place(row, "sites"), error })
+                .map_err(|error| error.within(problem.place(row, "sites")))
         };
         let sites = problem.sites.iter().enumerate().map(site).collect::<Result<Vec<_>, _>>()?;
         let (row, samples) = (problem.options.neutral, problem.values.len());
-        let neutral = problem.values.get(row).ok_or(TrainError::Neutral { row, samples })?;
+        let neutral = problem.values.get(row).ok_or_else(|| {
+            Error::missing(format!("the neutral sample is row {row}, of {samples}"))
+        })?;
+        let unusable = |error: Error, row: usize, output: &str| {
+            let place = problem.place(row, "values");
+            error.within(format_args!("{place}, output \"{output}\""))
+        };
         let mut rest = neutral.as_slice();
         for Output { kind, name } in outputs.iter_mut() {
             let own;
@@ -232,9 +243,7 @@ impl Matrices {
                     // The loop below reports other quaternions that are no rotation.
                     *neutral = [x, y, z, w].map(|part| part / length);
                     if !length.is_normal() {
-                        let error = RotationError::Zero;
-                        let place = problem.place(row, "values");
-                        return Err(TrainError::Value { place, output: name.clone(), error });
+                        return Err(unusable(rotations::zero(), row, name));
                     }
                 }
                 _ => {}
@@ -246,10 +255,7 @@ impl Matrices {
             for Output { kind, name } in outputs.iter() {
                 let own;
                 (own, rest) = rest.split_at(kind.number_len());
-                let place = || problem.place(row, "values");
-                let wrong =
-                    |error| TrainError::Value { place: place(), output: name.clone(), error };
-                out.extend(kind.to_values(own).map_err(wrong)?);
+                out.extend(kind.to_values(own).map_err(|error| unusable(error, row, name))?);
             }
             values.push(out);
         }

@@ -1,7 +1,8 @@
 //! Fits by the rules of other solvers, and fits with learned centres and metric.
 
-use super::report::{Fitted, LearnReport, Report, TrainError};
-use super::solved::{NEIGHBOURS, degree_of, kernel, samples};
+use super::report::{Fitted, LearnReport, Report};
+use super::solved::{degree_of, kernel, neighbours, samples};
+use crate::Error;
 use crate::regression::function::order;
 use crate::scattered::bound::{largest, rounded};
 use crate::scattered::compat::published::{Published, PublishedKernel, PublishedOptions};
@@ -20,17 +21,17 @@ pub(super) fn scipy(
     problem: &Problem,
     features: &Mat<f64>,
     values: &Mat<f64>,
-) -> Result<Fitted, TrainError> {
+) -> Result<Fitted, Error> {
     let own = &problem.options;
     if own.neighbors.is_some() {
-        return Err(NEIGHBOURS);
+        return Err(neighbours());
     }
     let default = ScipyOptions::default();
     let smoothing = match &own.smoothing {
         Some(Smoothing::Given(smoothing)) => ScipySmoothing::All(*smoothing),
         Some(Smoothing::Each(all)) => ScipySmoothing::Each(all.clone()),
         Some(Smoothing::Chosen) => {
-            return Err(TrainError::Options("SciPy chooses no smoothing: give a number"));
+            return Err(Error::unsupported("SciPy chooses no smoothing: give a number"));
         }
         None => default.smoothing,
     };
@@ -43,7 +44,7 @@ pub(super) fn scipy(
     };
     let fit = RbfInterpolator::new(features, values, &options)?;
     let warnings = fit.warnings.iter().map(ToString::to_string).collect();
-    let (sum, rcond) = fit.whole().ok_or(NEIGHBOURS)?;
+    let (sum, rcond) = fit.whole().ok_or_else(neighbours)?;
     Ok(fitted(sum.clone(), *rcond, features, values, warnings))
 }
 
@@ -51,7 +52,7 @@ pub(super) fn published(
     problem: &Problem,
     features: &Mat<f64>,
     values: &Mat<f64>,
-) -> Result<Fitted, TrainError> {
+) -> Result<Fitted, Error> {
     let own = &problem.options;
     let name = own.kernel.as_deref().unwrap_or("linear");
     let kernel = match kernel(name, 3)? {
@@ -62,7 +63,7 @@ pub(super) fn published(
         Kernel::InverseMultiquadric => PublishedKernel::InverseMultiQuadraticBiharmonic,
         Kernel::Wendland { .. } => PublishedKernel::BeckertWendlandC2,
         _ => {
-            return Err(TrainError::Options(
+            return Err(Error::unsupported(
                 "the published solver has six kernels: linear, gaussian, thin plate, multiquadric, \
                  inverse multiquadric and Wendland",
             ));
@@ -71,12 +72,12 @@ pub(super) fn published(
     let regularization = match &own.smoothing {
         Some(Smoothing::Given(smoothing)) => *smoothing,
         Some(Smoothing::Each(_)) => {
-            return Err(TrainError::Options(
+            return Err(Error::unsupported(
                 "the published solver has one smoothing for all samples",
             ));
         }
         Some(Smoothing::Chosen) => {
-            return Err(TrainError::Options("the published solver chooses no smoothing"));
+            return Err(Error::unsupported("the published solver chooses no smoothing"));
         }
         None => 0.0,
     };
@@ -130,10 +131,10 @@ pub(super) fn learned(
     asked: &Learn,
     features: &Mat<f64>,
     values: &Mat<f64>,
-) -> Result<Fitted, TrainError> {
+) -> Result<Fitted, Error> {
     let own = &problem.options;
     if own.neighbors.is_some() || own.centres.is_some() || own.smoothing.is_some() {
-        return Err(TrainError::Options(
+        return Err(Error::unsupported(
             "learned centres have their own `centres` and `ridge`, in `learn`",
         ));
     }

@@ -1,25 +1,28 @@
 //! Fits by METHOD §2, with every sample a centre or with fewer centres.
 
-use super::report::{Fitted, Report, TrainError};
+use super::report::{Fitted, Report};
+use crate::Error;
 use crate::regression::function::{is_scale_invariant, order};
 use crate::scattered::deviation::Probe;
 use crate::scattered::model::Figures;
 use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
 use crate::scattered::solver::choose::{Choice, Freedom};
-use crate::scattered::solver::error::{KernelError, same_site};
 use crate::scattered::solver::fit::AnyFit;
 use crate::scattered::solver::leave_one_out::Variance;
 use crate::scattered::solver::options::{Options, wendland};
+use crate::scattered::solver::refusal::Refusal;
 use crate::scattered::solver::report::FitReport;
-use crate::scattered::solver::samples::{Conflicts, Samples};
+use crate::scattered::solver::samples::{Conflicts, Samples, same_site};
 use crate::scattered::solver::scaling::Block;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// Error of a function that no file can hold.
-pub(super) const NEIGHBOURS: TrainError = TrainError::Options(
-    "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
-);
+/// Returns the error of a function that no file can hold.
+pub(super) fn neighbours() -> Error {
+    Error::unsupported(
+        "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
+    )
+}
 
 /// Fits a problem.
 ///
@@ -30,18 +33,19 @@ pub(super) fn fit(
     values: &Mat<f64>,
     probe: &Probe,
     variance: bool,
-) -> Result<Fitted, TrainError> {
+) -> Result<Fitted, Refusal> {
     let own = &problem.options;
     if own.neighbors.is_some() {
-        return Err(NEIGHBOURS);
+        return Err(neighbours().into());
     }
     let mut samples = samples(problem, features, values)?;
     let asked = asked(own, samples.scaling.kept().len())?;
     if let Some(Smoothing::Each(all)) = &own.smoothing {
         if own.centres.is_some() {
-            return Err(TrainError::Options(
+            let error = Error::unsupported(
                 "a smoothing for each sample is for a fit with every sample a centre: leave out `centres`",
-            ));
+            );
+            return Err(error.into());
         }
         samples.smoothing = each(all, &samples)?;
     }
@@ -51,12 +55,13 @@ pub(super) fn fit(
     };
     let (options, is_narrow) = if freedom.epsilon || freedom.smoothing {
         let groups = groups(own, &samples)?;
-        let choice = Choice::new(&samples, &asked, freedom, &groups, Some(probe))?;
+        let choice = Choice::or_refusal(&samples, &asked, freedom, &groups, Some(probe))?;
         (choice.options, choice.is_narrow)
     } else {
         (asked, false)
     };
-    let fit = AnyFit::new(&samples, &options)?;
+    options.check()?;
+    let fit = AnyFit::checked(&samples, &options)?;
     let report = FitReport::of_any(&samples, &options, &fit);
     let kept = match &fit {
         AnyFit::Every(fit) if variance => Variance::new(&fit.solved, &samples.values),
@@ -75,13 +80,19 @@ pub(super) fn fit(
 
 /// Returns the smoothing of each sample from the smoothings of the rows. A sample of several rows has the smoothing of
 /// the first row.
-fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, TrainError> {
+fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, Error> {
     let rows = samples.sample_len() + samples.merged.len();
     if all.len() != rows {
-        return Err(TrainError::Smoothings { samples: rows, found: all.len() });
+        let found = all.len();
+        return Err(Error::mismatch(format!(
+            "expected a smoothing for each of {rows} samples, found {found}"
+        )));
     }
     match all.iter().position(|lambda| !(*lambda >= 0.0 && lambda.is_finite())) {
-        Some(row) => Err(TrainError::Smoothing { row, found: all[row] }),
+        Some(row) => Err(Error::value(format!(
+            "the smoothing of row {row} is {}, expected a finite number that is not negative",
+            all[row]
+        ))),
         None => Ok(samples.rows.iter().map(|&row| all[row]).collect()),
     }
 }
@@ -91,7 +102,7 @@ pub(super) fn samples(
     problem: &Problem,
     features: &Mat<f64>,
     values: &Mat<f64>,
-) -> Result<Samples, TrainError> {
+) -> Result<Samples, Error> {
     let inputs = problem.inputs.iter();
     let blocks: Vec<Block> =
         inputs.map(|input| Block { len: input.kind.feature_len(), weight: input.weight }).collect();
@@ -106,15 +117,16 @@ pub(super) fn samples(
         (false, true) => Conflicts::Keep,
         (false, false) => Conflicts::Refuse,
     };
-    Samples::new(features, values, &blocks, conflicts).map_err(|error| match error {
-        KernelError::Conflict { first, second, distance } => {
-            TrainError::Conflict { rows: problem.rows(first, second), how: same_site(distance) }
-        }
-        error => error.into(),
+    Samples::refusing(features, values, &blocks, conflicts, |[first, second], distance| {
+        let (rows, how) = (problem.rows(first, second), same_site(distance));
+        Error::mismatch(format!(
+            "{rows} have {how} and different values: take their mean (\"average\": true or --average), smooth \
+             (--smoothing auto), or take one of them away"
+        ))
     })
 }
 
-fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
+fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, Error> {
     let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), inputs)?;
     let mut out = Options::new(kernel);
     if let Some(degree) = own.degree {
@@ -131,12 +143,16 @@ fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
 }
 
 /// Reads a degree; -1 gives `None`.
-pub(super) fn degree_of(degree: i32) -> Result<Option<usize>, TrainError> {
-    if degree < -1 { Err(TrainError::Degree(degree)) } else { Ok(usize::try_from(degree).ok()) }
+pub(super) fn degree_of(degree: i32) -> Result<Option<usize>, Error> {
+    if degree < -1 {
+        let message = format!("the degree is {degree}, expected -1 (no polynomial) or more");
+        return Err(Error::value(message));
+    }
+    Ok(usize::try_from(degree).ok())
 }
 
 /// Finds a kernel by its name, in upper or lower case, with spaces, `_` or nothing between the words.
-pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
+pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, Error> {
     let plain = |text: &str| -> String {
         let text = text.to_lowercase().replace('é', "e");
         text.chars().filter(|c| c.is_alphanumeric()).collect()
@@ -147,26 +163,30 @@ pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
     let mut all = known.chain(names.map(|(name, kernel)| (name.to_owned(), kernel)));
     match all.find(|(known, _)| *known == plain(name)) {
         Some((_, Kernel::Wendland { .. })) => {
-            wendland(inputs).ok_or(TrainError::Wendland { inputs })
+            let none = format!("there is no Wendland kernel for {inputs} features: take another");
+            wendland(inputs).ok_or_else(|| Error::unsupported(none))
         }
         Some((_, kernel)) => Ok(kernel),
         None => {
             let own = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
             let expected = own.map(Kernel::name).collect::<Vec<_>>().join(", ");
-            Err(TrainError::KernelName { found: name.to_owned(), expected })
+            Err(Error::value(format!("\"{name}\" is no kernel: expected one of {expected}")))
         }
     }
 }
 
 /// Lists the groups of samples that are left out together: single samples, or the groups of the options.
-fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, TrainError> {
+fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, Error> {
     let n = samples.sample_len();
     let Some(of_rows) = &own.groups else {
         return Ok((0..n).map(|sample| vec![sample]).collect());
     };
     let rows = n + samples.merged.len();
     if of_rows.len() != rows {
-        return Err(TrainError::Groups { samples: rows, found: of_rows.len() });
+        let found = of_rows.len();
+        return Err(Error::mismatch(format!(
+            "expected a group for each of {rows} samples, found {found}"
+        )));
     }
     let mut out = std::collections::BTreeMap::<usize, Vec<usize>>::new();
     for (sample, &row) in samples.rows.iter().enumerate() {

@@ -5,8 +5,8 @@ mod figure;
 mod paint;
 mod solids;
 
-use super::set::{SetError, ViewSet, as_json, read_drawing};
-use crate::formats::FormatError;
+use super::set::{ViewSet, as_json, read_drawing};
+use crate::Error;
 use crate::page::picture::Picture;
 use std::path::Path;
 
@@ -14,8 +14,8 @@ use std::path::Path;
 /// `char_cfg.yaml` with `texture.png` and `mask.png`.
 ///
 /// # Errors
-/// [`SetError`]: a file cannot be written.
-pub fn write(folder: &Path) -> Result<Vec<ViewSet>, SetError> {
+/// A file cannot be written.
+pub fn write(folder: &Path) -> Result<Vec<ViewSet>, Error> {
     let own = folder.join("figure");
     let (description, pictures) = figure::drawn();
     save(&own, &pictures, "char_cfg.yaml", &description)?;
@@ -35,15 +35,13 @@ fn save(
     pictures: &[(String, Picture)],
     name: &str,
     text: &str,
-) -> Result<(), SetError> {
+) -> Result<(), Error> {
     let write = |name: &str, bytes: &[u8]| {
-        crate::files::write(&folder.join(name), bytes).map_err(FormatError::Write)
+        crate::files::write(&folder.join(name), bytes).map_err(Error::write)
     };
-    std::fs::create_dir_all(folder).map_err(FormatError::Write)?;
+    std::fs::create_dir_all(folder).map_err(Error::write)?;
     for (name, picture) in pictures {
-        let png =
-            picture.png().map_err(|error| FormatError::Write(std::io::Error::other(error)))?;
-        write(name, &png)?;
+        write(name, &picture.png()?)?;
     }
-    Ok(write(name, text.as_bytes())?)
+    write(name, text.as_bytes())
 }

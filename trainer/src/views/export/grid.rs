@@ -1,12 +1,13 @@
 //! Evaluates a model at the nodes of a grid of parameters, at its key views, or along a path.
 
-use crate::formats::GlbError;
+use crate::Error;
 use crate::scattered::model::{Input, InputKind, features};
-use crate::views::fit::{FitError, given, names_of};
+use crate::views::fit::{given, names_of, unknown_parameter};
 use crate::views::inverse::starts;
 use crate::views::object::FileMap;
-use crate::views::player::{PlayError, Played, Player};
+use crate::views::player::{Played, Player};
 use crate::views::set::Values;
+use serde_json::Value;
 use sinew_runtime::Model;
 
 /// A requested side of a grid.
@@ -40,52 +41,6 @@ pub struct Node {
     pub played: Played,
 }
 
-/// Reasons why a grid cannot be made or written.
-#[derive(Debug, thiserror::Error)]
-pub enum GridError {
-    /// The map has no parameter of this name.
-    #[error("\"{name}\" is no parameter: expected {expected}")]
-    Unknown {
-        /// The requested name.
-        name: String,
-        /// Names of the parameters.
-        expected: String,
-    },
-    /// A parameter is given twice: by two sides, or by a side and a value.
-    #[error("parameter \"{0}\" is given twice")]
-    Twice(String),
-    /// The file has no range for a parameter.
-    #[error("how far does \"{0}\" go? Say from where to where: {0}=-30..30")]
-    Range(String),
-    /// A side has fewer than two nodes, or an empty range.
-    #[error("parameter \"{0}\": expected 2 nodes or more, and a range that is not empty")]
-    Empty(String),
-    /// No key view belongs to the map.
-    #[error("no key view is of this map: say a grid")]
-    NoKeyView,
-    /// Nothing is drawn at any node.
-    #[error("nothing is drawn at any node")]
-    Nothing,
-    /// The model cannot be evaluated.
-    #[error(transparent)]
-    Play(#[from] PlayError),
-    /// The parameters of a key view cannot be found.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// A texture cannot be encoded.
-    #[error(transparent)]
-    Encode(#[from] png::EncodingError),
-    /// The puppet cannot be written as JSON.
-    #[error("cannot be put together: {0}")]
-    Json(#[from] serde_json::Error),
-    /// A section of the puppet is larger than its format allows.
-    #[error("the file takes {0} bytes in one section, and INP holds 4 GiB")]
-    TooLarge(usize),
-    /// The scene cannot be assembled.
-    #[error(transparent)]
-    Glb(#[from] GlbError),
-}
-
 /// Tolerance around the range of a rotation's feature, over the range.
 const TOLERANCE: f64 = 0.02;
 /// Largest RMS error of a key view that belongs to a map, pixels.
@@ -99,23 +54,23 @@ impl Grid {
     /// - `values`: all parameters without a side.
     ///
     /// # Errors
-    /// [`GridError`] of the sides, and errors of the runtime.
+    /// The file has no such map; a side has no parameter, no range, fewer than two nodes or an empty range; a parameter
+    /// is given twice or is missing; or the model cannot be evaluated.
     pub fn of_sides(
         model: &Model<Vec<u8>>,
         map: Option<&str>,
         values: &Values,
         sides: &[Side],
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, Error> {
         let player = Player::new(model, map)?;
         let names = names_of(player.inputs());
         for (number, Side { name, .. }) in sides.iter().enumerate() {
             if !names.contains(&name.as_str()) {
-                let expected = names.join(", ");
-                return Err(GridError::Unknown { name: name.clone(), expected });
+                return Err(unknown_parameter(name, &names));
             }
             let earlier = sides[..number].iter().any(|other| other.name == *name);
             if earlier || values.contains_key(name) {
-                return Err(GridError::Twice(name.clone()));
+                return Err(Error::value(format!("parameter \"{name}\" is given twice")));
             }
         }
         let mut ranged = Vec::new();
@@ -125,7 +80,10 @@ impl Grid {
                 None => training_range(&player, values, &side.name)?,
             };
             if side.nodes < 2 || range[0].total_cmp(&range[1]).is_ge() {
-                return Err(GridError::Empty(side.name.clone()));
+                let name = &side.name;
+                return Err(Error::value(format!(
+                    "parameter \"{name}\": expected 2 nodes or more, and a range that is not empty"
+                )));
             }
             ranged.push((side.clone(), range));
         }
@@ -151,26 +109,26 @@ impl Grid {
     /// Evaluates a map at the frames of a path.
     ///
     /// # Errors
-    /// [`GridError::Play`].
+    /// The file has no such map, or a frame cannot be evaluated.
     pub fn of_frames(
         model: &Model<Vec<u8>>,
         map: Option<&str>,
         frames: &[Values],
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, Error> {
         let player = Player::new(model, map)?;
         let node = |(number, values): (usize, &Values)| {
             let played = player.play(values)?;
             Ok(Node { name: format!("frame {number}"), values: values.clone(), played })
         };
-        let nodes = frames.iter().enumerate().map(node).collect::<Result<_, GridError>>()?;
+        let nodes = frames.iter().enumerate().map(node).collect::<Result<_, Error>>()?;
         Ok(Self { sides: Vec::new(), nodes })
     }
 
     /// Evaluates a map at its key views. Their parameters are found from their points.
     ///
     /// # Errors
-    /// [`GridError::NoKeyView`], and the errors of the map.
-    pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, GridError> {
+    /// The file has no such map, no key view belongs to the map, or the map cannot be evaluated.
+    pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, Error> {
         let player = Player::new(model, map)?;
         let views = player.views();
         let own = FileMap::new(&player);
@@ -190,7 +148,7 @@ impl Grid {
             }
         }
         if nodes.is_empty() {
-            Err(GridError::NoKeyView)
+            Err(Error::missing("no key view is of this map: say a grid"))
         } else {
             Ok(Self { sides: Vec::new(), nodes })
         }
@@ -213,14 +171,19 @@ fn shown(
     map: Option<&str>,
     name: String,
     values: Values,
-) -> Result<Node, GridError> {
+) -> Result<Node, Error> {
     let played = Player::new(model, map)?.play(&values)?;
     Ok(Node { name, values, played })
 }
 
 /// Finds the range of a parameter in training. A number has a range. For an angle the range is the longest run of whole
 /// degrees whose rotation lies in the range of the training rotations. Other angles without a value are 0.
-fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
+fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], Error> {
+    let no_range = || {
+        Error::missing(format!(
+            "how far does \"{name}\" go? Say from where to where: {name}=-30..30"
+        ))
+    };
     let range = |feature: usize| {
         let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
         [low, high]
@@ -235,11 +198,11 @@ fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f
             let ranges: Vec<[f64; 2]> = (first..first + len).map(range).collect();
             let is_inside = |degrees: usize| in_training(input, values, name, degrees, &ranges);
             let among: Vec<bool> = (0..ROUND).map(is_inside).collect::<Result<_, _>>()?;
-            return longest_run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
+            return longest_run(&among).ok_or_else(no_range);
         }
         first += len;
     }
-    Err(GridError::Range(name.to_owned()))
+    Err(no_range())
 }
 
 fn in_training(
@@ -248,18 +211,32 @@ fn in_training(
     name: &str,
     degrees: usize,
     ranges: &[[f64; 2]],
-) -> Result<bool, GridError> {
+) -> Result<bool, Error> {
     let inputs = std::slice::from_ref(input);
     let angle = |other: &str| match values.get(other) {
         _ if other == name => degrees as f64,
         value => value.copied().unwrap_or_default(),
     };
     let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other))).collect();
-    let own = features(inputs, &given(inputs, &own)?).map_err(FitError::Given)?;
+    let own = features(inputs, &given(inputs, &own)?)?;
     Ok(own.iter().zip(ranges).all(|(x, [low, high])| {
         let beyond = TOLERANCE * (high - low) + 1e-6;
         (low - beyond..=high + beyond).contains(x)
     }))
+}
+
+/// Makes the error of nodes at which nothing is drawn.
+pub(super) fn nothing_drawn() -> Error {
+    Error::missing("nothing is drawn at any node")
+}
+
+/// Writes JSON.
+///
+/// # Errors
+/// A number cannot be written.
+pub(super) fn json_bytes(value: &Value) -> Result<Vec<u8>, Error> {
+    serde_json::to_vec(value)
+        .map_err(|error| Error::value(format!("cannot be put together: {error}")).caused_by(error))
 }
 
 /// Returns the ends of the longest run of degrees, which wraps around, between -180 and 360. `None` without a run of

@@ -9,7 +9,7 @@ mod sheet;
 mod shown;
 mod spine;
 
-pub use grid::{Grid, GridError, Node, Side};
+pub use grid::{Grid, Node, Side};
 pub use puppet::puppet;
 pub use scene::glb;
 pub use spine::{Spine, spine};

@@ -5,9 +5,10 @@
 //! another, its parts mask the other's parts by the alpha of their pictures. Inochi2D ignores the opacity and the masks
 //! of a mask.
 
-use super::grid::{Grid, GridError, Side};
+use super::grid::{Grid, Side, json_bytes, nothing_drawn};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
+use crate::Error;
 use crate::views::player::Player;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
@@ -28,19 +29,15 @@ const FIRST_PART: u32 = 3;
 /// - `grid`: grid of `model`, with one or two sides.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and the errors of writing.
-pub fn puppet(
-    model: &Model<Vec<u8>>,
-    map: Option<&str>,
-    grid: &Grid,
-) -> Result<Vec<u8>, GridError> {
+/// The file has no such map; nothing is drawn at any node; a picture cannot be encoded; or a section is too large.
+pub fn puppet(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec<u8>, Error> {
     let player = Player::new(model, map)?;
     let views = player.views();
     let shown: Vec<Shown<'_>> =
         grid.nodes.iter().map(|node| Shown::new(&player, &node.played)).collect();
     let sheets = sheets(&player, &shown, |node| grid.beside(node));
     if sheets.is_empty() {
-        return Err(GridError::Nothing);
+        return Err(nothing_drawn());
     }
     let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     for (number, sheet) in sheets.iter().enumerate() {
@@ -187,9 +184,9 @@ const PNG: u8 = 0;
 /// Writes a puppet and its PNG textures in the container of Inochi2D: JSON, then textures. Lengths are big-endian.
 ///
 /// # Errors
-/// [`GridError::Json`] and [`GridError::TooLarge`].
-fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, GridError> {
-    let json = serde_json::to_vec(puppet)?;
+/// The JSON cannot be written, or a section is larger than 4 GiB.
+fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, Error> {
+    let json = json_bytes(puppet)?;
     let mut out = Vec::new();
     out.extend(MAGIC);
     out.extend(length(json.len())?);
@@ -204,6 +201,7 @@ fn container(puppet: &Value, textures: &[Vec<u8>]) -> Result<Vec<u8>, GridError>
     Ok(out)
 }
 
-fn length(len: usize) -> Result<[u8; 4], GridError> {
-    u32::try_from(len).map(u32::to_be_bytes).map_err(|_| GridError::TooLarge(len))
+fn length(len: usize) -> Result<[u8; 4], Error> {
+    let text = || format!("the file takes {len} bytes in one section, and INP holds 4 GiB");
+    u32::try_from(len).map(u32::to_be_bytes).map_err(|_| Error::limit(text()))
 }

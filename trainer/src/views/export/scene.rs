@@ -1,7 +1,8 @@
 //! Writes a grid as binary glTF: layers are flat meshes, nodes are morph targets, and pictures are textures.
 
-use super::grid::{Grid, GridError};
+use super::grid::{Grid, nothing_drawn};
 use super::shown::{Shown, elements, name, numbered, triangles, uvs};
+use crate::Error;
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
@@ -24,13 +25,13 @@ const STEP: f64 = 1e-3;
 /// rest. Quads are split in two. Layers that are hidden at rest are left out.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and the errors of writing.
-pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec<u8>, GridError> {
+/// The file has no such map; nothing is drawn at any node; a picture cannot be encoded; or the scene is too large.
+pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec<u8>, Error> {
     let player = Player::new(model, map)?;
     let views = player.views();
     let shown: Vec<Shown<'_>> =
         grid.nodes.iter().map(|node| Shown::new(&player, &node.played)).collect();
-    let rest = shown.get(shown.len() / 2).ok_or(GridError::Nothing)?;
+    let rest = shown.get(shown.len() / 2).ok_or_else(nothing_drawn)?;
     let mut document = Document::new(NOTE);
     let mut looks = Looks::default();
     let mut primitives = Vec::new();
@@ -64,7 +65,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
         }
     }
     if primitives.is_empty() {
-        return Err(GridError::Nothing);
+        return Err(nothing_drawn());
     }
     looks.state(&mut document.root);
     let names: Vec<&str> = grid.nodes.iter().map(|node| node.name.as_str()).collect();
@@ -74,7 +75,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     }));
     let node = document.node(views.name().to_owned(), None, &Placed::AT_PARENT);
     document.nodes[node]["mesh"] = json!(document.meshes.len() - 1);
-    Ok(document.finish()?)
+    document.finish()
 }
 
 /// Lists the triangles of a layer by the key view that textures them. Triangles are indices of vertices.
@@ -159,7 +160,7 @@ struct Looks {
 }
 
 impl Looks {
-    fn add(&mut self, document: &mut Document, look: &Look) -> Result<usize, GridError> {
+    fn add(&mut self, document: &mut Document, look: &Look) -> Result<usize, Error> {
         let Look { name, picture, opacity, has_depth } = look;
         let number = self.materials.len();
         let bytes = document.view(picture.png()?);

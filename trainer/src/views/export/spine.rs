@@ -5,9 +5,10 @@
 //! first. Numbers are interpolated linearly between keys, unless a key is stepped. Attachments and the draw order stay
 //! until the next key.
 
-use super::grid::{Grid, GridError};
+use super::grid::{Grid, json_bytes, nothing_drawn};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
+use crate::Error;
 use crate::views::player::Player;
 use serde_json::{Map, Value, json};
 use sinew_runtime::Model;
@@ -39,14 +40,14 @@ pub struct Spine {
 /// - `frame_time`: time between frames, seconds.
 ///
 /// # Errors
-/// [`GridError::Nothing`], and the errors of writing.
+/// The file has no such map; nothing is drawn at any node; or a picture cannot be encoded.
 pub fn spine(
     model: &Model<Vec<u8>>,
     map: Option<&str>,
     folder: &str,
     animations: &[(String, Grid)],
     frame_time: f64,
-) -> Result<Spine, GridError> {
+) -> Result<Spine, Error> {
     let player = Player::new(model, map)?;
     let nodes: Vec<_> = animations.iter().flat_map(|(_, grid)| &grid.nodes).collect();
     let shown: Vec<Shown<'_>> =
@@ -66,7 +67,7 @@ pub fn spine(
     };
     let sheets = sheets(&player, &shown, beside);
     if sheets.is_empty() {
-        return Err(GridError::Nothing);
+        return Err(nothing_drawn());
     }
     let names = unique(sheets.iter().map(|sheet| sheet.name.as_str()));
     let slots: Vec<Slot> =
@@ -98,7 +99,7 @@ pub fn spine(
     let is_clipped = |layer: &usize| views.layer(*layer).is_some_and(|own| own.clip.is_some());
     let clipped = (0..views.layer_len()).filter(is_clipped);
     let unclipped = clipped.filter_map(|layer| views.layer_name(layer)).map(str::to_owned);
-    Ok(Spine { json: serde_json::to_vec(&whole)?, pictures, unclipped: unclipped.collect() })
+    Ok(Spine { json: json_bytes(&whole)?, pictures, unclipped: unclipped.collect() })
 }
 
 /// A sheet with the common name of its slot, attachment and picture.

@@ -3,7 +3,8 @@
 use super::block::{
     Block, Candidate, Fitted, LeftOutViews, Monomial, TermSet, Width, term_sets, terms,
 };
-use super::map::{FitError, MapOutputs, Shown, encodings, given};
+use super::map::{MapOutputs, Shown, encodings, given};
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::confidence::Fade;
 use crate::scattered::bound::{largest, rounded};
@@ -70,8 +71,8 @@ impl FittedMap {
     /// Evaluates the map.
     ///
     /// # Errors
-    /// [`FitError`]: the values are invalid.
-    pub fn shown(&self, values: &Values) -> Result<Shown, FitError> {
+    /// The values are invalid.
+    pub fn shown(&self, values: &Values) -> Result<Shown, Error> {
         self.outputs.evaluate(&self.model, values)
     }
 }
@@ -81,12 +82,13 @@ impl FittedMap {
 /// - `keys`: training view of each of the N key views; `None` for key views of other motions.
 ///
 /// # Errors
-/// [`FitError`].
+/// The parameters of a view are invalid; two views have the same parameters; or no polynomial and no kernel can be
+/// fitted.
 pub fn fit(
     examples: &Examples,
     keys: &[Option<usize>],
     options: FitOptions,
-) -> Result<FittedMap, FitError> {
+) -> Result<FittedMap, Error> {
     let points = Block::new(&places(&examples.train));
     let sites =
         encodings(examples).into_iter().map(|encoding| Sites::new(encoding, &examples.train));
@@ -119,18 +121,19 @@ pub fn fit(
         best =
             Some(best.filter(|best| best.model.fit.bound <= made.model.fit.bound).unwrap_or(made));
     }
-    best.ok_or(FitError::None { views })
+    let none = || Error::fit(format!("no polynomial and no kernel can be fitted to {views} views"));
+    best.ok_or_else(none)
 }
 
 /// Fits every candidate of [`fit`] that single precision can evaluate.
 ///
 /// # Errors
-/// [`FitError`].
+/// The parameters of a view are invalid, or two views have the same parameters.
 pub fn fit_each(
     examples: &Examples,
     keys: &[Option<usize>],
     options: FitOptions,
-) -> Result<Vec<FittedMap>, FitError> {
+) -> Result<Vec<FittedMap>, Error> {
     let points = Block::new(&places(&examples.train));
     let limit = ROUNDING * extent(&examples.train);
     let mut out = Vec::new();
@@ -177,11 +180,12 @@ fn best(all: &[Tried]) -> Option<&Tried> {
 }
 
 impl Sites {
-    fn new(inputs: Vec<Input>, views: &[View]) -> Result<Self, FitError> {
+    fn new(inputs: Vec<Input>, views: &[View]) -> Result<Self, Error> {
         let mut rows = Vec::with_capacity(views.len());
         for (view, own) in views.iter().enumerate() {
             let given = given(&inputs, &own.values)?;
-            rows.push(features(&inputs, &given).map_err(|error| FitError::Site { view, error })?);
+            let wrong = |error: Error| error.within(format_args!("train view {view}"));
+            rows.push(features(&inputs, &given).map_err(wrong)?);
         }
         let d = rows.first().map_or(0, Vec::len);
         let features = Mat::from_fn(rows.len(), d, |i, c| rows[i][c]);
@@ -191,7 +195,9 @@ impl Sites {
         for first in 0..points.nrows() {
             let own = distances(&points, first);
             if let Some(second) = (1..own.len()).find(|&other| own[other] < SAME) {
-                return Err(FitError::Same { first, second: first + second });
+                let second = first + second;
+                let text = format!("train views {first} and {second} have the same parameters");
+                return Err(Error::fit(text));
             }
         }
         let sets = term_sets(&inputs, &scaling.kept());

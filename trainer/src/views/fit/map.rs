@@ -4,60 +4,16 @@
 //! So the file alone says which angles a parameter sets. Outputs are points with depths, visibility, scores of key
 //! views, and opacities and orders of layers, in the order of the file.
 
+use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::rotations::Feature;
-use crate::scattered::model::{EvaluationError, Input, InputKind, KernelModel, Output, OutputKind};
-use crate::scattered::solver::error::KernelError;
+use crate::scattered::model::{Input, InputKind, KernelModel, Output, OutputKind};
 use crate::views::set::{Examples, Parameter, Values, View};
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::views::{Blend, Views};
 
 /// Smallest range of an angle that must be a rotation, degrees. Numbers do not wrap around.
 const HALF_TURN: f64 = 180.0;
-
-/// Reasons why no map can be fitted or evaluated. Views count from 0.
-#[derive(Debug, thiserror::Error)]
-pub enum FitError {
-    /// The parameters of a view are invalid.
-    #[error("train view {view}: {error}")]
-    Site {
-        /// Index of the view.
-        view: usize,
-        /// Cause.
-        error: EvaluationError,
-    },
-    /// The parameters are invalid.
-    #[error(transparent)]
-    Given(#[from] EvaluationError),
-    /// A parameter has no value.
-    #[error("parameter \"{0}\" is missing")]
-    Missing(String),
-    /// No parameter has this name.
-    #[error("\"{found}\" is no parameter: expected {expected}")]
-    Unknown {
-        /// The name.
-        found: String,
-        /// Names of the parameters.
-        expected: String,
-    },
-    /// The distances of the views' parameters are undefined.
-    #[error(transparent)]
-    Kernel(#[from] KernelError),
-    /// Two views have the same parameters.
-    #[error("train views {first} and {second} have the same parameters")]
-    Same {
-        /// Index of the earlier view.
-        first: usize,
-        /// Index of the later view.
-        second: usize,
-    },
-    /// No candidate could be solved.
-    #[error("no polynomial and no kernel can be fitted to {views} views")]
-    None {
-        /// Number of views.
-        views: usize,
-    },
-}
 
 /// Lists the names of the parameters of inputs.
 pub fn names_of(inputs: &[Input]) -> Vec<&str> {
@@ -67,17 +23,24 @@ pub fn names_of(inputs: &[Input]) -> Vec<&str> {
 /// Lists the numbers of all inputs from values by name. Unused angles are 0.
 ///
 /// # Errors
-/// [`FitError::Missing`] and [`FitError::Unknown`].
-pub fn given(inputs: &[Input], values: &Values) -> Result<Vec<f64>, FitError> {
+/// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): a parameter has no value.
+/// - [`ErrorKind::Value`](crate::ErrorKind::Value): no parameter has the name of a value.
+pub fn given(inputs: &[Input], values: &Values) -> Result<Vec<f64>, Error> {
     let names = names_of(inputs);
     if let Some(found) = values.keys().find(|name| !names.contains(&name.as_str())) {
-        return Err(FitError::Unknown { found: found.clone(), expected: names.join(", ") });
+        return Err(unknown_parameter(found, &names));
     }
+    let missing = |name: &str| Error::missing(format!("parameter \"{name}\" is missing"));
     let value = |name: &str| match name {
         "" => Ok(0.0),
-        _ => values.get(name).copied().ok_or_else(|| FitError::Missing(name.to_owned())),
+        _ => values.get(name).copied().ok_or_else(|| missing(name)),
     };
     inputs.iter().flat_map(angles_of).map(value).collect()
+}
+
+/// Makes the error of a name that no parameter has.
+pub(in crate::views) fn unknown_parameter(found: &str, names: &[&str]) -> Error {
+    Error::value(format!("\"{found}\" is no parameter: expected {}", names.join(", ")))
 }
 
 /// Splits the name of a rotation into angles. The name of any other input is not split.
@@ -168,8 +131,8 @@ impl MapOutputs {
     /// Evaluates a map with these outputs.
     ///
     /// # Errors
-    /// [`FitError`]: the values are invalid.
-    pub fn evaluate(self, model: &KernelModel, values: &Values) -> Result<Shown, FitError> {
+    /// The values are invalid.
+    pub fn evaluate(self, model: &KernelModel, values: &Values) -> Result<Shown, Error> {
         let evaluated = model.evaluate(&given(&model.inputs, values)?)?;
         Ok(self.shown(&evaluated.numbers))
     }

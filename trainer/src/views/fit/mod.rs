@@ -6,4 +6,5 @@ mod map;
 
 pub use block::{Candidate, LeftOutViews};
 pub use examples::{Choice, FitOptions, FittedMap, fit, fit_each};
-pub use map::{FitError, MapOutputs, Shown, given, names_of, weights};
+pub(in crate::views) use map::unknown_parameter;
+pub use map::{MapOutputs, Shown, given, names_of, weights};

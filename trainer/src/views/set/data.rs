@@ -1,15 +1,14 @@
 //! The data of a set of views: layers, motions, views, elements and pictures.
 
-use super::error::SetError;
-use crate::formats::FileError;
 use crate::formats::layered::{LayeredPicture, is_layered};
 use crate::formats::pixels::{Pixels, png_size, read_png};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
+use crate::{Error, ErrorKind};
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Values of parameters by name. Angles are in degrees.
@@ -198,13 +197,13 @@ impl Element {
     /// corner.
     ///
     /// # Errors
-    /// [`SetError::Element`]: the polygon has fewer than three points, an unknown point, or a point twice.
+    /// [`ErrorKind::Value`]: the polygon has fewer than three points, an unknown point, or a point twice.
     pub fn of_polygon(
         element: usize,
         polygon: &[usize],
         points: usize,
-    ) -> Result<Vec<Self>, SetError> {
-        let wrong = |what: String| SetError::Element { element, what };
+    ) -> Result<Vec<Self>, Error> {
+        let wrong = |what: String| Error::value(format!("element {element}: {what}"));
         if let Some(point) = polygon.iter().find(|point| **point >= points) {
             return Err(wrong(format!("point {point}, of {points}")));
         }
@@ -258,8 +257,8 @@ impl Image {
     /// Loads the picture in its own size.
     ///
     /// # Errors
-    /// [`SetError::Image`], [`SetError::File`], and [`SetError::ImageSize`] if the mask has another size.
-    pub fn load_any(&self) -> Result<Picture, SetError> {
+    /// The picture or the mask cannot be read, is damaged, or has no such layer; the mask has another size.
+    pub fn load_any(&self) -> Result<Picture, Error> {
         self.load(picture_size(&self.file)?)
     }
 
@@ -268,8 +267,8 @@ impl Image {
     /// - `expected`: width and height, pixels.
     ///
     /// # Errors
-    /// [`SetError::Image`], [`SetError::File`] and [`SetError::ImageSize`].
-    pub fn load(&self, expected: [usize; 2]) -> Result<Picture, SetError> {
+    /// The picture or the mask cannot be read, is damaged, has no such layer, or has another size.
+    pub fn load(&self, expected: [usize; 2]) -> Result<Picture, Error> {
         let mut picture = decoded(&self.file, self.layer.as_deref(), expected)?;
         if let Some(mask) = &self.mask {
             let mask = decoded(mask, None, expected)?;
@@ -286,18 +285,22 @@ impl Image {
 /// Returns the width and height of a picture, pixels.
 ///
 /// # Errors
-/// [`SetError::Image`] and [`SetError::File`].
-pub(super) fn picture_size(file: &Path) -> Result<[usize; 2], SetError> {
+/// The picture cannot be read, or is damaged.
+pub(super) fn picture_size(file: &Path) -> Result<[usize; 2], Error> {
     if is_layered(file) {
         return Ok(LayeredPicture::open(file)?.size);
     }
-    png_size(opened(file)?).map_err(|what| wrong(file, what))
+    png_size(opened(file)?).map_err(|what| Error::damaged(what).in_file(file))
 }
 
-fn decoded(file: &Path, layer: Option<&str>, expected: [usize; 2]) -> Result<Picture, SetError> {
-    let check = |found: [usize; 2]| match found == expected {
-        true => Ok(()),
-        false => Err(SetError::ImageSize { file: file.to_owned(), expected, found }),
+fn decoded(file: &Path, layer: Option<&str>, expected: [usize; 2]) -> Result<Picture, Error> {
+    let check = |found: [usize; 2]| {
+        if found == expected {
+            return Ok(());
+        }
+        let ([width, height], [own_width, own_height]) = (expected, found);
+        let text = format!("expected {width} x {height} pixels, found {own_width} x {own_height}");
+        Err(Error::mismatch(text).in_file(file))
     };
     let Pixels { size: [width, height], rgba } = if is_layered(file) {
         let picture = LayeredPicture::open(file)?;
@@ -306,21 +309,19 @@ fn decoded(file: &Path, layer: Option<&str>, expected: [usize; 2]) -> Result<Pic
             Some(name) => picture.find(name).and_then(|layer| picture.picture(layer)),
             None => picture.flattened(),
         };
-        found.map_err(|error| FileError { file: file.to_owned(), error: error.into() })?
+        found.map_err(|error| error.in_file(file))?
     } else {
         check(picture_size(file)?)?;
-        read_png(opened(file)?).map_err(|what| wrong(file, what))?
+        read_png(opened(file)?).map_err(|what| Error::damaged(what).in_file(file))?
     };
     Ok(Picture { size: Resolution { width, height }, rgba })
 }
 
-fn opened(file: &Path) -> Result<BufReader<File>, SetError> {
-    let opened = File::open(file).map_err(|error| wrong(file, error.to_string()))?;
-    Ok(BufReader::new(opened))
-}
-
-fn wrong(file: &Path, what: String) -> SetError {
-    SetError::Image { file: file.to_owned(), what }
+fn opened(file: &Path) -> Result<BufReader<File>, Error> {
+    let wrong = |error: io::Error| {
+        Error::new(ErrorKind::Read, error.to_string()).caused_by(error).in_file(file)
+    };
+    Ok(BufReader::new(File::open(file).map_err(wrong)?))
 }
 
 #[cfg(test)]

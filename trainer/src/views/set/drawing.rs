@@ -2,8 +2,8 @@
 
 use super::data::{Element, Examples, Image, Layer, Parameter, View, ViewSet, picture_size};
 use super::elements::Silhouette;
-use super::error::SetError;
-use crate::formats::FormatError;
+use super::json::missing_parameter;
+use crate::Error;
 use crate::page::picture::Picture;
 use std::path::Path;
 
@@ -40,9 +40,10 @@ pub const JOINTS: [(&str, Option<usize>); 16] = [
 /// the joints and the corners of triangles inside the mask. The motions are a walk and a jump.
 ///
 /// # Errors
-/// [`SetError`].
-pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
-    let text = std::fs::read_to_string(description).map_err(FormatError::Read)?;
+/// A file cannot be read or is damaged, a joint is missing, the mask has another size than the texture, or the mask is
+/// empty.
+pub fn read_drawing(description: &Path) -> Result<ViewSet, Error> {
+    let text = std::fs::read_to_string(description).map_err(Error::read)?;
     let rest = joints(&text)?;
     let folder = description.parent().unwrap_or(Path::new(""));
     let image = Image {
@@ -88,7 +89,7 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, SetError> {
 }
 
 /// Reads the positions of the joints, pixels.
-fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
+fn joints(text: &str) -> Result<[[f64; 2]; 16], Error> {
     let mut out = [None; 16];
     let mut place = Vec::new();
     for line in text.lines() {
@@ -105,12 +106,10 @@ fn joints(text: &str) -> Result<[[f64; 2]; 16], SetError> {
         }
     }
     let missing = out.iter().position(Option::is_none);
-    let lacking = |joint: usize| SetError::Parameter {
-        view: "skeleton".to_owned(),
-        name: JOINTS[joint].0.to_owned(),
-        what: "missing",
-    };
-    missing.map_or_else(|| Ok(out.map(Option::unwrap_or_default)), |joint| Err(lacking(joint)))
+    match missing {
+        None => Ok(out.map(Option::unwrap_or_default)),
+        Some(joint) => Err(missing_parameter("skeleton", JOINTS[joint].0)),
+    }
 }
 
 /// Triangles over a drawing, and the bone weights of their corners.
@@ -123,7 +122,7 @@ struct Mesh {
 }
 
 impl Mesh {
-    fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, SetError> {
+    fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, Error> {
         let Silhouette { corners, faces } = Silhouette::of(picture, ACROSS, 0)?;
         let weights: Vec<[f64; 16]> =
             corners.iter().map(|corner| bone_weights(*corner, rest)).collect();

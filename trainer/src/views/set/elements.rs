@@ -2,7 +2,7 @@
 //! is covered if its alpha is above 0.
 
 use super::data::{Element, View};
-use super::error::SetError;
+use crate::Error;
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -11,36 +11,38 @@ use std::cmp::Ordering;
 /// Area below which an element counts as flat, over the square of its longest side.
 const NO_AREA: f64 = 1e-6;
 
+/// Makes the error of points that cannot be triangulated.
+pub(super) fn not_triangulated(named: &str, what: &str) -> Error {
+    Error::fit(format!("the points of {named} cannot be triangulated: {what}"))
+}
+
 /// Triangulates the visible points of a view and fixed places (Delaunay). Fixed places have the indices after all
 /// points.
 ///
 /// # Errors
-/// [`SetError::Triangulation`]: two points coincide, or all points are collinear.
-pub fn triangulated(
-    view: &View,
-    fixed: &[[f64; 2]],
-    named: &str,
-) -> Result<Vec<Element>, SetError> {
-    let wrong = |what: String| SetError::Triangulation { view: named.to_owned(), what };
+/// [`ErrorKind::Fit`](crate::ErrorKind::Fit): two points coincide, or all points are collinear.
+pub fn triangulated(view: &View, fixed: &[[f64; 2]], named: &str) -> Result<Vec<Element>, Error> {
     let len = view.points.len();
     let seen = (0..len).filter(|&k| view.visible[k]).chain(len..len + fixed.len());
     let seen: Vec<usize> = seen.collect();
     let known = [&view.known()[..], fixed].concat();
     let places = seen.iter().map(|&k| Point2::new(known[k][0], known[k][1])).collect();
     let mesh: DelaunayTriangulation<Point2<f64>> = DelaunayTriangulation::bulk_load_stable(places)
-        .map_err(|error| wrong(error.to_string()))?;
+        .map_err(|error| not_triangulated(named, &error.to_string()))?;
     if mesh.num_vertices() != seen.len() {
         let mut sorted = seen.clone();
         sorted.sort_by(|&a, &b| known[a].partial_cmp(&known[b]).unwrap_or(Ordering::Equal));
         let pair = sorted.windows(2).find(|pair| known[pair[0]] == known[pair[1]]);
         let which = pair.map_or_else(String::new, |pair| format!(" {} and {}", pair[0], pair[1]));
-        return Err(wrong(format!(
-            "points{which} lie in one place; leave one out, or write \"elements\""
-        )));
+        let what = format!("points{which} lie in one place; leave one out, or write \"elements\"");
+        return Err(not_triangulated(named, &what));
     }
     let corners = mesh.inner_faces().map(|face| face.vertices().map(|v| seen[v.fix().index()]));
     let elements: Vec<Element> = corners.map(Element::Triangle).collect();
-    if elements.is_empty() { Err(wrong("they lie on a line".to_owned())) } else { Ok(elements) }
+    if elements.is_empty() {
+        return Err(not_triangulated(named, "they lie on a line"));
+    }
+    Ok(elements)
 }
 
 /// Checks the elements whose points are all visible in a key view.
@@ -48,13 +50,14 @@ pub fn triangulated(
 /// - `sources`: index in the file of each element's polygon. A polygon can become several elements.
 ///
 /// # Errors
-/// [`SetError::NoArea`], [`SetError::Concave`] and [`SetError::Crossed`].
+/// [`ErrorKind::Value`](crate::ErrorKind::Value): an element or one of its triangles has no area; a quad is not convex,
+/// or its edges cross.
 pub(super) fn check_elements(
     elements: &[Element],
     sources: &[usize],
     view: &View,
     named: &str,
-) -> Result<(), SetError> {
+) -> Result<(), Error> {
     let known = view.known();
     for (element, &source) in elements.iter().zip(sources) {
         let corners = element.points();
@@ -66,10 +69,10 @@ pub(super) fn check_elements(
             (0..corners.len()).map(|c| cross(at(c), at(c + 1), at(c + 2))).collect();
         let longest = (0..corners.len()).map(|c| squared(at(c), at(c + 1))).fold(0.0, f64::max);
         let flat = |turn: &f64| turn.abs() <= NO_AREA * longest;
-        let view = || named.to_owned();
         if turns.iter().all(flat) {
-            let points = corners.to_vec();
-            return Err(SetError::NoArea { element: source, points, view: view() });
+            return Err(Error::value(format!(
+                "element {source}: points {corners:?} have no area in {named}: move one, mark one as not visible, or leave them out"
+            )));
         }
         let &Element::Quad(points) = element else { continue };
         // Sign of the turn of most corners; 0 if edges cross.
@@ -81,10 +84,16 @@ pub(super) fn check_elements(
             [turn] => {
                 // The turn at index `turn` belongs to the next corner. A diagonal from that corner splits the quad.
                 let point = |after: usize| points[(turn + 1 + after) % 4];
-                let triangles = [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(point));
-                return Err(SetError::Concave { element: source, points, view: view(), triangles });
+                let [first, second] = [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(point));
+                return Err(Error::value(format!(
+                    "element {source}: quad {points:?} is not convex in {named}: write {first:?}, {second:?} in its place"
+                )));
             }
-            _ => return Err(SetError::Crossed { element: source, points, view: view() }),
+            _ => {
+                return Err(Error::value(format!(
+                    "element {source}: edges of quad {points:?} cross in {named}: list its points in turn, or write two triangles in its place"
+                )));
+            }
         }
     }
     Ok(())
@@ -117,8 +126,8 @@ impl Silhouette {
     /// - `margin`: pixels around the coverage that triangles must cover, too.
     ///
     /// # Errors
-    /// [`SetError::Empty`]: the picture has no covered pixels.
-    pub(super) fn of(picture: &Picture, across: f64, margin: usize) -> Result<Self, SetError> {
+    /// [`ErrorKind::Missing`](crate::ErrorKind::Missing): the picture has no covered pixels.
+    pub(super) fn of(picture: &Picture, across: f64, margin: usize) -> Result<Self, Error> {
         let [width, height] = [picture.size.width, picture.size.height];
         let step = width.max(height) as f64 / across;
         let covered = Covered::of(picture);
@@ -141,9 +150,8 @@ impl Silhouette {
         let nodes: Vec<[f64; 2]> = (0..columns * rows).map(node).filter(|at| near(*at)).collect();
         let places = nodes.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
         let mesh: DelaunayTriangulation<Point2<f64>> =
-            DelaunayTriangulation::bulk_load_stable(places).map_err(|error| {
-                SetError::Triangulation { view: "the mask".to_owned(), what: error.to_string() }
-            })?;
+            DelaunayTriangulation::bulk_load_stable(places)
+                .map_err(|error| not_triangulated("the mask", &error.to_string()))?;
         let faces = mesh.inner_faces().map(|face| face.vertices().map(|v| v.fix().index()));
         let drawn = |face: &[usize; 3]| {
             let shares =
@@ -157,7 +165,7 @@ impl Silhouette {
         };
         let faces: Vec<[usize; 3]> = faces.filter(drawn).collect();
         if faces.is_empty() {
-            return Err(SetError::Empty("pixels in the mask"));
+            return Err(Error::missing("there are no pixels in the mask"));
         }
         let mut used: Vec<usize> = faces.as_flattened().to_vec();
         used.sort_unstable();
@@ -276,9 +284,13 @@ mod tests {
             for corners in [corners, [corners[3], corners[2], corners[1], corners[0]]] {
                 let quad = [Element::Quad(corners)];
                 let refused = check_elements(&quad, &[5], &view(&dent), "view 1").unwrap_err();
-                let SetError::Concave { triangles, .. } = refused else { panic!("{refused}") };
+                let (_, written) = refused.message().split_once(": write ").unwrap();
+                let numbers = written.split(|char: char| !char.is_ascii_digit());
+                let numbers: Vec<usize> = numbers.filter_map(|own| own.parse().ok()).collect();
+                let (triangles, _) = numbers.as_chunks::<3>();
+                assert_eq!(triangles.len(), 2, "{refused}");
                 let area = |[a, b, c]: [usize; 3]| cross(dent[a], dent[b], dent[c]);
-                let areas = triangles.map(area);
+                let areas = [triangles[0], triangles[1]].map(area);
                 assert!(
                     areas[0] * areas[1] > 0.0 && (areas[0] + areas[1]).abs() == 8.0,
                     "{triangles:?}"

@@ -1,8 +1,8 @@
 //! The JSON of a set of views: how a set is written by hand, and how sinew writes a set.
 
 use super::data::{Examples, Image, Layer, LayerView, Parameter, Values, View, ViewSet};
-use super::error::SetError;
 use super::layers::{WrittenLayer, WrittenLayerView, layer_views};
+use crate::Error;
 use crate::formats::layered::is_layered;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -76,17 +76,20 @@ fn main() -> String {
 }
 
 /// Reads a parameter.
-pub(super) fn parameter(written: WrittenParameter) -> Result<Parameter, SetError> {
+///
+/// # Errors
+/// The order of the angles is unknown.
+pub(super) fn parameter(written: WrittenParameter) -> Result<Parameter, Error> {
     let (angles, order) = match written {
         WrittenParameter::Scalar(name) => return Ok(Parameter::Scalar(name)),
         WrittenParameter::Rotation { angles, order } => (angles, order),
     };
     let found = |name: &String| EulerOrder::ALL.into_iter().find(|order| order.name() == name);
     let known = match &order {
-        Some(name) => Some(found(name).ok_or_else(|| SetError::Parameter {
-            view: "parameters".to_owned(),
-            name: name.clone(),
-            what: "no order of angles: expected XYZ, XZY, YXZ, YZX, ZXY or ZYX",
+        Some(name) => Some(found(name).ok_or_else(|| {
+            Error::value(format!(
+                "parameters: parameter \"{name}\" is no order of angles: expected XYZ, XZY, YXZ, YZX, ZXY or ZYX"
+            ))
         })?),
         None => None,
     };
@@ -116,25 +119,45 @@ pub(super) fn inferred(values: Option<&BTreeMap<String, Value>>) -> Vec<Paramete
     out
 }
 
+/// Makes the error of a view with the wrong number of values of a kind.
+pub(super) fn wrong_len(named: &str, what: &str, expected: usize, found: usize) -> Error {
+    Error::mismatch(format!("{named}: expected {expected} {what}, found {found}"))
+}
+
+/// Makes the error of an unknown or misplaced field of a view.
+pub(super) fn wrong_field(named: &str, name: &str, what: &str) -> Error {
+    Error::value(format!("{named}: \"{name}\" {what}"))
+}
+
+/// Makes the error of a missing parameter.
+pub(super) fn missing_parameter(named: &str, name: &str) -> Error {
+    Error::missing(format!("{named}: parameter \"{name}\" is missing"))
+}
+
 /// Reads a view.
+///
+/// - `named`: name of the view in errors.
+///
+/// # Errors
+/// A parameter is missing or no number; a field is unknown or misplaced; a layer is unknown; numbers of points, marks
+/// and depths differ; a visible point has no position; or a mark of visibility is missing.
 pub(super) fn view(
     written: WrittenView,
     parameters: &[Parameter],
     layers: &[&str],
     folder: &Path,
     named: &str,
-) -> Result<View, SetError> {
+) -> Result<View, Error> {
     let WrittenView { image, mask, points, visible, depth, layers: own_layers, values: all } =
         written;
     let mut values = Values::new();
     for name in parameters.iter().flat_map(Parameter::names) {
         let own = all.get(name).or_else(|| all.get(&format!("{name}{DEGREES}")));
-        let wrong =
-            |what| SetError::Parameter { view: named.to_owned(), name: name.to_owned(), what };
-        let number = own.ok_or_else(|| wrong("missing"))?.as_f64();
-        values.insert(name.to_owned(), number.ok_or_else(|| wrong("no number"))?);
+        let number = own.ok_or_else(|| missing_parameter(named, name))?.as_f64();
+        let wrong = || Error::value(format!("{named}: parameter \"{name}\" is no number"));
+        values.insert(name.to_owned(), number.ok_or_else(wrong)?);
     }
-    let field = |name: &str, what: &str| Err(SetError::field(named, name, what));
+    let field = |name: &str, what: &str| Err(wrong_field(named, name, what));
     // A number may be a parameter of another motion.
     if let Some((name, _)) = all.iter().find(|(_, value)| !value.is_number()) {
         return field(
@@ -169,19 +192,19 @@ pub(super) fn view(
     let depths = if view.depths.is_empty() { expected } else { view.depths.len() };
     for (what, found) in [("marks of visibility", view.visible.len()), ("depths", depths)] {
         if found != expected {
-            return Err(SetError::Length { view: named.to_owned(), what, expected, found });
+            return Err(wrong_len(named, what, expected, found));
         }
     }
     let has_picture = view.image.is_some() || view.is_key();
     for (point, (seen, place)) in marks.into_iter().zip(&view.points).enumerate() {
-        let view = || named.to_owned();
-        match (seen, place) {
-            (Some(true), None) => return Err(SetError::Unknown { view: view(), point }),
-            (None, Some(_)) => return Err(SetError::NullVisibility { view: view(), point }),
-            (None, None) if has_picture => {
-                return Err(SetError::NullVisibility { view: view(), point });
-            }
-            _ => {}
+        if seen == Some(true) && place.is_none() {
+            let text = format!("{named}: point {point} is visible and has no place");
+            return Err(Error::missing(text));
+        }
+        if seen.is_none() && (place.is_some() || has_picture) {
+            return Err(Error::value(format!(
+                "{named}: point {point}: \"visible\" is null, expected true or false where there is a place or a picture"
+            )));
         }
     }
     Ok(view)

@@ -2,9 +2,8 @@
 
 use super::data::{Element, Image, Layer, LayerView, ViewSet};
 use super::elements::check_elements;
-use super::error::SetError;
+use crate::Error;
 use crate::formats::layered::{LayeredPicture, PaintedLayer};
-use crate::formats::{FileError, LayeredError};
 use serde::Deserialize;
 use sinew_runtime::views::CLIPS_MAX;
 use std::collections::{BTreeMap, BTreeSet};
@@ -77,22 +76,32 @@ pub(super) struct WholeLayerView {
     order: Option<f64>,
 }
 
+/// Adds the name of a layer to an error.
+pub(super) fn in_layer(layer: &str, error: Error) -> Error {
+    error.within(format_args!("layer \"{layer}\""))
+}
+
+/// Makes the error of a layer that no view shows.
+pub(super) fn never_shown(layer: &str) -> Error {
+    in_layer(layer, Error::missing("no view has a picture of it: name one, or leave it out"))
+}
+
 /// Reads the layers of a view.
 ///
 /// - `names`: names of the set's layers.
 /// - `named`: name of the view in errors.
 ///
 /// # Errors
-/// [`SetError::Layer`]: no layer has a name, or an opacity is outside 0 to 1.
+/// [`ErrorKind::Value`](crate::ErrorKind::Value): no layer has a name, or an opacity is outside 0 to 1.
 pub(super) fn layer_views(
     written: BTreeMap<String, WrittenLayerView>,
     names: &[&str],
     folder: &Path,
     named: &str,
-) -> Result<Vec<LayerView>, SetError> {
+) -> Result<Vec<LayerView>, Error> {
     if let Some(unknown) = written.keys().find(|name| !names.contains(&name.as_str())) {
         let what = format!("{named} has a picture of it, and the set no such layer");
-        return Err(SetError::Layer { layer: unknown.clone(), what });
+        return Err(in_layer(unknown, Error::value(what)));
     }
     let mut written = written;
     let own = |name: &&str| {
@@ -103,7 +112,7 @@ pub(super) fn layer_views(
         };
         if let Some(opacity) = opacity.filter(|opacity| !(0.0..=1.0).contains(opacity)) {
             let what = format!("{named} gives it the opacity {opacity}, expected 0 to 1");
-            return Err(SetError::Layer { layer: (*name).to_owned(), what });
+            return Err(in_layer(name, Error::value(what)));
         }
         let image = file.map(|file| Image::of_layer(folder.join(file), name));
         Ok(LayerView { image, opacity, order })
@@ -115,16 +124,15 @@ pub(super) fn layer_views(
 /// proposed.
 ///
 /// # Errors
-/// [`SetError::Layer`], and the errors of elements.
+/// A layer is invalid, or has no points or no picture; a point is in no layer; the errors of elements.
 pub(super) fn layered(
     set: &ViewSet,
     written: Vec<WrittenLayer>,
-) -> Result<(Vec<Layer>, Vec<usize>), SetError> {
+) -> Result<(Vec<Layer>, Vec<usize>), Error> {
     let names: Vec<String> = written.iter().map(|layer| layer.name.clone()).collect();
-    let wrong = |layer: &str, what: String| SetError::Layer { layer: layer.to_owned(), what };
     let twice = (1..names.len()).find(|&at| names[..at].contains(&names[at]));
     if let Some(at) = twice {
-        return Err(wrong(&names[at], "two layers have this name".to_owned()));
+        return Err(in_layer(&names[at], Error::value("two layers have this name")));
     }
     let (mut out, mut auto) = (Vec::new(), Vec::new());
     for WrittenLayer { name, points, elements, clip } in written {
@@ -132,7 +140,10 @@ pub(super) fn layered(
             None => None,
             Some(other) => {
                 let found = names.iter().position(|name| *name == other);
-                let unknown = || wrong(&name, format!("it is clipped by \"{other}\", no layer"));
+                let unknown = || {
+                    let what = format!("it is clipped by \"{other}\", no layer");
+                    in_layer(&name, Error::value(what))
+                };
                 Some(found.ok_or_else(unknown)?)
             }
         };
@@ -142,10 +153,11 @@ pub(super) fn layered(
                 Vec::new()
             }
             Some(WrittenPoints::Auto(Auto::Auto)) => {
-                return Err(wrong(&name, "it has elements, but no points yet".to_owned()));
+                let error = Error::missing("it has elements, but no points yet");
+                return Err(in_layer(&name, error));
             }
             Some(WrittenPoints::Given(points)) if !points.is_empty() => points,
-            _ => return Err(wrong(&name, "it has no points".to_owned())),
+            _ => return Err(in_layer(&name, Error::missing("it has no points"))),
         };
         let elements = checked_elements(set, &elements)?;
         out.push(Layer { name, points, elements, clip });
@@ -163,7 +175,7 @@ pub(super) fn layered(
 pub(super) fn checked_elements(
     set: &ViewSet,
     polygons: &[Vec<usize>],
-) -> Result<Vec<Element>, SetError> {
+) -> Result<Vec<Element>, Error> {
     let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
         out.extend(Element::of_polygon(number, polygon, set.point_len())?);
@@ -177,10 +189,10 @@ pub(super) fn checked_elements(
 }
 
 /// Checks that each point is in one layer, and that elements use points of their own layer.
-fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
+fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), Error> {
     let mut owner: Vec<Option<&Layer>> = vec![None; set.point_len()];
     for layer in layers {
-        let wrong = |what: String| SetError::Layer { layer: layer.name.clone(), what };
+        let wrong = |what: String| in_layer(&layer.name, Error::value(what));
         for &point in &layer.points {
             let len = owner.len();
             let own = owner.get_mut(point);
@@ -197,19 +209,19 @@ fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
     }
     match owner.iter().position(Option::is_none) {
         None => Ok(()),
-        Some(point) => Err(SetError::NoLayer { point }),
+        Some(point) => Err(Error::missing(format!("point {point} is in no layer"))),
     }
 }
 
 /// Checks that no layer clips itself, directly or through others, and that chains of clips are short enough.
-fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
+fn check_clips(layers: &[Layer]) -> Result<(), Error> {
     for (number, layer) in layers.iter().enumerate() {
         let (mut at, mut way) = (layer.clip, vec![layer.name.as_str()]);
         while let Some(clip) = at {
             way.push(&layers[clip].name);
             if clip == number || way.len() > layers.len() {
                 let what = format!("it is clipped by itself: {}", way.join(" by "));
-                return Err(SetError::Layer { layer: layer.name.clone(), what });
+                return Err(in_layer(&layer.name, Error::value(what)));
             }
             at = layers[clip].clip;
         }
@@ -218,14 +230,14 @@ fn check_clips(layers: &[Layer]) -> Result<(), SetError> {
             let what = format!(
                 "{clips} layers clip it, each the one before: expected at most {CLIPS_MAX}"
             );
-            return Err(SetError::Layer { layer: layer.name.clone(), what });
+            return Err(in_layer(&layer.name, Error::limit(what)));
         }
     }
     Ok(())
 }
 
 /// Checks that each layer has a picture, and that a key view has a picture of each layer with a visible point.
-fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
+fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), Error> {
     for (map, number) in set.key_views() {
         let view = &set.maps[map].train[number];
         for (layer, own) in layers.iter().enumerate() {
@@ -236,7 +248,7 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
                     "{key} has no picture of it, but shows point {point}: name a picture, \
                      or mark its points as not visible"
                 );
-                return Err(SetError::Layer { layer: own.name.clone(), what });
+                return Err(in_layer(&own.name, Error::missing(what)));
             }
         }
     }
@@ -245,7 +257,7 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
         keys.iter().any(|&(map, view)| set.maps[map].train[view].picture(layer).is_some())
     };
     match (0..layers.len()).find(|&layer| !shown(layer)) {
-        Some(layer) if !keys.is_empty() => Err(SetError::never_shown(&layers[layer].name)),
+        Some(layer) if !keys.is_empty() => Err(never_shown(&layers[layer].name)),
         _ => Ok(()),
     }
 }
@@ -254,10 +266,10 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), SetError> {
 /// order. A layer that no picture shows is dropped.
 ///
 /// # Errors
-/// [`SetError::File`] of a picture, and [`SetError::Layer`] if a picture lacks a layer.
-pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetError> {
+/// A picture cannot be read or is damaged, or lacks a layer of another picture.
+pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, Error> {
     let open = |file: &&Path| Ok((file.display().to_string(), LayeredPicture::open(file)?.layers));
-    let pictures = files.iter().map(open).collect::<Result<Vec<_>, SetError>>()?;
+    let pictures = files.iter().map(open).collect::<Result<Vec<_>, Error>>()?;
     let Some(((first, layers), others)) = pictures.split_first() else { return Ok(Vec::new()) };
     for (other, second) in others {
         for (own, other, has, lacks) in
@@ -268,7 +280,7 @@ pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetEr
                 let what = format!(
                     "it is in {own}, and not in {other}: add it there, empty if it is not seen"
                 );
-                return Err(SetError::Layer { layer: layer.path.clone(), what });
+                return Err(in_layer(&layer.path, Error::mismatch(what)));
             }
         }
     }
@@ -289,12 +301,12 @@ pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, SetEr
 /// picture that the view names itself stays.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`] if the picture shows a layer that the set does not have.
+/// The picture cannot be read, is damaged, lacks a layer, or shows a layer that the set does not have.
 pub(super) fn add_painted(
     file: &Path,
     names: &[&str],
     views: &mut [LayerView],
-) -> Result<(), SetError> {
+) -> Result<(), Error> {
     let (picture, places) = add_pictures(file, names, views)?;
     let known: BTreeSet<usize> = names.iter().filter_map(|name| picture.find(name).ok()).collect();
     let is_new = |at: &usize| !known.contains(at) && picture.layers[*at].is_shown(&picture.layers);
@@ -302,7 +314,7 @@ pub(super) fn add_painted(
         let file = file.display();
         let what =
             format!("{file} shows it, and the set has no such layer: name it, or hide it there");
-        return Err(SetError::Layer { layer: picture.layers[at].path.clone(), what });
+        return Err(in_layer(&picture.layers[at].path, Error::mismatch(what)));
     }
     let numbers = (0..names.len()).filter(|&layer| places[layer].is_some());
     let mut sorted: Vec<usize> = places.iter().copied().flatten().collect();
@@ -327,17 +339,17 @@ pub(super) fn add_painted(
 /// of each layer.
 ///
 /// # Errors
-/// [`SetError::File`].
+/// The picture cannot be read, is damaged, or lacks a layer.
 pub(super) fn add_pictures(
     file: &Path,
     names: &[&str],
     views: &mut [LayerView],
-) -> Result<(LayeredPicture, Vec<Option<usize>>), SetError> {
+) -> Result<(LayeredPicture, Vec<Option<usize>>), Error> {
     let picture = LayeredPicture::open(file)?;
     let mut places = vec![None; views.len()];
     for ((name, view), place) in names.iter().zip(views).zip(&mut places) {
         if view.image.as_ref().is_none_or(|image| image.file == file) {
-            *place = Some(picture.find(name).map_err(|error| named(file, error))?);
+            *place = Some(picture.find(name).map_err(|error| error.in_file(file))?);
             view.image = Some(Image::of_layer(file.to_owned(), name));
         }
     }
@@ -347,12 +359,9 @@ pub(super) fn add_pictures(
 /// Clips layers as the pictures do. A `clip` of the set stays.
 ///
 /// # Errors
-/// [`SetError::File`], and [`SetError::Layer`]: the set does not have the clipping layer, or two pictures clip a layer
+/// A picture cannot be read or is damaged; the set does not have the clipping layer; or two pictures clip a layer
 /// differently.
-pub(super) fn clip_as_painted(
-    files: &[&Path],
-    layers: &mut [WrittenLayer],
-) -> Result<(), SetError> {
+pub(super) fn clip_as_painted(files: &[&Path], layers: &mut [WrittenLayer]) -> Result<(), Error> {
     let names: Vec<String> = layers.iter().map(|own| own.name.clone()).collect();
     // For each layer: the first file that has the layer, and its clipping layer there.
     let mut known: Vec<Option<(&Path, Option<String>)>> = vec![None; layers.len()];
@@ -364,7 +373,7 @@ pub(super) fn clip_as_painted(
             let Some(place) = places[layer].filter(|_| layers[layer].clip.is_none()) else {
                 continue;
             };
-            let wrong = |what: String| SetError::Layer { layer: names[layer].clone(), what };
+            let wrong = |what: String| in_layer(&names[layer], Error::mismatch(what));
             let base = match picture.layers[place].clip {
                 None => None,
                 Some(clip) => {
@@ -396,8 +405,4 @@ pub(super) fn clip_as_painted(
         own.clip = own.clip.take().or_else(|| known?.1);
     }
     Ok(())
-}
-
-fn named(file: &Path, error: LayeredError) -> SetError {
-    FileError { file: file.to_owned(), error: error.into() }.into()
 }

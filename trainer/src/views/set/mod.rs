@@ -3,7 +3,6 @@
 mod data;
 mod drawing;
 mod elements;
-mod error;
 mod json;
 mod layers;
 mod proposed;
@@ -14,6 +13,6 @@ pub(in crate::views) use drawing::segment_distance;
 pub use drawing::{JOINTS, read_drawing};
 pub use elements::triangulated;
 pub(in crate::views) use elements::{Covered, cropped};
-pub use error::SetError;
 pub use json::as_json;
+pub(in crate::views) use read::nowhere;
 pub use read::{read, read_instance};

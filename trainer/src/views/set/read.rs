@@ -1,17 +1,21 @@
 //! Reads sets of views, checks their points, and gives points the depths of a mesh.
 
 use super::data::{Examples, Layer, View, ViewSet};
-use super::error::SetError;
-use super::json::{Written, WrittenMap, WrittenView, inferred, parameter, view};
+use super::elements::not_triangulated;
+use super::json::{
+    Written, WrittenMap, WrittenView, inferred, parameter, view, wrong_field, wrong_len,
+};
 use super::layers::{
-    WrittenLayer, add_painted, add_pictures, checked_elements, clip_as_painted, layered,
+    WrittenLayer, add_painted, add_pictures, checked_elements, clip_as_painted, in_layer, layered,
     painted_layers,
 };
 use super::proposed;
+use crate::Error;
 use crate::formats::layered::is_layered;
-use crate::formats::{FormatError, obj};
+use crate::formats::obj;
 use nalgebra::{DMatrix, Matrix2x4, RowVector4, Vector3};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -22,10 +26,10 @@ const AUTO: &str = "auto";
 /// - `mesh`: an OBJ that gives depths. `mesh_vertex_index` lists the vertex of each point.
 ///
 /// # Errors
-/// [`SetError`].
-pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
-    let written: Written =
-        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+/// A file cannot be read or is damaged; something is missing, such as points, layers or parameters; or views, layers
+/// or elements are invalid.
+pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
+    let written: Written = parsed(path)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
     let Written {
@@ -41,19 +45,23 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     let is_auto = match points {
         None | Some(Value::Array(_)) => false,
         Some(Value::String(word)) if word == AUTO => true,
-        Some(found) => return Err(SetError::Points { found: found.to_string() }),
+        Some(found) => {
+            return Err(Error::value(format!(
+                "\"points\" beside \"image_size\": expected \"auto\" or a list of names, found {found}"
+            )));
+        }
     };
     let all: Vec<WrittenMap> = std::iter::once(own).chain(maps).collect();
     if let Some(map) = all.iter().find(|map| map.train.is_empty() && !map.test.is_empty()) {
         let what = "has views, and \"train\" none to learn from";
-        return Err(SetError::field(&map.name, "test", what));
+        return Err(wrong_field(&map.name, "test", what));
     }
     let all: Vec<WrittenMap> = all.into_iter().filter(|map| !map.train.is_empty()).collect();
     if let Some(twice) =
         (1..all.len()).find(|&at| all[..at].iter().any(|map| map.name == all[at].name))
     {
         let what = "is the name of two motions: give each its own";
-        return Err(SetError::field(&all[twice].name, "map", what));
+        return Err(wrong_field(&all[twice].name, "map", what));
     }
     let painted = painted_files(&all, folder);
     let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
@@ -61,7 +69,12 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         Some(layers) => layers,
         None if is_auto => painted_layers(&painted)?,
         None if painted.is_empty() => Vec::new(),
-        None => return Err(SetError::Unnamed { file: painted[0].to_owned() }),
+        None => {
+            return Err(Error::missing(format!(
+                "{} has layers: write \"points\": \"auto\", or name the layers with their points under \"layers\"",
+                painted[0].display()
+            )));
+        }
     };
     if is_auto {
         layers.iter_mut().for_each(WrittenLayer::propose);
@@ -80,8 +93,12 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     let is_proposed = is_auto || layers.iter().any(WrittenLayer::is_proposed);
     check_points(&set, is_proposed)?;
     if let Some(mesh) = mesh {
-        let missing = "vertices under \"mesh_vertex_index\": list that of each point";
-        add_depths(&mut set, mesh, &mesh_vertex_index.ok_or(SetError::Empty(missing))?)?;
+        let missing = || {
+            Error::missing(
+                "there are no vertices under \"mesh_vertex_index\": list that of each point",
+            )
+        };
+        add_depths(&mut set, mesh, &mesh_vertex_index.ok_or_else(missing)?)?;
     }
     let auto = if has_layers {
         let (layers, auto) = layered(&set, layers)?;
@@ -92,11 +109,19 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
         if is_auto { vec![0] } else { Vec::new() }
     };
     if is_proposed && set.has_depth() {
-        return Err(SetError::Depths);
+        let text = "proposed points have no depth: leave \"depth\" and the mesh out";
+        return Err(Error::unsupported(text));
     }
     proposed::add(&mut set, &auto)?;
     check_points(&set, false)?;
     Ok(set)
+}
+
+/// Reads a JSON file.
+fn parsed<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    let text = std::fs::read(path).map_err(Error::read)?;
+    serde_json::from_slice(&text)
+        .map_err(|error| Error::damaged(error.to_string()).caused_by(error))
 }
 
 /// Lists the training pictures that have layers.
@@ -112,8 +137,9 @@ fn painted_files(maps: &[WrittenMap], folder: &Path) -> Vec<PathBuf> {
 /// - `layers`: names of the prototype's layers.
 ///
 /// # Errors
-/// [`SetError`] of reading, and of each view.
-pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>, SetError> {
+/// A file cannot be read or is damaged; a view has a picture of a layer that the prototype does not have; or a view is
+/// invalid as in a set.
+pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>, Error> {
     #[derive(Deserialize)]
     struct Instance {
         views: Vec<Named>,
@@ -124,8 +150,7 @@ pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>
         #[serde(flatten)]
         own: WrittenView,
     }
-    let written: Instance =
-        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+    let written: Instance = parsed(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let one = |Named { view: name, own }| {
         if let Some(layer) = own.layers.keys().find(|layer| !layers.contains(&layer.as_str())) {
@@ -133,7 +158,7 @@ pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>
             let what = format!(
                 "view \"{name}\" of the instance has a picture of it; the prototype's layers are {expected}"
             );
-            return Err(SetError::Layer { layer: layer.clone(), what });
+            return Err(in_layer(layer, Error::value(what)));
         }
         let file = own.image.as_ref().map(|file| folder.join(file)).filter(|file| is_layered(file));
         let has_layers = !own.layers.is_empty() || (file.is_some() && layers.len() > 1);
@@ -147,7 +172,7 @@ pub fn read_instance(path: &Path, layers: &[&str]) -> Result<Vec<(String, View)>
     written.views.into_iter().map(one).collect()
 }
 
-fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples, SetError> {
+fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples, Error> {
     let WrittenMap { name, parameters, train, test } = map;
     let parameters = match parameters {
         Some(written) => written.into_iter().map(parameter).collect::<Result<_, _>>()?,
@@ -166,11 +191,11 @@ fn examples(map: WrittenMap, layers: &[&str], folder: &Path) -> Result<Examples,
                 add_painted(&image.file, layers, &mut view.layers)?;
             } else if !view.is_key() {
                 let what = "is one picture of all layers: name pictures of them under \"layers\"";
-                return Err(SetError::field(&named, "image", what));
+                return Err(wrong_field(&named, "image", what));
             }
             Ok(view)
         };
-        written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, SetError>>()
+        written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, Error>>()
     };
     let (train, test) = (views(train, "train")?, views(test, "test")?);
     Ok(Examples { name, parameters, train, test })
@@ -191,38 +216,45 @@ fn all_views(set: &ViewSet) -> impl Iterator<Item = (String, &View)> {
 /// motion.
 ///
 /// - `is_proposed`: whether points may still be missing.
-fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), SetError> {
+fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), Error> {
     let expected = set.point_len();
     if set.maps.is_empty() || (expected == 0 && !is_proposed) {
         let what = if set.maps.is_empty() { "views under \"train\"" } else { "points" };
-        return Err(SetError::Empty(what));
+        return Err(Error::missing(format!("there are no {what}")));
     }
     for (view, own) in all_views(set) {
         let found = own.points.len();
         if found != expected {
-            return Err(SetError::Length { view, what: "points", expected, found });
+            return Err(wrong_len(&view, "points", expected, found));
         }
     }
     for map in &set.maps {
-        let nowhere = |k: &usize| map.train.iter().all(|view| view.points[*k].is_none());
-        if let Some(point) = (0..expected).find(nowhere) {
-            return Err(SetError::Nowhere { map: map.name.clone(), point });
+        let is_nowhere = |k: &usize| map.train.iter().all(|view| view.points[*k].is_none());
+        if let Some(point) = (0..expected).find(is_nowhere) {
+            return Err(nowhere(point, &map.name));
         }
     }
     Ok(())
 }
 
+/// Makes the error of a point without a position in any training view of a motion.
+pub(in crate::views) fn nowhere(point: usize, map: &str) -> Error {
+    Error::missing(format!("point {point} has a place in no view of \"{map}\""))
+}
+
 /// Adds depths to training views without depths.
-fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), SetError> {
+fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), Error> {
     let (expected, found) = (set.point_len(), vertices.len());
     if found != expected {
-        let view = "mesh_vertex_index".to_owned();
-        return Err(SetError::Length { view, what: "vertices", expected, found });
+        return Err(wrong_len("mesh_vertex_index", "vertices", expected, found));
     }
     let mesh = obj::load(mesh)?;
     let vertex_len = mesh.positions.len();
     if let Some(point) = (0..found).find(|&k| vertices[k] >= vertex_len) {
-        return Err(SetError::Vertex { point, vertex: vertices[point], vertices: vertex_len });
+        let vertex = vertices[point];
+        return Err(Error::mismatch(format!(
+            "point {point} is vertex {vertex} of the mesh, which has {vertex_len}"
+        )));
     }
     let positions: Vec<[f64; 3]> = vertices.iter().map(|&vertex| mesh.positions[vertex]).collect();
     for map in &mut set.maps {
@@ -236,7 +268,7 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
 }
 
 /// Makes the layer of a set without layers, with the given elements.
-fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, SetError> {
+fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, Error> {
     Ok(Layer::whole(&set.name, set.point_len(), checked_elements(set, polygons)?))
 }
 
@@ -244,8 +276,8 @@ fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, SetError> {
 /// the last column is the offset.
 ///
 /// # Errors
-/// [`SetError::Triangulation`]: the known points do not determine a projection.
-fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4<f64>, SetError> {
+/// [`ErrorKind::Fit`](crate::ErrorKind::Fit): the known points do not determine a projection.
+fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4<f64>, Error> {
     let known: Vec<(usize, [f64; 2])> =
         view.points.iter().enumerate().filter_map(|(k, point)| Some((k, (*point)?))).collect();
     let row = |(k, _): &(usize, [f64; 2])| {
@@ -255,10 +287,7 @@ fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4
     let a = DMatrix::from_fn(known.len(), 4, |i, c| row(&known[i])[c]);
     let b = DMatrix::from_fn(known.len(), 2, |i, c| known[i].1[c]);
     let svd = a.svd(true, true);
-    let undetermined = || SetError::Triangulation {
-        view: named.to_owned(),
-        what: "they do not determine a projection of the mesh".to_owned(),
-    };
+    let undetermined = || not_triangulated(named, "they do not determine a projection of the mesh");
     if svd.rank(1e-9 * svd.singular_values.max()) < 4 {
         return Err(undetermined());
     }
@@ -271,7 +300,7 @@ fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4
 ///
 /// # Errors
 /// The error of [`project`].
-fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, SetError> {
+fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, Error> {
     let projection = project(view, positions, named)?;
     let [x, y] = [0, 1].map(|r| Vector3::from_fn(|c, _| projection[(r, c)]));
     // The product of right and down points away. Its length is that of a pixel, squared.

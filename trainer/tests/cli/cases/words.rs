@@ -129,7 +129,7 @@ fn a_pose_that_is_not_finite_is_named_by_the_file_that_has_it() {
     glb.write(&folder, "bad.glb");
     let line = folder.sinew("train bad.glb --targets plain_targets.npz -o m.sinew").failed();
     assert!(
-        line.starts_with("bad.glb: the animated pose is not finite at frame 0, joint "),
+        line.starts_with("bad.glb: frame 0: the animated pose is not finite at joint "),
         "{line}"
     );
     // The file contains an animation, so it is read as a sequence of meshes.

@@ -6,9 +6,10 @@ mod plays;
 use super::{arm, clip, model};
 use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::Error;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Clip, Examples, JointNames};
-use sinew_trainer::export::{ExportError, ExportInto, Grafted, by_use, demo_glb};
+use sinew_trainer::export::{ExportInto, Grafted, by_use, demo_glb};
 use std::path::{Path, PathBuf};
 
 /// Exports a model's first skin into a file.
@@ -18,7 +19,7 @@ fn export_into(
     clips: &[Clip],
     levels: &[Level],
     file: &Path,
-) -> Result<Grafted, ExportError> {
+) -> Result<Grafted, Error> {
     let names = JointNames::default();
     ExportInto { model, skin: None, examples, clips, between: false, levels, names, file }.run()
 }

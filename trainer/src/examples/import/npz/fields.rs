@@ -1,10 +1,10 @@
 //! Reads the arrays of examples: faces, texture coordinates, clips, meshes, weights and space.
 
 use super::sidecar::Sidecar;
-use crate::examples::validate::same;
-use crate::examples::{Clip, ExamplesError, RATES, Split};
-use crate::formats::npz::{Archive, Number};
-use crate::formats::{ArrayError, FormatError};
+use crate::Error;
+use crate::examples::validate::{empty, out_of_range, same};
+use crate::examples::{Clip, RATES, Split};
+use crate::formats::npz::{Archive, Number, missing};
 use crate::mesh::EngineMesh;
 use sinew_runtime::format::{Axis, Handedness, Space};
 use std::ops::Range;
@@ -47,7 +47,7 @@ pub(super) fn read_faces(
     archive: &mut Archive,
     [quads, tris]: [&'static str; 2],
     len: usize,
-) -> Result<Option<Faces>, ExamplesError> {
+) -> Result<Option<Faces>, Error> {
     let of_quads = archive.rows::<i64, 4>(quads, &[4])?.map(|rows| rows.data);
     let of_tris = archive.rows::<i64, 3>(tris, &[3])?.map(|rows| rows.data);
     let counts = [of_quads.as_ref().map(Vec::len), of_tris.as_ref().map(Vec::len)];
@@ -68,13 +68,12 @@ pub(super) fn read_faces(
 /// Reads texture coordinates per vertex or per corner; `None` without the array.
 ///
 /// # Errors
-/// Errors of the arrays; [`ExamplesError::Mismatch`] for a wrong number of coordinates or faces;
-/// [`ExamplesError::VertexOutOfRange`] for a corner out of range.
+/// An array cannot be read, the number of coordinates or faces is wrong, or a corner is out of range.
 pub(super) fn read_texture(
     archive: &mut Archive,
     positions: &[[f64; 3]],
     faces: &Faces,
-) -> Result<Option<EngineMesh>, ExamplesError> {
+) -> Result<Option<EngineMesh>, Error> {
     let Some(uv) = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data) else { return Ok(None) };
     let mut by_corner = None;
     for names in BY_CORNER {
@@ -99,14 +98,13 @@ pub(super) fn read_texture(
 /// the file.
 ///
 /// # Errors
-/// Errors of [`read_runs`]; [`ExamplesError::FrameNumber`] for numbers that do not ascend in a clip;
-/// [`ExamplesError::Rate`].
+/// As [`read_runs`]; also if frame numbers do not ascend in a clip, or the frame rate is out of range.
 pub(super) fn read_clips(
     archive: &mut Archive,
     sidecar: &Sidecar,
     file: &Path,
     frame_len: usize,
-) -> Result<(Vec<Clip>, Option<f64>), ExamplesError> {
+) -> Result<(Vec<Clip>, Option<f64>), Error> {
     let (names, starts) = (sidecar.clip_names.as_ref(), sidecar.clip_starts.as_ref());
     let runs = read_runs(archive, &CLIPS, names, starts, frame_len)?;
     let runs = runs.unwrap_or_else(|| vec![(Clip::name_of(file), 0..frame_len)]);
@@ -116,7 +114,11 @@ pub(super) fn read_clips(
     }
     let fps = sidecar.fps.map_or_else(|| archive.number("fps"), |fps| Ok(Some(fps)))?;
     if let Some(fps) = fps.filter(|fps| !RATES.contains(fps)) {
-        return Err(ExamplesError::Rate { fps });
+        return Err(Error::value(format!(
+            "array fps has {fps}, expected {} to {} frames a second",
+            RATES.start(),
+            RATES.end()
+        )));
     }
     let clip = |(name, frames): (String, Range<usize>)| {
         let mut clip = match &numbers {
@@ -131,18 +133,18 @@ pub(super) fn read_clips(
         }
         Ok(clip)
     };
-    Ok((runs.into_iter().map(clip).collect::<Result<_, ExamplesError>>()?, fps))
+    Ok((runs.into_iter().map(clip).collect::<Result<_, Error>>()?, fps))
 }
 
 /// Reads the names and ranges of the joined meshes; empty if not given.
 ///
 /// # Errors
-/// Errors of [`read_runs`].
+/// As [`read_runs`].
 pub(super) fn read_meshes(
     archive: &mut Archive,
     sidecar: &Sidecar,
     vertex_len: usize,
-) -> Result<Runs, ExamplesError> {
+) -> Result<Runs, Error> {
     let (names, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
     Ok(read_runs(archive, &MESHES, names, starts, vertex_len)?.unwrap_or_default())
 }
@@ -150,11 +152,11 @@ pub(super) fn read_meshes(
 /// Reads joint weights, V x J.
 ///
 /// # Errors
-/// Errors of the array; [`ExamplesError::Mismatch`] for other counts.
+/// The array cannot be read, or has other counts.
 pub(super) fn read_joint_weights(
     archive: &mut Archive,
     [vertex_len, joint_len]: [usize; 2],
-) -> Result<Option<Vec<f64>>, ExamplesError> {
+) -> Result<Option<Vec<f64>>, Error> {
     let Some(rows) = archive.rows::<f64, 1>("joint_weights", &[0])? else { return Ok(None) };
     same("vertices", "rest", vertex_len, "joint_weights", rows.lead[0])?;
     same("joints", "bone_names", joint_len, "joint_weights", rows.lead[1])?;
@@ -164,11 +166,11 @@ pub(super) fn read_joint_weights(
 /// Reads the importance of vertices, V.
 ///
 /// # Errors
-/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+/// The array cannot be read, or has another count.
 pub(super) fn read_importance(
     archive: &mut Archive,
     vertex_len: usize,
-) -> Result<Option<Vec<f64>>, ExamplesError> {
+) -> Result<Option<Vec<f64>>, Error> {
     read_each(archive, "importance", ("vertices", "rest", vertex_len))
 }
 
@@ -176,14 +178,17 @@ pub(super) fn read_importance(
 pub(super) fn read_split(
     archive: &mut Archive,
     frame_len: usize,
-) -> Result<Option<Vec<Split>>, ExamplesError> {
+) -> Result<Option<Vec<Split>>, Error> {
     let codes = read_each::<i64>(archive, "split", ("frames", "vertices", frame_len))?;
     let Some(codes) = codes else { return Ok(None) };
     let split = codes.into_iter().enumerate().map(|(frame, code)| match code {
         0 => Ok(Split::Train),
         1 => Ok(Split::HeldOut),
         2 => Ok(Split::Extreme),
-        _ => Err(ExamplesError::UnknownSplit { frame, code }),
+        _ => {
+            let words = format!("array split has code {code}, expected 0, 1 or 2");
+            Err(Error::value(words).in_frame(frame))
+        }
     });
     split.collect::<Result<_, _>>().map(Some)
 }
@@ -191,32 +196,31 @@ pub(super) fn read_split(
 /// Reads the weights of frames, N.
 ///
 /// # Errors
-/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+/// The array cannot be read, or has another count.
 pub(super) fn read_frame_weights(
     archive: &mut Archive,
     frame_len: usize,
-) -> Result<Option<Vec<f64>>, ExamplesError> {
+) -> Result<Option<Vec<f64>>, Error> {
     read_each(archive, "frame_weights", ("frames", "vertices", frame_len))
 }
 
 /// Reads axes, handedness and unit; the JSON takes precedence over the arrays.
 ///
 /// # Errors
-/// Errors of the arrays; [`ExamplesError::UnknownWord`] for an unknown axis or handedness.
-pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Space, ExamplesError> {
+/// An array cannot be read, or has an unknown axis or handedness.
+pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Space, Error> {
     let mut word = |array: &'static str, stated: &Option<String>| match stated {
         Some(word) => Ok(Some(word.clone())),
         None => archive.text(array),
     };
-    let up = word("up", &sidecar.up)?.map(|word| axis("up", word)).transpose()?;
+    let up = word("up", &sidecar.up)?.map(|word| axis("up", &word)).transpose()?;
     let forward =
-        word("forward", &sidecar.forward)?.map(|word| axis("forward", word)).transpose()?;
+        word("forward", &sidecar.forward)?.map(|word| axis("forward", &word)).transpose()?;
     let handedness = match word("handedness", &sidecar.handedness)?.as_deref() {
         None | Some("right") => Handedness::Right,
         Some("left") => Handedness::Left,
         Some(found) => {
-            let (array, found) = ("handedness", found.to_owned());
-            return Err(ExamplesError::UnknownWord { array, found, expected: "right or left" });
+            return Err(unknown_word("handedness", found, "right or left"));
         }
     };
     let unit = sidecar.unit.map_or_else(|| archive.number("unit"), |unit| Ok(Some(unit)))?;
@@ -227,15 +231,14 @@ pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Spa
 /// `None` if neither exists.
 ///
 /// # Errors
-/// Errors of the arrays; [`ExamplesError::Mismatch`] for different numbers of names and starts;
-/// [`ExamplesError::Start`] for a range that does not start after the previous one.
+/// An array cannot be read, names and starts differ in number, or a range does not start after the previous one.
 pub(super) fn read_runs(
     archive: &mut Archive,
     kind: &RunKind,
     names: Option<&Vec<String>>,
     starts: Option<&Vec<i64>>,
     len: usize,
-) -> Result<Option<Runs>, ExamplesError> {
+) -> Result<Option<Runs>, Error> {
     let names =
         names.cloned().map_or_else(|| archive.texts(kind.names), |names| Ok(Some(names)))?;
     let starts = match starts {
@@ -252,7 +255,7 @@ pub(super) fn read_runs(
     };
     same(kind.what, kind.names, names.len(), kind.starts, starts.len())?;
     if names.is_empty() {
-        return Err(ExamplesError::Empty { array: kind.names });
+        return Err(empty(kind.names));
     }
     let mut begins: Vec<usize> = Vec::with_capacity(starts.len());
     for (&found, name) in starts.iter().zip(&names) {
@@ -261,8 +264,10 @@ pub(super) fn read_runs(
             Some(before) => start > before && *start < len,
         };
         let Some(start) = usize::try_from(found).ok().filter(fits) else {
-            let (array, name) = (kind.starts, name.clone());
-            return Err(ExamplesError::Start { array, name, found, len });
+            let array = kind.starts;
+            return Err(Error::value(format!(
+                "array {array} has {found} for {name}, expected 0 for the first, then ascending numbers below {len}"
+            )));
         };
         begins.push(start);
     }
@@ -276,20 +281,15 @@ pub(super) fn read_runs(
 /// - `things`, `of`, `len`: the items, another array over the same items, and its length.
 ///
 /// # Errors
-/// Errors of the array; [`ExamplesError::Mismatch`] for another count.
+/// The array cannot be read, or has another count.
 pub(super) fn read_each<T: Number>(
     archive: &mut Archive,
     array: &'static str,
     (things, of, len): (&'static str, &'static str, usize),
-) -> Result<Option<Vec<T>>, ExamplesError> {
+) -> Result<Option<Vec<T>>, Error> {
     let Some(numbers) = archive.rows::<T, 1>(array, &[])? else { return Ok(None) };
     same(things, of, len, array, numbers.data.len())?;
     Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
-}
-
-/// Returns the error about a missing array.
-pub(super) fn missing(array: &'static str) -> ExamplesError {
-    FormatError::from(ArrayError::Missing { array }).into()
 }
 
 fn corners<const K: usize>(
@@ -297,32 +297,39 @@ fn corners<const K: usize>(
     face: usize,
     corners: &[i64; K],
     vertex_len: usize,
-) -> Result<[usize; K], ExamplesError> {
+) -> Result<[usize; K], Error> {
     let mut checked = [0; K];
     for (corner, &vertex) in checked.iter_mut().zip(corners) {
         match usize::try_from(vertex) {
             Ok(inside) if inside < vertex_len => *corner = inside,
-            _ => return Err(ExamplesError::VertexOutOfRange { array, face, vertex, vertex_len }),
+            _ => return Err(out_of_range(array, face, vertex, vertex_len)),
         }
     }
     Ok(checked)
 }
 
 /// Returns the frame numbers of a clip, which must ascend and fit 32 bits like those of animation programs.
-fn ascending(numbers: &[i64], frames: &Range<usize>) -> Result<Vec<i64>, ExamplesError> {
+fn ascending(numbers: &[i64], frames: &Range<usize>) -> Result<Vec<i64>, Error> {
     let numbers = &numbers[frames.clone()];
     let mut least = i64::from(i32::MIN);
     for (&found, frame) in numbers.iter().zip(frames.clone()) {
         if found < least || found > i64::from(i32::MAX) {
-            return Err(ExamplesError::FrameNumber { frame, found, least });
+            let error = Error::value(format!(
+                "array frame_numbers has {found}, expected {least} to {}: numbers ascend in each clip",
+                i32::MAX
+            ));
+            return Err(error.in_frame(frame));
         }
         least = found + 1;
     }
     Ok(numbers.to_vec())
 }
 
-fn axis(array: &'static str, found: String) -> Result<Axis, ExamplesError> {
+fn axis(array: &str, found: &str) -> Result<Axis, Error> {
     let named = Axis::ALL.into_iter().find(|axis| axis.name() == found);
-    let expected = "x, -x, y, -y, z or -z";
-    named.ok_or(ExamplesError::UnknownWord { array, found, expected })
+    named.ok_or_else(|| unknown_word(array, found, "x, -x, y, -y, z or -z"))
+}
+
+fn unknown_word(array: &str, found: &str, expected: &str) -> Error {
+    Error::value(format!("array {array} has {found:?}, expected {expected}"))
 }

@@ -36,21 +36,19 @@ use std::path::Path;
 pub use save::save_npz;
 
 use self::fields::{
-    FACES, missing, read_clips, read_faces, read_frame_weights, read_importance,
-    read_joint_weights, read_meshes, read_space, read_split, read_texture,
+    FACES, read_clips, read_faces, read_frame_weights, read_importance, read_joint_weights,
+    read_meshes, read_space, read_split, read_texture,
 };
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
-use super::error::ImportError;
 use super::joined::Loaded;
+use super::source::meshes_alone;
+use crate::Error;
 use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
-use crate::examples::validate::same;
-use crate::examples::{
-    Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
-};
-use crate::formats::FormatError;
-use crate::formats::npz::{Archive, Rows};
+use crate::examples::validate::{missing_parent, not_rigid, same};
+use crate::examples::{Distortion, Examples, Matrix3x4, Skeleton, Split, Warning, numbered};
+use crate::formats::npz::{Archive, Rows, missing};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::Sampling;
 
@@ -60,17 +58,17 @@ use crate::formats::scene::Sampling;
 /// gets an estimate: the point that the joint and its parent move together best.
 ///
 /// # Errors
-/// A [`LoadError`] with the file that cannot be read, lacks an array, has an array of another type or shape, or fails
-/// [`Examples::validate`].
-pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+/// A file cannot be read, lacks an array, has an array of another type or shape, or fails [`Examples::validate`]; the
+/// error names the file.
+pub fn load(path: &Path) -> Result<Loaded, Error> {
     load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false, played: false })
 }
 
 /// Loads the requested clips like [`load`].
 ///
 /// # Errors
-/// As [`load`]; [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
-pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+/// As [`load`]; also if a requested clip does not exist.
+pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, Error> {
     Ok(open(path, sampling)?.0)
 }
 
@@ -78,7 +76,7 @@ pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded,
 ///
 /// # Errors
 /// As [`load_clips`].
-pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, Error> {
     let (mut loaded, rate) = open(path, sampling)?;
     match sampling.fps {
         Some(fps) => loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps)),
@@ -91,9 +89,7 @@ pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded
 }
 
 /// Reads posed meshes: `vertices`; `rest` and faces, if present; and `split`, the use of each frame.
-pub(super) fn read_posed_meshes(
-    path: &Path,
-) -> Result<(PosedMeshes, Option<Vec<Split>>), ExamplesError> {
+pub(super) fn read_posed_meshes(path: &Path) -> Result<(PosedMeshes, Option<Vec<Split>>), Error> {
     let mut archive = Archive::open(path)?;
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, vertex_len) = (lead[0], lead[1]);
@@ -108,14 +104,13 @@ pub(super) fn read_posed_meshes(
 }
 
 /// Loads examples, and the frame rate if given.
-fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), LoadError> {
+fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), Error> {
     let beside = path.with_extension("json");
-    let sidecar =
-        Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
-    let blame = |error| LoadError { file: path.to_owned(), error };
-    let read = |archive| read(archive, &sidecar, path, sampling);
-    let archive = Archive::open(path).map_err(ExamplesError::from);
-    archive.and_then(read).map_err(blame)
+    let sidecar = Sidecar::read(&beside).map_err(|error| error.in_file(&beside))?;
+    let archive = Archive::open(path);
+    archive
+        .and_then(|archive| read(archive, &sidecar, path, sampling))
+        .map_err(|error| error.in_file(path))
 }
 
 fn read(
@@ -123,11 +118,11 @@ fn read(
     sidecar: &Sidecar,
     path: &Path,
     sampling: &Sampling<'_>,
-) -> Result<(Loaded, Option<f64>), ExamplesError> {
+) -> Result<(Loaded, Option<f64>), Error> {
     let has_joints = sidecar.bone_names.is_some()
         || ["bone_names", "bone_parents", "bone_transforms"].iter().any(|array| archive.has(array));
     if archive.has("vertices") && !has_joints {
-        return Err(ImportError::MeshesAlone.into());
+        return Err(meshes_alone());
     }
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
@@ -160,7 +155,7 @@ fn read(
     let space = read_space(&mut archive, sidecar)?;
 
     let known = clips.iter().map(|clip| clip.name.clone()).collect();
-    sampling.check(known).map_err(FormatError::from)?;
+    sampling.check(known)?;
     let (clips, kept_frames) = selected(clips, sampling);
     let kept_frames = kept_frames.as_deref();
     let vertices = selected_rows(vertices, rest.len(), kept_frames);
@@ -168,7 +163,7 @@ fn read(
     let split = selected_rows(split, 1, kept_frames);
     let weights = weights.map(|weights| selected_rows(weights, 1, kept_frames));
     let transforms = affine(&matrices, Some(&split), &names);
-    let transforms = transforms.map_err(|error| error.called(&clips))?;
+    let transforms = transforms.map_err(|error| numbered(error, &clips))?;
     drop(matrices);
 
     let identity = translation([0.0; 3]);
@@ -197,19 +192,19 @@ fn read(
         examples.weigh(importance)?;
     }
     if let Some(weights) = weights {
-        examples.repeat(&weights).map_err(|error| error.called(&clips))?;
+        examples.repeat(&weights).map_err(|error| numbered(error, &clips))?;
     }
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
     warnings.extend(examples.unscale_idle_joints());
-    let found = examples.validate().map_err(|error| error.called(&clips))?;
+    let found = examples.validate().map_err(|error| numbered(error, &clips))?;
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     examples.place_joints();
     Ok((Loaded { examples, clips, warnings }, fps))
 }
 
-fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
+fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, Error> {
     match &sidecar.bone_names {
         Some(names) => Ok(names.clone()),
         None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names")),
@@ -223,7 +218,7 @@ fn read_parents(
     sidecar: &Sidecar,
     names: &[String],
     warnings: &mut Vec<Warning>,
-) -> Result<(Vec<Option<usize>>, Vec<usize>), ExamplesError> {
+) -> Result<(Vec<Option<usize>>, Vec<usize>), Error> {
     let parents = match &sidecar.bone_parents {
         Some(parents) => parents.clone(),
         None => {
@@ -234,16 +229,15 @@ fn read_parents(
     same("joints", "bone_names", names.len(), "bone_parents", parents.len())?;
     let mut found = Vec::with_capacity(names.len());
     for (joint, parent) in names.iter().zip(parents) {
-        let missing = |parent| ExamplesError::MissingParent { joint: joint.clone(), parent };
         found.push(match parent {
             None | Some(Parent::Number(-1)) => None,
             Some(Parent::Number(number)) => match usize::try_from(number) {
                 Ok(inside) if inside < names.len() => Some(inside),
-                _ => return Err(missing(number.to_string())),
+                _ => return Err(missing_parent(joint, &number.to_string())),
             },
             Some(Parent::Name(name)) => match names.iter().position(|other| *other == name) {
                 Some(number) => Some(number),
-                None => return Err(missing(name)),
+                None => return Err(missing_parent(joint, &name)),
             },
         });
     }
@@ -255,7 +249,7 @@ fn affine(
     matrices: &[[f64; 16]],
     frames: Option<&[Split]>,
     names: &[String],
-) -> Result<Vec<Matrix3x4>, ExamplesError> {
+) -> Result<Vec<Matrix3x4>, Error> {
     let mut maps = Vec::with_capacity(matrices.len());
     for (number, matrix) in matrices.iter().enumerate() {
         let row = |row: usize| [0, 1, 2, 3].map(|column| matrix[4 * row + column]);
@@ -264,10 +258,7 @@ fn affine(
         let frame = frames.map(|_| number / names.len());
         let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
         if deviation > REPAIRABLE && read {
-            let (frame, joint) =
-                (frame.map(|frame| frame as i64), names[number % names.len()].clone());
-            let distortion = Distortion::Projects;
-            return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
+            return Err(not_rigid(&names[number % names.len()], &Distortion::Projects, frame));
         }
         maps.push([row(0), row(1), row(2)]);
     }
@@ -275,14 +266,18 @@ fn affine(
 }
 
 /// Sets the rest positions given in the JSON; marks other joints as unplaced.
-fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
+fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), Error> {
     let has_position =
         |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
     skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !has_position(joint)).collect();
     for (name, &position) in &sidecar.joint_rest_positions {
         match skeleton.names.iter().position(|joint| joint == name) {
             Some(joint) => skeleton.rest[joint] = translation(position),
-            None => return Err(ExamplesError::UnknownJoint { name: name.clone() }),
+            None => {
+                return Err(Error::missing(format!(
+                    "joint_rest_positions names joint {name}, which does not exist"
+                )));
+            }
         }
     }
     Ok(())

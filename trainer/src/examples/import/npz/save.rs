@@ -6,9 +6,9 @@ use std::path::Path;
 
 use super::fields::{CLIPS, MESHES, RunKind};
 use super::sidecar::{Parent, Sidecar};
-use crate::examples::{Clip, Examples, LoadError, Matrix3x4, Split};
+use crate::Error;
+use crate::examples::{Clip, Examples, Matrix3x4, Split};
 use crate::files::PendingFile;
-use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 use sinew_runtime::format::{Handedness, Space};
 
@@ -20,8 +20,8 @@ use sinew_runtime::format::{Handedness, Space};
 ///   saved if all clips have them.
 ///
 /// # Errors
-/// A [`LoadError`] with the file that could not be written.
-pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), LoadError> {
+/// A file cannot be written; the error names the file.
+pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), Error> {
     let skeleton = &examples.skeleton;
     let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
     let sidecar = Sidecar {
@@ -138,11 +138,8 @@ fn code(split: Split) -> u8 {
     }
 }
 
-fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), LoadError> {
+fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
     PendingFile::create(path)
         .and_then(|mut part| write(part.file()).and_then(|()| part.finish()))
-        .map_err(|error| LoadError {
-            file: path.to_owned(),
-            error: FormatError::Write(error).into(),
-        })
+        .map_err(|error| Error::write(error).in_file(path))
 }

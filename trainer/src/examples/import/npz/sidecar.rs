@@ -1,13 +1,12 @@
 //! The JSON file beside the arrays.
 
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
+use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::examples::ExamplesError;
-use crate::formats::FormatError;
+use crate::Error;
 
 /// Fields of the JSON: joints, clips, meshes and space; other fields are ignored.
 #[derive(Default, Serialize, Deserialize)]
@@ -63,13 +62,14 @@ pub(super) enum Parent {
 
 impl Sidecar {
     /// Reads the JSON at `path`; all fields are empty if there is no file.
-    pub(super) fn read(path: &Path) -> Result<Self, ExamplesError> {
+    pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let text = match std::fs::read(path) {
             Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(FormatError::Read(error).into()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
+            Err(error) => return Err(Error::read(error)),
         };
-        serde_json::from_slice(&text)
-            .map_err(|error| ExamplesError::Json { reason: error.to_string() })
+        serde_json::from_slice(&text).map_err(|error| {
+            Error::damaged(format!("is not a description of examples: {error}")).caused_by(error)
+        })
     }
 }

@@ -3,11 +3,12 @@
 use super::super::matched::{arranged, in_one_box, matched};
 use super::super::npz;
 use super::super::targets::{TargetMeshes, read};
+use crate::ErrorKind;
 use crate::examples::testing::triangle;
-use crate::examples::{ExamplesError, Split, Warning};
+use crate::examples::{Split, Warning};
 use crate::formats::posed_meshes::{Part, PosedMeshes};
+use crate::formats::save_pc2;
 use crate::formats::testing::Folder;
-use crate::formats::{FormatError, save_pc2};
 use crate::mesh::{EngineMesh, Surface};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -105,11 +106,9 @@ fn copies_that_separate_are_named() {
         other[len + VERTICES + 1][2] += apart * diagonal;
         let result = matched(&scene, meshes(len, other, Some(of_engine(&rest))));
         let error = result.err().map(|error| error.to_string()).unwrap_or_default();
-        let words = "its vertices 7 and 41 are copies of one vertex of the scene's mesh, split along a seam, but lie 1.";
-        assert!(
-            error.starts_with(words) == parts && error.contains("in frame 1") == parts,
-            "{error}"
-        );
+        let words = "frame 1: its vertices 7 and 41 are copies of one vertex of the scene's mesh, split along a seam, but \
+                     lie 1.";
+        assert_eq!(error.starts_with(words), parts, "{error}");
     }
 }
 
@@ -214,7 +213,7 @@ fn ambiguous_meshes_stay_as_they_are() {
 #[track_caller]
 fn refused(path: &Path, at: &Path, expected: &str) {
     let error = read(path).expect_err("the file should be refused");
-    assert_eq!((error.file.as_path(), error.error.to_string().as_str()), (at, expected));
+    assert_eq!((error.file(), error.message()), (Some(at), expected));
 }
 
 #[test]
@@ -230,7 +229,8 @@ fn arrays_are_read_as_posed_meshes() {
         triangles: Some(examples.triangles.clone()),
         ..PosedMeshes::bare(3, examples.vertices.clone())
     };
-    let expected = TargetMeshes { split: Some(examples.split.clone()), ..meshes.into() };
+    let split = Some(examples.split.clone());
+    let expected = TargetMeshes { split, ..TargetMeshes::new(&file, meshes) };
     assert_eq!(read(&file).unwrap(), expected);
 }
 
@@ -241,7 +241,7 @@ fn endings_may_be_in_capitals() {
     let vertices = vec![[0.5, -0.25, 1024.0], [1.0, 2.0, 3.0]];
     save_pc2(&file, 1, &vertices).unwrap();
     let meshes = PosedMeshes::bare(1, vertices);
-    assert_eq!(read(&file).unwrap(), TargetMeshes::from(meshes));
+    assert_eq!(read(&file).unwrap(), TargetMeshes::new(&file, meshes));
 }
 
 #[test]
@@ -258,14 +258,10 @@ fn other_kinds_of_files_are_refused_by_name() {
     refused(&folder.0, &folder.0, expected);
     for name in ["a.pc2", "a.mdd", "a.npz"] {
         let error = read(&folder.0.join(name)).unwrap_err();
-        assert!(
-            matches!(error.error, ExamplesError::Format(FormatError::Read(_)))
-                && error.file.ends_with(name)
-        );
+        assert_eq!(error.kind(), ErrorKind::Read);
+        assert_eq!(error.file(), Some(folder.0.join(name).as_path()));
     }
     let error = read(&folder.0.join("none/a1.obj")).unwrap_err();
-    assert!(
-        matches!(error.error, ExamplesError::Format(FormatError::Read(_)))
-            && error.file.ends_with("none")
-    );
+    assert_eq!(error.kind(), ErrorKind::Read);
+    assert_eq!(error.file(), Some(folder.0.join("none").as_path()));
 }

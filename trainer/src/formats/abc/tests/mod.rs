@@ -186,14 +186,14 @@ fn an_archive_without_a_mesh_is_refused() {
 fn forbidden_changes_over_time_are_named_with_their_frame() {
     let mut frames: Vec<_> = [0., 0., 0., 1., 2.].map(quad).to_vec();
     frames[3].pop();
-    let words = "mesh Leg has 4 vertices in frame 3, expected 5 as in the first; export it without";
+    let words = "frame 3: mesh Leg has 4 vertices, expected 5 as in the first; export it without";
     refused(&archive(vec![posed("Leg", &frames)]), words);
     let other = vec![3, 2, 1, 0, 4, 3, 2];
     let counts = wholes(".faceCounts", &[vec![4, 3]]);
     let corners = vec![3, 2, 1, 0, 4, 2, 3];
     let corners = wholes(".faceIndices", &[corners.clone(), corners.clone(), corners, other]);
     let turned = mesh("Leg", vec![counts, corners, points("P", &[0., 0., 1., 2.].map(quad))]);
-    refused(&archive(vec![turned]), "mesh Leg has other faces in frame 3 than in the first");
+    refused(&archive(vec![turned]), "frame 3: mesh Leg has other faces than in the first");
     let two = vec![posed("Leg", &[0., 1., 2.].map(quad)), posed("Arm", &[0., 1.].map(quad))];
     let words = "mesh Arm has 2 samples, expected 1 or 3 as others have; export all over the same";
     refused(&archive(two), words);

@@ -64,11 +64,11 @@ impl Arm {
         self.sampled(&KEYS).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn sampled(&self, sampling: &Sampling<'_>) -> Result<SampledScene, SceneError> {
+    fn sampled(&self, sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
         parse(self.scene.text().as_bytes(), sampling)
     }
 
-    fn fault(&self) -> SceneError {
+    fn fault(&self) -> Error {
         self.sampled(&KEYS).err().expect("the scene should be refused")
     }
 }

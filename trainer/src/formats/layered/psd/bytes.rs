@@ -1,7 +1,8 @@
 //! A big-endian byte reader, and the decoders of a layer's channels: raw, run-length coded or deflated, with 8 or 16
 //! bits a sample.
 
-use crate::formats::error::LayeredError;
+use crate::Error;
+use crate::formats::layered::damaged;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
@@ -33,13 +34,12 @@ impl<'a> Bytes<'a> {
     /// Reads the next `len` bytes.
     ///
     /// # Errors
-    /// [`LayeredError::Damaged`]: fewer bytes are left.
-    pub(super) fn take(&mut self, len: usize) -> Result<Self, LayeredError> {
+    /// Fewer bytes are left.
+    pub(super) fn take(&mut self, len: usize) -> Result<Self, Error> {
         let found = self.left.len();
         let Some((own, left)) = self.left.split_at_checked(len) else {
             let at = self.start;
-            let what = format!("expected {len} bytes at byte {at}, found {found}");
-            return Err(LayeredError::Damaged(what));
+            return Err(damaged(format!("expected {len} bytes at byte {at}, found {found}")));
         };
         let taken = Self { left: own, start: self.start };
         (self.left, self.start) = (left, self.start + len);
@@ -47,34 +47,34 @@ impl<'a> Bytes<'a> {
     }
 
     /// Reads a number of bytes, then as many bytes.
-    pub(super) fn block(&mut self) -> Result<Self, LayeredError> {
+    pub(super) fn block(&mut self) -> Result<Self, Error> {
         let len = self.u32()? as usize;
         self.take(len)
     }
 
-    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], LayeredError> {
+    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
         let mut out = [0; N];
         out.copy_from_slice(self.take(N)?.left);
         Ok(out)
     }
 
-    pub(super) fn u8(&mut self) -> Result<u8, LayeredError> {
+    pub(super) fn u8(&mut self) -> Result<u8, Error> {
         Ok(u8::from_be_bytes(self.array()?))
     }
 
-    pub(super) fn u16(&mut self) -> Result<u16, LayeredError> {
+    pub(super) fn u16(&mut self) -> Result<u16, Error> {
         Ok(u16::from_be_bytes(self.array()?))
     }
 
-    pub(super) fn i16(&mut self) -> Result<i16, LayeredError> {
+    pub(super) fn i16(&mut self) -> Result<i16, Error> {
         Ok(i16::from_be_bytes(self.array()?))
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, LayeredError> {
+    pub(super) fn u32(&mut self) -> Result<u32, Error> {
         Ok(u32::from_be_bytes(self.array()?))
     }
 
-    pub(super) fn i32(&mut self) -> Result<i32, LayeredError> {
+    pub(super) fn i32(&mut self) -> Result<i32, Error> {
         Ok(i32::from_be_bytes(self.array()?))
     }
 }
@@ -84,7 +84,7 @@ pub(super) fn blocks<'a>(
     mut left: Bytes<'a>,
     key: &[u8; 4],
     padding: usize,
-) -> Result<Option<Bytes<'a>>, LayeredError> {
+) -> Result<Option<Bytes<'a>>, Error> {
     while left.len() >= 12 {
         let signature: [u8; 4] = left.array()?;
         if !matches!(&signature, b"8BIM" | b"8B64") {

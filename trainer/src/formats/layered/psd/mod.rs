@@ -5,7 +5,8 @@
 mod bytes;
 
 use super::tree::{DEPTH, Node};
-use crate::formats::error::LayeredError;
+use super::{damaged, too_large};
+use crate::Error;
 use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};
 use std::ops::Range;
@@ -37,21 +38,25 @@ impl Document {
     /// Reads a file's layers, and the width and height of its picture.
     ///
     /// # Errors
-    /// [`LayeredError`]
-    pub(super) fn read(bytes: Vec<u8>) -> Result<(Self, [usize; 2], Vec<Node>), LayeredError> {
+    /// The file is not a Photoshop file, is damaged or too large, or has another depth or colour mode.
+    pub(super) fn read(bytes: Vec<u8>) -> Result<(Self, [usize; 2], Vec<Node>), Error> {
         let mut left = Bytes::new(&bytes);
         let is_psd = left.take(4).is_ok_and(|signature| signature.rest() == b"8BPS");
         if !is_psd {
-            return Err(LayeredError::NoPsd);
+            return Err(Error::damaged("expected a Photoshop file, which begins with 8BPS"));
         }
-        let unread = |found: String, expected| Err(LayeredError::Unread { found, expected });
+        let unread = |found: String, expected: &str| {
+            Err(Error::unsupported(format!(
+                "has {found}, expected {expected}: convert it and save it again"
+            )))
+        };
         let version = left.u16()?;
         if version != 1 {
             return unread(format!("version {version} (PSB)"), "a PSD file");
         }
         left.take(8)?;
         let [height, width] = [left.u32()? as usize, left.u32()? as usize];
-        check_size([width, height]).map_err(LayeredError::TooLarge)?;
+        check_size([width, height]).map_err(too_large)?;
         let sample = match left.u16()? {
             8 => 1,
             16 => 2,
@@ -143,13 +148,12 @@ impl Document {
 }
 
 /// Joins records into a tree of groups. Records go from back to front; a group begins with a record without a name.
-fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
+fn nodes(records: &[Record]) -> Result<Vec<Node>, Error> {
     let mut open = vec![Vec::new()];
     for (source, own) in records.iter().enumerate() {
         let members = match own.section {
             Section::Begin if open.len() > DEPTH => {
-                let what = format!("groups within groups, more than {DEPTH} deep");
-                return Err(LayeredError::Damaged(what));
+                return Err(damaged(format!("groups within groups, more than {DEPTH} deep")));
             }
             Section::Begin => {
                 open.push(Vec::new());
@@ -167,12 +171,12 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, LayeredError> {
             is_clipped: own.is_clipped,
             members,
         };
-        let unpaired = || LayeredError::Damaged(format!("group \"{}\" has no beginning", own.name));
+        let unpaired = || damaged(format!("group \"{}\" has no beginning", own.name));
         open.last_mut().ok_or_else(unpaired)?.push(node);
     }
     match open.pop() {
         Some(nodes) if open.is_empty() => Ok(nodes),
-        _ => Err(LayeredError::Damaged("a group has no end".to_owned())),
+        _ => Err(damaged("a group has no end")),
     }
 }
 
@@ -236,8 +240,8 @@ impl Record {
 /// Reads the records of all layers, the hindmost first.
 ///
 /// # Errors
-/// [`LayeredError::Damaged`].
-fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, LayeredError> {
+/// The records are cut off.
+fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, Error> {
     // The sign only tells whether the flattened picture has transparency.
     let len = left.i16()?.unsigned_abs();
     let mut out = (0..len).map(|_| record(&mut left)).collect::<Result<Vec<_>, _>>()?;
@@ -248,18 +252,18 @@ fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, LayeredError> {
     Ok(out)
 }
 
-fn area(left: &mut Bytes<'_>) -> Result<Area, LayeredError> {
+fn area(left: &mut Bytes<'_>) -> Result<Area, Error> {
     let [top, west, bottom, east] =
         [left.i32()?, left.i32()?, left.i32()?, left.i32()?].map(i64::from);
     let side = |low: i64, high: i64| usize::try_from(high - low).unwrap_or(0);
     Ok(Area { corner: [west, top], size: [side(west, east), side(top, bottom)] })
 }
 
-fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
+fn record(left: &mut Bytes<'_>) -> Result<Record, Error> {
     let area = area(left)?;
     let channel_len = left.u16()?;
     let channel = |_| Ok((left.i16()?, 0..left.u32()? as usize));
-    let channels = (0..channel_len).map(channel).collect::<Result<_, LayeredError>>()?;
+    let channels = (0..channel_len).map(channel).collect::<Result<_, Error>>()?;
     left.take(4)?;
     let mode: [u8; 4] = left.array()?;
     let [opacity, clipping, flags, _]: [u8; 4] = left.array()?;
@@ -311,7 +315,7 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, LayeredError> {
 }
 
 /// Reads a mask; `None` if there is none, or the mask is disabled.
-fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, LayeredError> {
+fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, Error> {
     if left.len() == 0 {
         return Ok(None);
     }
@@ -320,7 +324,7 @@ fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, LayeredError> {
     Ok((flags & 2 == 0).then_some(Mask { area, outside }))
 }
 
-fn unicode(text: &mut Bytes<'_>) -> Result<String, LayeredError> {
+fn unicode(text: &mut Bytes<'_>) -> Result<String, Error> {
     let len = text.u32()? as usize;
     let units = text.take(len.saturating_mul(2))?;
     let units = units.rest().as_chunks::<2>().0.iter().map(|unit| u16::from_be_bytes(*unit));

@@ -6,7 +6,8 @@ mod bend;
 
 use super::data::{Element, Parameter, Values, ViewSet};
 use super::elements::{Silhouette, cropped};
-use super::error::SetError;
+use super::layers::never_shown;
+use crate::Error;
 use crate::page::picture::Picture;
 use affine::{Field, affine_maps};
 use bend::smooth_map;
@@ -32,8 +33,8 @@ const EQUAL: f64 = 1e-9;
 /// - `layers`: indices of the layers.
 ///
 /// # Errors
-/// [`SetError`] of a picture, and [`SetError::Layer`] if no view shows a layer.
-pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), SetError> {
+/// A picture cannot be read or is damaged, or no view shows a layer.
+pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), Error> {
     let keys = set.key_views();
     let mut found = Vec::new();
     for &layer in layers {
@@ -77,7 +78,7 @@ struct Cropped {
     corner: [usize; 2],
 }
 
-fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Proposed, SetError> {
+fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Proposed, Error> {
     let mut pictures = Vec::new();
     for (key, &(map, view)) in keys.iter().enumerate() {
         let Some(image) = set.maps[map].train[view].picture(layer) else { continue };
@@ -86,7 +87,7 @@ fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Prop
     }
     let sides = |own: &Cropped| own.picture.size.width.max(own.picture.size.height);
     let Some(longest) = pictures.iter().map(sides).max() else {
-        return Err(SetError::never_shown(&set.layers[layer].name));
+        return Err(never_shown(&set.layers[layer].name));
     };
     let scale = (SIDE / longest as f64).min(1.0);
     let field = |Cropped { picture, corner, .. }: &Cropped| {

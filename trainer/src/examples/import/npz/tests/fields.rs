@@ -4,8 +4,6 @@ use sinew_runtime::format::{Axis, Handedness, Space};
 
 use super::*;
 use crate::examples::{Clip, Source, load_poses};
-use crate::formats::FormatError;
-use crate::formats::SceneError;
 
 /// Cuts the four frames into two clips with source frame numbers, at 24 frames per second.
 fn clips() -> Set {
@@ -80,23 +78,24 @@ fn one_clip_is_read_alone() {
     let Loaded { examples, clips, .. } = of("Walk Cycle").unwrap();
     assert_eq!(clips, expected()[..1]);
     assert_eq!((examples.frame_len(), examples.vertices.len()), (3, 15));
-    let error = of("Run").unwrap_err().error;
-    let ExamplesError::Format(FormatError::Scene(SceneError::UnknownClip { .. })) = &error else {
-        panic!("{error}")
-    };
-    assert_eq!(error.to_string(), "has no clip Run, there are: Walk Cycle, Stretch");
+    let error = of("Run").unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Missing);
+    assert_eq!(error.message(), "has no clip Run, there are: Walk Cycle, Stretch");
 }
 
 #[test]
 fn errors_and_warnings_name_frames_by_their_source_number() {
-    let fault = |set: Set| set.fault("called").to_string();
+    let fault = |set: Set| set.fault("called");
     let found = fault(clips().real("vertices", 3 * 15, f64::NAN));
-    assert_eq!(found, "array vertices is not finite at frame 67, vertex 0");
+    let words = "array vertices is not finite at vertex 0";
+    assert_eq!((found.frame(), found.message()), (Some(67), words));
     let found = fault(clips().real("vertices", 15 + 3, 1e30));
-    assert!(found.ends_with("the most a model can hold, at frame 2, vertex 1"), "{found}");
+    let words = "array vertices exceeds 1e9, the most a model can hold, at vertex 1";
+    assert_eq!((found.frame(), found.message()), (Some(2), words));
     for (place, number) in [(0, 1.5), (15, 2.0)] {
         let found = fault(clips().real("bone_transforms", 32 + 16 + place, number));
-        assert!(found.starts_with("at frame 2, joint tip "), "{found}");
+        assert_eq!(found.frame(), Some(2));
+        assert!(found.message().starts_with("joint tip "), "{found}");
     }
     let near = clips().real("bone_transforms", 32 + 16, 1.001).load("called-near").unwrap();
     let [Warning::NonRigidJoint { worst_frame: Some(2), .. }] = &near.warnings[..] else {
@@ -137,8 +136,8 @@ fn painted_joint_weights_are_read_and_saved() {
         (painted(&[5, 2], 7, -0.5), "joint_weights has -0.5 at vertex 3, joint tip, expected a"),
         (painted(&[5, 2], 2, f64::NAN), "joint_weights has NaN at vertex 1, joint root, expected"),
     ] {
-        let fault = set.fault("painted-bad").to_string();
-        assert!(fault.contains(words), "{fault}");
+        let fault = set.fault("painted-bad");
+        assert!(fault.message().contains(words), "{fault}");
     }
 }
 
@@ -155,7 +154,7 @@ fn frame_weights_are_read_and_saved() {
     assert_eq!(load(&folder.npz()).unwrap().examples.frame_weights, loaded.frame_weights);
     weights[1] = 0.5;
     let refused = Set::good().row("frame_weights", &weights).load("weights-bad").unwrap_err();
-    let text = "array frame_weights has 0.5 at frame 1, expected a whole number from 1 to 100";
+    let text = "frame 1: array frame_weights has 0.5, expected a whole number from 1 to 100";
     assert!(refused.to_string().contains(text), "{refused}");
 }
 
@@ -258,13 +257,13 @@ fn wrong_fields_name_array_and_place() {
         ),
         (
             clips().count("frame_numbers", &[1, 2, 2, 67]),
-            "array frame_numbers has 2 at frame 2, expected 3 to 2147483647: numbers ascend in \
+            "frame 2: array frame_numbers has 2, expected 3 to 2147483647: numbers ascend in \
              each clip"
                 .to_owned(),
         ),
         (
             clips().count("frame_numbers", &[1, 2, i64::MAX, 67]),
-            "array frame_numbers has 9223372036854775807 at frame 2, expected 3 to 2147483647: \
+            "frame 2: array frame_numbers has 9223372036854775807, expected 3 to 2147483647: \
              numbers ascend in each clip"
                 .to_owned(),
         ),
@@ -315,9 +314,13 @@ fn wrong_fields_name_array_and_place() {
             "a unit of -1 m: expected a length from 1e-9 to 1e9 m".to_owned(),
         ),
     ] {
-        assert_eq!(set.fault("told").to_string(), words);
+        let fault = set.fault("told").to_string();
+        let found = fault.split_once("set.npz: ").map(|(_, found)| found);
+        assert_eq!(found, Some(words.as_str()));
     }
     let joints = json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0], "fps": "24"});
     let error = Set::good().json(joints).load("told-json").unwrap_err();
-    assert!(matches!(error.error, ExamplesError::Json { .. }), "{error}");
+    assert_eq!(error.kind(), ErrorKind::Damaged);
+    assert!(error.file().is_some_and(|file| file.ends_with("set.json")), "{error}");
+    assert!(error.message().starts_with("is not a description of examples: "), "{error}");
 }

@@ -10,8 +10,8 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::*;
+use crate::ErrorKind;
 use crate::examples::testing::{IDENTITY, triangle};
-use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 use crate::formats::testing::{self, Folder};
 use crate::mesh::EngineMesh;
@@ -113,16 +113,15 @@ impl Set {
         folder.npz()
     }
 
-    fn load(&self, test: &str) -> Result<Loaded, LoadError> {
+    fn load(&self, test: &str) -> Result<Loaded, Error> {
         load(&self.write(&Folder::new(test)))
     }
 
-    fn fault(&self, test: &str) -> ExamplesError {
+    fn fault(&self, test: &str) -> Error {
         let error = self.load(test).expect_err("the set should be refused");
-        assert!(error.file.ends_with("set.npz"), "{error}");
-        let text = error.error.to_string();
-        assert!(!text.ends_with('.'), "{text}");
-        error.error
+        assert!(error.file().is_some_and(|file| file.ends_with("set.npz")), "{error}");
+        assert!(!error.message().ends_with('.'), "{error}");
+        error
     }
 }
 
@@ -186,10 +185,8 @@ fn saved_sets_load_the_same_with_and_without_the_json() {
 #[test]
 fn saving_where_nothing_can_be_written_names_the_file() {
     let error = save_npz(Path::new("no such folder/x.npz"), &triangle(1), &[]).unwrap_err();
-    assert!(
-        matches!(error.error, ExamplesError::Format(FormatError::Write(_)))
-            && error.file.ends_with("x.json")
-    );
+    assert_eq!(error.kind(), ErrorKind::Write);
+    assert_eq!(error.file(), Some(Path::new("no such folder/x.json")));
 }
 
 #[test]
@@ -278,7 +275,8 @@ fn noise_in_held_out_frames_loads() {
     let loaded = set.load("noise").unwrap();
     assert!(matches!(loaded.warnings[..], [Warning::NonRigidJoint { matrix_len: 2, .. }, _]));
     let fault = loaded.examples.check_rigid_in(&[0, 3]).unwrap_err();
-    assert!(matches!(fault, ExamplesError::NonRigidJoint { frame: Some(3), .. }), "{fault}");
+    assert_eq!((fault.kind(), fault.frame()), (ErrorKind::Value, Some(3)), "{fault}");
+    assert!(fault.message().starts_with("joint root is "), "{fault}");
     assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
 }
 
