@@ -19,14 +19,14 @@ pub(super) struct Origin<'a> {
     /// The rest positions.
     pub(super) rest: &'a str,
     /// The posed positions.
-    vertices: &'a str,
+    pub(super) vertices: &'a str,
     /// The rest frames of the joints.
-    rest_pose: &'a str,
+    pub(super) rest_pose: &'a str,
     /// The posed joints.
     pub(super) pose: &'a str,
-    normals: &'a str,
-    tangents: &'a str,
-    uv: &'a str,
+    pub(super) normals: &'a str,
+    pub(super) tangents: &'a str,
+    pub(super) uv: &'a str,
     /// File of the posed positions, if it is not that of the joints.
     pub(super) posed_file: Option<&'a Path>,
 }

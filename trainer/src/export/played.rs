@@ -101,7 +101,9 @@ impl<'a> Played<'a> {
                 palette: palette.clone(),
             };
             let keys = own.iter().zip(known).map(key).collect();
-            let predict = |pose: &[Matrix3x4]| Ok(palette(envelope, pose, clip.first)?.0);
+            let predict = |pose: &[Matrix3x4]| {
+                palette(envelope, pose, clip.first).map(|(palette, _)| palette)
+            };
             let keys = between.refine(keys, predict)?;
             times.push(keys.iter().map(|key| key.time).collect());
             for key in keys {

@@ -3,13 +3,12 @@
 use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
+use crate::Error;
 use crate::examples::Examples;
 use crate::examples::validate::Origin;
 use crate::formats::extension::{check_content, extension, unknown_format};
-use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::scene::{JointNames, SampledScene, Sampling};
-use crate::formats::{MeshFile, fbx, gltf};
-use crate::{Error, ErrorKind};
+use crate::formats::{fbx, gltf};
 use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.
@@ -181,9 +180,9 @@ fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), Error> 
 /// that differ from the character's.
 pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, Error> {
     let Some(mesh) = mesh else {
-        return load_poses(source).map_err(|error| match has_no_mesh(source.file) {
-            true => joints_alone(source).in_file(source.file),
-            false => error,
+        return load_poses(source).map_err(|error| match joints_alone(source.file) {
+            Some(found) => no_mesh(found, &source.names).in_file(source.file),
+            None => error,
         });
     };
     source.check_content()?;
@@ -195,26 +194,25 @@ pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, E
 
 /// Returns whether a file is a scene whose joints carry no mesh.
 pub fn has_no_mesh(file: &Path) -> bool {
+    joints_alone(file).is_some()
+}
+
+/// Returns the names of the joints of a scene without a mesh; `None` for other files.
+fn joints_alone(file: &Path) -> Option<Vec<String>> {
     match extension(file).as_str() {
-        "glb" | "gltf" => RiggedFile::read(file)
-            .is_ok_and(|scene| scene.meshes.iter().all(|mesh| mesh.skin.is_none())),
-        "fbx" => MeshFile::read(file).is_err_and(|error| error.kind() == ErrorKind::Missing),
-        _ => false,
+        "glb" | "gltf" => gltf::joints_alone(file),
+        "fbx" => fbx::joints_alone(file),
+        _ => None,
     }
 }
 
-/// Returns the error of a scene without a mesh. Names that differ from the model's come first: with them, the mesh of
-/// another file is refused too.
-fn joints_alone(source: &Source<'_>) -> Error {
-    let names = &source.names;
-    let mut words =
-        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into".to_owned();
-    if !names.known.is_empty() {
-        match motion::read(source.file, names.known, names, &source.played()) {
-            Ok(motion) => words.extend(motion.joints.mismatch.map(|why| format!("; {why}"))),
-            Err(error) if error.kind() == ErrorKind::Mismatch => return error,
-            Err(_) => {}
-        }
-    }
-    Error::missing(words)
+/// Returns the error of a scene without a mesh.
+///
+/// - `found`: names of its joints.
+fn no_mesh(mut found: Vec<String>, names: &JointNames<'_>) -> Error {
+    names.rename(&mut found);
+    let mismatch = names.mismatch(&found).map_or(String::new(), |why| format!("; {why}"));
+    Error::missing(format!(
+        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into{mismatch}"
+    ))
 }

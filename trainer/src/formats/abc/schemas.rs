@@ -46,7 +46,8 @@ impl<'a> Mesh<'a> {
             Some(others) => others.sampled("Pref", Numbers::F32, 3)?,
             None => None,
         };
-        let reference = reference.map(|reference| Ok(points(reference.sample(0)?).collect()));
+        let reference =
+            reference.map(|reference| reference.sample(0).map(|all| points(all).collect()));
         let reference = reference.transpose()?.filter(|all: &Vec<_>| all.len() == vertex_len);
         Ok(Self { name, vertex_len, polygons, reference, positions })
     }

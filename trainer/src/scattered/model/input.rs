@@ -86,7 +86,7 @@ impl InputKind {
 /// # Errors
 /// If the number of values is wrong, or a value is not finite.
 pub fn query_numbers(inputs: &[Input], given: &[f64]) -> Result<Vec<f64>, Error> {
-    let expected = inputs.iter().map(|input| input.kind.given_len()).sum();
+    let expected: usize = inputs.iter().map(|input| input.kind.given_len()).sum();
     if given.len() != expected {
         let found = given.len();
         return Err(Error::mismatch(format!("expected {expected} numbers, found {found}")));

@@ -39,7 +39,7 @@ impl Scaling {
     /// If the blocks do not have d columns, or a weight is negative or not finite.
     pub fn new(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, Error> {
         let (n, d) = sites.shape();
-        let columns = blocks.iter().map(|block| block.len).sum();
+        let columns: usize = blocks.iter().map(|block| block.len).sum();
         if columns != d {
             return Err(Error::mismatch(format!(
                 "blocks of inputs have {columns} columns, sites {d}"
